@@ -26,13 +26,14 @@ from .bridge.calls.services import JausToRosService, RosServiceToJaus
 from .bridge.connections.command_answer import CommandAnswer
 from .bridge.connections.connection import AnyConnection
 from .bridge.connections.events_to_ros import EventToTopics
+from .bridge.connections.joins import Join
 from .bridge.connections.queries_to_ros import QueryToTopics
 from .bridge.connections.report_join import ReportJoin
 from .bridge.connections.shaping import Shape
 from .bridge.connections.to_jaus import TopicsToMessage
 from .bridge.connections.to_reports import TopicsToReport
 from .bridge.connections.to_ros import MessageToTopics
-from .bridge.connections.translations import Join, NamedPlaces, Transcode, ros_classes
+from .bridge.connections.translations import NamedPlaces, Transcode, ros_classes
 from .bridge.diagnosing import Carried
 from .bridge.ends.actions import ListAction, Progress
 from .bridge.ends.ends import BridgeSettings
@@ -43,6 +44,7 @@ from .bridge.ends.ros_side import RosSide
 from .bridge.ends.topics import Qos, RosService, Topic
 from .bridge.ends.waypoint_driver import WaypointMessages
 from .bridge.forms import differing_forms
+from .bridge.guardian import Guardian
 from .bridge.handoff_bridge import HandoffBridge
 from .bridge.lists.action_to_list import ActionToList
 from .bridge.lists.list_to_action import ListToAction
@@ -100,6 +102,7 @@ from .services.definitions import (
     Status,
 )
 from .services.digital_resources import DigitalResourceService
+from .services.directory import Directory
 from .services.handoff import HandoffService
 from .services.list_elements import ListElement
 from .services.list_manager import ElementList, ListHolder, ListManagerService, chain
@@ -136,6 +139,7 @@ __all__ = [
     "Core",
     "DecodeError",
     "DigitalResourceService",
+    "Directory",
     "ElementList",
     "EncodeError",
     "EventSubscriber",
@@ -144,6 +148,7 @@ __all__ = [
     "FoundComponent",
     "Greeter",
     "Guard",
+    "Guardian",
     "HandoffAnswer",
     "HandoffBridge",
     "HandoffClient",

@@ -210,7 +210,12 @@ def workspace(tmp_path_factory):
     """The workspace of the model before it changes."""
     out = tmp_path_factory.mktemp("farm") / "src"
     generate(model_of(out.parent, BEFORE), [*CODE, TARGETS["runtime"]], out)
-    return out
+    known = set(sys.modules)
+    yield out
+    # Its runtime, which all examples share, has no bridges: others need their own.
+    for name in set(sys.modules) - known:
+        if name.partition(".")[0] == "jausml_runtime":
+            del sys.modules[name]
 
 
 # What fails is small already: shrinking it would generate for minutes.

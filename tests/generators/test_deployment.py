@@ -453,7 +453,7 @@ def test_scripts_are_of_their_shell(name, workspace):
 COMMANDING = """
 import signal, sys
 from jausml.runtime.base.loop import Loop
-from jausml.runtime.guardian.ward import Ward, stops
+from jausml.runtime.guardian.ward import Ward
 
 with Loop() as loop:
     ward = Ward(loop, dict, lambda: 0, lambda: None)
@@ -462,7 +462,8 @@ with Loop() as loop:
         slot = ward.slots.take("drive", ("own", "vehicle"), lambda: 4660)
         endpoint = ("127.0.0.1", int(sys.argv[1]))
         content = {"data": b"stop..".hex(), "endpoint": endpoint, "slot": slot}
-        ward.guard(lambda: stops(0.2, [], [content])).arm(True)
+        stops = {"patience": 0.5, "topics": [], "datagrams": [content]}
+        ward.guard(lambda: stops).arm(True)
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(3))
     print("runs", flush=True)
     signal.pause()

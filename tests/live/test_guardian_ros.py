@@ -2,6 +2,7 @@
 
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import needs
 import pytest
@@ -13,8 +14,8 @@ from rclpy.serialization import serialize_message
 from std_msgs.msg import Float64
 
 from jausml.runtime.base.loop import Loop
-from jausml.runtime.bridge.ends.guarding import ros_of, type_library
-from jausml.runtime.guardian.ward import Ward, stops
+from jausml.runtime.bridge.guardian import Guardian
+from jausml.runtime.guardian.rcl import loaded_libraries
 
 from .bridge_support import PATIENCE, wait_for
 
@@ -41,7 +42,7 @@ def turned():
 
 @pytest.fixture
 def ward(turned):
-    made = Ward(turned, lambda: ros_of([]), lambda: 0, lambda: None)
+    made = Guardian(turned, SimpleNamespace(is_simulated=False), [], lambda: None)
     yield made
     made.close()
 
@@ -62,12 +63,13 @@ def test_what_ros_refuses_keeps_no_other_topic_or_goal_from_being_stopped(
         return response
 
     peer.node.create_service(CancelGoal, SERVICE, cancel)
-    library, actions = type_library("std_msgs"), type_library("action_msgs")
+    library = loaded_libraries()["libstd_msgs__rosidl_typesupport_c.so"]
     absent = str(Path(library).with_name("libabsent.so"))
     topics = [stop_of("absent", absent), stop_of("no topic", library), stop_of("/drive", library)]
     for goal, service in ((bytes(16), "no service"), (bytes(range(16)), f"/{SERVICE}")):
-        ward.open_goal(goal, service, actions)
-    ward.guard(lambda: stops(0.0, topics)).arm(True)
+        ward.guard_goal(goal, service)
+    stops = {"patience": 0.5, "topics": topics, "datagrams": []}
+    ward.guard(lambda: stops).arm(True)
     end = time.monotonic() + PATIENCE
     while "1 refused by ROS" not in ward.failure:
         assert time.monotonic() < end, ward.failure

@@ -3,6 +3,8 @@
 import socket
 import time
 from collections.abc import Callable, Iterator
+from functools import partial
+from typing import NamedTuple
 
 import ports
 import pytest
@@ -12,7 +14,6 @@ from jausml.runtime.base.counters import Counters
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.settings import TransportSettings
 from jausml.runtime.component.process import create_transport
-from jausml.runtime.transports.delivery import ReceivedMessage
 from jausml.runtime.transports.packets.packet import Packet, parse_datagram
 
 GROUP = "239.255.0.1"
@@ -27,22 +28,33 @@ def wait_until(condition: Callable[[], object], seconds: float = 10.0) -> None:
         time.sleep(0.002)
 
 
+class Received(NamedTuple):
+    """A message as a component gets it."""
+
+    source: JausAddress
+    payload: bytes
+    sequence: int | None
+
+
 class Station:
     """A transport on its own loop that records what each of its components receives."""
 
     def __init__(self, settings: TransportSettings) -> None:
         self.loop = Loop()
         self.transport = create_transport(settings, self.loop)
-        self.received: list[tuple[JausAddress, ReceivedMessage]] = []
+        self.received: list[tuple[JausAddress, Received]] = []
         self.transport.open()
         self.loop.start()
 
     def attach(self, *addresses: JausAddress):
         for address in addresses:
-            self.transport.attach(
-                address, lambda message, own=address: self.received.append((own, message))
-            )
+            self.transport.attach(address, partial(self._take, address))
         return self
+
+    def _take(self, own: JausAddress, payload: bytes, source: JausAddress) -> None:
+        inbox = self.transport._messenger_of(own).inbox
+        message = Received(source, payload, inbox.arrival.number)
+        self.received.append((own, message))
 
     @property
     def payloads(self) -> list[bytes]:

@@ -6,10 +6,9 @@ Writes ``open HOST:PORT``, then one line for each message and for each change of
 
 import sys
 
-from jausml.runtime.base.address import JausAddress
+from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.settings import TransportSettings
-from jausml.runtime.transports.delivery import ReceivedMessage
 from jausml.runtime.transports.udp.judp import JudpTransport
 
 ECHO = b"\x00\xd0"
@@ -23,10 +22,11 @@ def main(port: int, address: JausAddress) -> None:
         sys.stdout.write(text + "\n")
         sys.stdout.flush()
 
-    def receive(message: ReceivedMessage) -> None:
-        say(f"got {message.source} {message.destination} {message.payload.hex()}")
-        if message.destination == address and not message.payload.startswith(ECHO):
-            transport.send(address, message.source, ECHO + message.payload[2:])
+    def receive(payload: bytes, source: JausAddress) -> None:
+        is_broadcast = transport.arrival.number is None
+        say(f"got {source} {BROADCAST if is_broadcast else address} {payload.hex()}")
+        if not is_broadcast and not payload.startswith(ECHO):
+            transport.send(address, source, ECHO + payload[2:])
 
     def watch(known: object) -> None:
         if transport.endpoint != known:

@@ -152,7 +152,7 @@ received, held = [], []
 with Loop() as loop:
     transport = JtcpTransport(TransportSettings(port=port, address_book=stated), loop)
     transport.open()
-    transport.attach(JausAddress(100, 1, 1), received.append)
+    transport.attach(JausAddress(100, 1, 1), lambda *message: received.append(message))
     loop.start()
     print("runs", flush=True)
     for line in sys.stdin:

@@ -324,8 +324,8 @@ def test_a_refusal_leaves_no_sockets_behind(client, managers, folder):
     settings = TransportSettings(node_manager_directory=str(folder))
     with Loop() as loop:
         transport = NodeManagerTransport(settings, loop)
-        transport.attach(SENSOR, lambda _message: None)
-        transport.attach(DRIVER, lambda _message: None)
+        transport.attach(SENSOR, lambda *_: None)
+        transport.attach(DRIVER, lambda *_: None)
         with pytest.raises(OSError, match=r"another process runs component 100\.1\.1"):
             transport.open()
         names = {path.name for path in folder.iterdir()}
@@ -374,7 +374,7 @@ def test_what_cannot_work_is_refused(folder):
         loop.run_once(0)
         assert results == [False]
         assert loop.counters.drops() == {"transport.not_attached": 1}
-        transport.attach(DRIVER, lambda _message: None)
+        transport.attach(DRIVER, lambda *_: None)
         with pytest.raises(ValueError, match="is attached already"):
-            transport.attach(DRIVER, lambda _message: None)
+            transport.attach(DRIVER, lambda *_: None)
         transport.close()

@@ -509,7 +509,7 @@ def test_who_answers_and_never_acknowledges_is_known_for_it(line, acknowledged):
 
 def traffic_to(line, peer):
     if OWN not in line.messenger.inbox.receivers:
-        line.messenger.inbox.attach(OWN, lambda _message: None)
+        line.messenger.inbox.attach(OWN, lambda *_: None)
     return [account for account in line.messenger.traffic() if account.peer == peer]
 
 

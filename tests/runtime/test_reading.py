@@ -13,8 +13,7 @@ from jausml.runtime.base.counters import Counters
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.settings import TransportSettings
 from jausml.runtime.transports.packets.packet import AckNak, Packet
-from jausml.runtime.transports.udp.judp import JudpTransport
-from jausml.runtime.transports.udp.reading import KernelDrops
+from jausml.runtime.transports.udp.judp import JudpTransport, KernelDrops
 
 pytestmark = pytest.mark.ports
 
@@ -32,7 +31,7 @@ class Host:
         self.transport.open()
         stack.callback(self.transport.close)
         self.delivered: list[bytes] = []
-        self.transport.attach(FIRST, lambda message: self.delivered.append(message.payload))
+        self.transport.attach(FIRST, lambda payload, _: self.delivered.append(payload))
         self.unicast = self.transport._port.unicast
 
     def send(self, datagram: bytes) -> None:
@@ -156,7 +155,7 @@ def test_what_waited_while_the_process_stood_still_is_thrown_away(limit, arrived
         transport = JudpTransport(settings, loop)
         transport.open()
         stack.callback(transport.close)
-        transport.attach(FIRST, lambda message: taken.append(message.payload))
+        transport.attach(FIRST, lambda payload, _: taken.append(payload))
         for number, payload in enumerate(old):
             peer.sendto(Packet(FIRST, PEER, payload, number).encode(), ("127.0.0.1", port))
         time.sleep(0.3)

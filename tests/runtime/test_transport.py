@@ -7,7 +7,6 @@ import pytest
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.settings import TransportSettings
-from jausml.runtime.transports.delivery import ReceivedMessage
 from jausml.runtime.transports.packets.packet import AckNak, Broadcast, Packet, Priority
 from jausml.runtime.transports.ports import neighbour_ports
 from jausml.runtime.transports.udp import judp
@@ -54,8 +53,7 @@ class TestUnicast:
         driver = station().attach(DRIVER)
         peer.send(from_peer(sequence=77, priority=Priority.SAFETY_CRITICAL))
         wait_until(lambda: driver.received)
-        message = ReceivedMessage(PEER, DRIVER, STATUS, Priority.SAFETY_CRITICAL, 77)
-        assert driver.received == [(DRIVER, message)]
+        assert driver.received == [(DRIVER, (PEER, STATUS, 77))]
 
     def test_a_configured_peer_is_reached_without_discovery(self, station, peer):
         driver = station(address_book={PEER: peer.endpoint})
@@ -147,12 +145,12 @@ class TestSameProcess:
         active = 0
 
         def answer(own, other):
-            def receive(message):
+            def receive(payload, _source):
                 nonlocal active
                 active += 1
                 depths.append(active)
                 if len(depths) < 200:
-                    here.transport.send(own, other, message.payload)
+                    here.transport.send(own, other, payload)
                 active -= 1
 
             return receive
@@ -176,7 +174,7 @@ class TestSameProcess:
     def test_one_failing_component_does_not_silence_the_others(self, station, peer, wait_until):
         here = station()
 
-        def fail(_message):
+        def fail(_payload, _source):
             raise RuntimeError("boom")
 
         here.transport.attach(DRIVER, fail)

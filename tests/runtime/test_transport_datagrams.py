@@ -155,7 +155,7 @@ class TestBadDatagrams:
             transport = JudpTransport(
                 TransportSettings(reassembly_limit=1 << 16, duplicate_history=16), loop
             )
-            transport.attach(DRIVER, lambda _message: None)
+            transport.attach(DRIVER, lambda *_: None)
             yield transport
 
     @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from jausml.runtime.base.loop import Loop
-from jausml.runtime.component.watchdog import feed_watchdog
+from jausml.runtime.component.process import feed_watchdog
 
 PROCESS = Path(__file__).parent / "plain_process.py"
 TIME_OUT = 0.3

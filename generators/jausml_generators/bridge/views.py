@@ -11,7 +11,7 @@ from jausml.generation.artifact import MethodContract, SkeletonContract
 from jausml.generation.literals import python_literal, python_string
 from jausml.generation.python import Imports, offered
 from jausml.generation.target import source_of, system_of
-from jausml.language.semantics.connections import calls
+from jausml.language.semantics.connections import calls, stops
 from jausml.language.semantics.connections.calls import told_command
 from jausml.language.semantics.connections.reports import requested_fields
 from jausml.language.semantics.jaus.core_services import with_standard
@@ -235,7 +235,7 @@ class BridgeView(ProgramView):
             ("authority", str(bridge.authority)),
             ("component", component_settings(self.system, bridge)),
             ("transport", transport_settings(self.system, bridge)),
-            *(() if bridge.guardian else (("guardian", "False"),)),
+            *((("guardian", "Guardian"),) if bridge.guardian and stops.has_stops(bridge) else ()),
             *services,
         )
 
@@ -247,7 +247,7 @@ class BridgeView(ProgramView):
     @property
     def clients(self) -> tuple[str, ...]:
         """Classes of clients of others that it has from the start."""
-        return clients(self.system)
+        return clients(self.system, self.bridge)
 
     @functools.cached_property
     def services(self) -> tuple[str, ...]:

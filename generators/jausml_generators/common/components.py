@@ -101,10 +101,11 @@ def optional_services(component: jaus.Component) -> tuple[str, ...]:
     return tuple(filter(None, classes))
 
 
-def clients(system: System) -> tuple[str, ...]:
+def clients(system: System, component: jaus.Component) -> tuple[str, ...]:
     """Returns the classes of clients of others that a component of a system has from the start."""
     is_greeting = any(element.greet and element.external for element in _elements(system))
-    return ("Greeter",) if is_greeting else ()
+    is_server = answers_for_subsystem(component, _elements(system))
+    return (*(("Greeter",) if is_greeting else ()), *(("Directory",) if is_server else ()))
 
 
 def component_settings(system: System, component: jaus.Component) -> str:

@@ -243,7 +243,7 @@ class ComponentView(ProgramView):
     @property
     def clients(self) -> tuple[str, ...]:
         """Classes of clients of others that it has from the start."""
-        return components.clients(self.system)
+        return components.clients(self.system, self.component)
 
     @property
     def handlers(self) -> tuple[Handler, ...]:

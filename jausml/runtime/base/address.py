@@ -45,7 +45,6 @@ class JausAddress(int):
         return super().__new__(cls, subsystem << 16 | node << 8 | component)
 
     def __getnewargs__(self) -> tuple[int, int, int]:  # type: ignore[override]
-        """Return what a copy is made of."""
         return self.subsystem, self.node, self.component
 
     def __bool__(self) -> bool:
@@ -53,11 +52,9 @@ class JausAddress(int):
         return True
 
     def __str__(self) -> str:
-        """Return the dotted form, e.g. ``100.1.2``."""
         return f"{self.subsystem}.{self.node}.{self.component}"
 
     def __repr__(self) -> str:
-        """Return how the address is made."""
         return f"JausAddress({self.subsystem}, {self.node}, {self.component})"
 
     @property
@@ -82,11 +79,7 @@ class JausAddress(int):
 
     @classmethod
     def parse(cls, text: str) -> JausAddress:
-        """Read the dotted form, e.g. ``100.1.2``.
-
-        Raises:
-            ValueError: The text is not three decimal numbers in range.
-        """
+        """Read the dotted form, e.g. ``100.1.2``; raises ValueError for any other text."""
         match = _DOTTED.fullmatch(text.strip())
         if match is None:
             raise ValueError(f"{text!r} is not a JAUS address; expected e.g. 100.1.2")

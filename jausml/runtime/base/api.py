@@ -48,13 +48,8 @@ class JausError(ValueError):
 def part_of_whole(module: str, name: str) -> Any:
     """Return a part of the runtime that a workspace has only where its model asks for it.
 
-    Whoever starts the process may ask for what the model does not, e.g. for another transport.
-
-    Args:
-        module: Its module, dotted, below the runtime.
-
-    Raises:
-        JausError: The workspace does not have it.
+    Whoever starts the process may ask for what the model does not, e.g. for another transport;
+    where the workspace does not have the module, that is a JausError.
     """
     package = __name__.removesuffix(".base.api")
     try:

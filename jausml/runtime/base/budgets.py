@@ -17,26 +17,20 @@ if TYPE_CHECKING:
 
     Place = tuple[Hashable, ...]
 
-LEVELS = 3
-"""Host, endpoint and id."""
-
+LEVELS = 3  # host, endpoint and id
 T = TypeVar("T")
 K = TypeVar("K", bound="Hashable")
 
 
 @dataclass(frozen=True, slots=True)
 class Held(Generic[T]):
-    """Something that holds a slot and asks for a rate.
-
-    Attributes:
-        wanted: Reports a second that it asks for.
-    """
+    """Something that holds a slot and asks for a rate."""
 
     item: T
     place: Place
     is_proved: bool = True
     is_kept: bool = False
-    wanted: float = 0.0
+    wanted: float = 0.0  # reports a second that it asks for
 
 
 def who_gives_way(held: Sequence[Held[T]], asker: Held[object]) -> T | None:

@@ -8,9 +8,7 @@ import time
 from collections.abc import Callable
 
 LOGGER = logging.getLogger("jausml")
-
-Clock = Callable[[], float]
-"""A monotonic time in seconds."""
+Clock = Callable[[], float]  # a monotonic time in seconds
 
 
 class Tally:

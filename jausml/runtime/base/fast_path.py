@@ -51,62 +51,44 @@ def _nothing() -> None:
 
 @dataclass(frozen=True)
 class FastPath:
-    """How a connection to ROS has the messages of one component translated and published.
+    """How a connection to ROS has the messages of one component translated and published."""
 
-    Attributes:
-        code: Message code of what is translated: for an event, that of its report.
-        translation: What the core is given to translate, a structure of its own.
-        publisher: Address of the publisher of the client library.
-        passed: Told of each message afterwards.
-        latest: Number and time of the latest command, of which older ones are late; None where
-            nobody minds. Commands that ask for acknowledgement are left to Python then, which
-            compares them with each other.
-        expected: The number of the next report of an event.
-    """
-
-    code: int
-    translation: Any
-    publisher: int
-    passed: Passed
+    code: int  # message code of what is translated: for an event, that of its report
+    translation: Any  # what the core is given to translate, a structure of its own
+    publisher: int  # address of the publisher of the client library
+    passed: Passed  # told of each message afterwards
+    # Number and time of the latest command, of which older ones are late; None where nobody minds.
+    # Commands that ask for acknowledgement are left to Python then, which compares them with each
+    # other.
     latest: Callable[[], tuple[int, float] | None] | None = None
-    expected: Callable[[], int | None] | None = None
+    expected: Callable[[], int | None] | None = None  # the number of the next report of an event
 
 
 @dataclass(frozen=True)
 class FastSending:
-    """How a connection from ROS has messages translated and sent to one component.
+    """How a connection from ROS has messages translated and sent to one component."""
 
-    Attributes:
-        translation: What the core is given to translate.
-        outlet: Where the messages go.
-        passed: Told of each message afterwards: when it was taken, when it was published in
-            nanoseconds by the clock of its publisher, and which fields were left out.
-    """
-
-    translation: Any
-    outlet: Outlet
+    translation: Any  # what the core is given to translate
+    outlet: Outlet  # where the messages go
+    # Told of each message afterwards: when it was taken, when it was published in nanoseconds by
+    # the clock of its publisher, and which fields were left out.
     passed: Callable[[float, int, int], None]
 
 
 @dataclass(frozen=True)
 class Outlet:
-    """How payloads go from one component to another that is known and was heard lately.
-
-    Attributes:
-        numbers: Gives the sequence numbers, and tells where they are counted.
-        endpoint: Returns where the component is, and when it was heard there; None while that is
-            not known, or payloads go another way.
-        sent: Told of datagrams that have gone, and why others have not: an error of the system, or
-            0.
-    """
+    """How payloads go from one component to another that is known and was heard lately."""
 
     source: int
     destination: int
     priority: int
     longest: int
     lifetime: float
-    numbers: Iterator[int]
+    numbers: Iterator[int]  # gives the sequence numbers, and tells where they are counted
+    # Returns where the component is, and when it was heard there; None while that is not known, or
+    # payloads go another way.
     endpoint: Callable[[], tuple[int, tuple[str, int], float] | None]
+    # Told of datagrams that have gone, and why others have not: an error of the system, or 0.
     sent: Callable[[int, int], None]
 
 

@@ -114,11 +114,9 @@ class Loop:
         self._closed = False
 
     def __enter__(self) -> Loop:
-        """Return the loop; it is stopped when the block ends."""
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Stop the loop."""
         self.stop()
 
     def call_soon(self, callback: Callable[[], object]) -> None:
@@ -186,11 +184,7 @@ class Loop:
         return not self._epoll.poll(0, 1)
 
     def start(self) -> None:
-        """Run the loop on a thread of its own.
-
-        Raises:
-            RuntimeError: The loop runs already or was stopped.
-        """
+        """Run the loop on a thread of its own; raises RuntimeError where it runs or was stopped."""
         if self._thread is not None or self._closed:
             raise RuntimeError("a loop starts once")
         self._thread = threading.Thread(target=self._run, name="jausml-loop", daemon=True)
@@ -210,14 +204,7 @@ class Loop:
             thread.join()
 
     def run_once(self, timeout: float | None = None) -> int:
-        """Wait for descriptors or the next deadline and run what is due.
-
-        Args:
-            timeout: Longest wait in seconds; without it as long as nothing happens.
-
-        Returns:
-            How many callbacks ran.
-        """
+        """Wait, at most for so many seconds, and run what is due; return how many callbacks ran."""
         return self._turn(timeout, is_only=True)
 
     def runs_here(self) -> bool:

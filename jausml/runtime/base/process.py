@@ -64,11 +64,7 @@ class StopRequest:
         self._requests.put(error)
 
     def wait(self) -> str:
-        """Wait for a request and return its reason.
-
-        Raises:
-            BaseException: The error of a thread that failed.
-        """
+        """Wait for a request and return its reason; raises the error of a thread that failed."""
         request = self._requests.get()
         if isinstance(request, BaseException):
             raise request

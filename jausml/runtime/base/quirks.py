@@ -28,18 +28,9 @@ class Quirk(Enum):
         "acknowledges without the version of JUDP",
         "an acknowledgement counts where a packet waits for it",
     )
-    NO_ACKNOWLEDGEMENTS = (
-        "answers, and acknowledges nothing",
-        "an answer ends the repetition",
-    )
-    NO_DUPLICATE_FILTER = (
-        "acts on repetitions too",
-        "an answer ends the repetition",
-    )
-    NUMBERS_ANEW = (
-        "begins its numbers anew",
-        "repetitions are told by their content",
-    )
+    NO_ACKNOWLEDGEMENTS = ("answers, and acknowledges nothing", "an answer ends the repetition")
+    NO_DUPLICATE_FILTER = ("acts on repetitions too", "an answer ends the repetition")
+    NUMBERS_ANEW = ("begins its numbers anew", "repetitions are told by their content")
     FLAGLESS = (
         "sets all flags of its messages",
         "they are taken for messages of low priority, if they are whole",
@@ -71,7 +62,6 @@ class Learnt(NamedTuple):
     how: str
 
     def __str__(self) -> str:
-        """Return it in a sentence without its subject."""
         return f"{self.quirk.does} ({self.how}): {self.quirk.instead}"
 
 

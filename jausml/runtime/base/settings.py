@@ -16,8 +16,7 @@ if TYPE_CHECKING:
 JUDP_PORT = 3794
 """Port of JAUS over UDP (IANA; AS5669A)."""
 
-JUDP_GROUP = "239.255.0.1"
-"""Multicast group of JAUS over UDP (AS5669A)."""
+JUDP_GROUP = "239.255.0.1"  # multicast group of JAUS over UDP (AS5669A)
 
 MAX_FRAGMENT_SIZE = 4079
 """Largest payload of one packet in bytes; Junior's receive buffer cuts longer datagrams."""
@@ -25,8 +24,7 @@ MAX_FRAGMENT_SIZE = 4079
 LEAST_AMPLIFICATION = 3
 """Least limit that lets a peer prove itself: the question, one repetition, and acknowledgements."""
 
-LEAST_CONNECTIONS = 4
-"""Least number of JTCP connections with which a process can work."""
+LEAST_CONNECTIONS = 4  # least number of JTCP connections with which a process can work
 
 LIMITS: dict[str, tuple[float, float]] = {
     "port": (1, 65535),
@@ -50,19 +48,15 @@ LIMITS: dict[str, tuple[float, float]] = {
 }
 """Least and greatest values of settings."""
 
-Endpoint = tuple[str, int]
-"""IPv4 address (or host name in static entries) and UDP port."""
+Endpoint = tuple[str, int]  # IPv4 address (or host name in static entries) and UDP port
 
 
 class TransportKind(Enum):
     """How the messages of a process travel (AS5669A)."""
 
-    JUDP = "judp"
-    """Datagrams (UDP); peers find each other by multicast."""
-    JTCP = "jtcp"
-    """Connections (TCP); peers are those of the address book and those that connect."""
-    NODE_MANAGER = "node-manager"
-    """Through the node manager of the host, which owns the port."""
+    JUDP = "judp"  # datagrams (UDP); peers find each other by multicast
+    JTCP = "jtcp"  # connections (TCP); peers are those of the address book and those that connect
+    NODE_MANAGER = "node-manager"  # through the node manager of the host, which owns the port
 
 
 @dataclass(frozen=True)
@@ -143,7 +137,6 @@ class TransportSettings:
     idle_timeout: float = 60.0
 
     def __post_init__(self) -> None:
-        """Refuse values with which nothing could be exchanged."""
         interface = _ipv4("interface", self.interface)
         if interface.is_unspecified or interface.is_multicast:
             raise ValueError(

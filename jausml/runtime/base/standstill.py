@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 import time
 from functools import partial
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+    from .loop import Loop, Timer
 
 steady: Callable[[], float] = partial(
     time.clock_gettime, getattr(time, "CLOCK_BOOTTIME", time.CLOCK_MONOTONIC)
@@ -18,39 +20,12 @@ steady: Callable[[], float] = partial(
 The usual clock, `time.monotonic`, rests while the computer does: by it nothing has waited then.
 """
 
-_LOOKS = 4
-"""Beats in the shortest time that somebody wants to know of."""
-
-_SHORTEST = 0.02
-"""Seconds below which nothing is a standstill: a beat costs some microseconds."""
-
-_RELAYED = 0.1
-"""Seconds for what relays of the host have held, which may have stood still as well."""
+_LOOKS = 4  # beats in the shortest time that somebody wants to know of
+_SHORTEST = 0.02  # seconds below which nothing is a standstill: a beat costs some microseconds
+_RELAYED = 0.1  # seconds for what relays of the host have held, which may have stood still as well
 
 _MOST_TURNS = 256
 """Turns in which a socket gives all that it can hold, also while more comes without a pause."""
-
-
-class Waiting(Protocol):
-    """What a loop offers to whoever waits."""
-
-    now: Callable[[], float]
-
-    def call_soon(self, callback: Callable[[], object]) -> None:
-        """Run a callback in the next turn."""
-
-    def call_later(self, delay_s: float, callback: Callable[[], None]) -> Cancellable:
-        """Run a callback after a delay in seconds."""
-
-    def is_idle(self) -> bool:
-        """Tell whether nothing waits to be served."""
-
-
-class Cancellable(Protocol):
-    """A callback that is planned."""
-
-    def cancel(self) -> None:
-        """Keep it from running."""
 
 
 class Watch:
@@ -70,11 +45,7 @@ class Watch:
         self.limit, self.began, self.caught_up = limit, began, caught_up
 
     def change(self, limit: float) -> None:
-        """Want to know of other standstills from now on.
-
-        Args:
-            limit: Seconds that are one; 0 for none.
-        """
+        """Want to know of standstills of another length in seconds from now on; 0 for none."""
         self.limit = limit
         self._standstill.arrange()
 
@@ -109,14 +80,13 @@ class Standstill:
         "due",
     )
 
-    def __init__(self, loop: Waiting) -> None:
-        """Notice nothing before ``watch``."""
+    def __init__(self, loop: Loop) -> None:
         self.due = self._limit = math.inf
         self._loop = loop
         self._turned = self._relayed = loop.now()
         self._watches: list[Watch] = []
         self._behind: list[Watch] = []
-        self._beat: Cancellable | None = None
+        self._beat: Timer | None = None
         self._turns = 0
 
     def watch(
@@ -125,11 +95,7 @@ class Standstill:
         began: Callable[[float], None],
         caught_up: Callable[[], None] = lambda: None,
     ) -> Watch:
-        """Tell of standstills from now on; to be called with the lock of the loop.
-
-        Args:
-            began: Told how many seconds what waits may have waited, before it is served.
-        """
+        """Tell of standstills before what waited is served; called with the lock of the loop."""
         watch = Watch(self, limit, began, caught_up)
         self._watches.append(watch)
         self.arrange()

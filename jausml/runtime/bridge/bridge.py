@@ -39,14 +39,14 @@ if TYPE_CHECKING:
     from ..base.clocks import Timing
     from ..base.fast_path import FastSending
     from ..base.loop import Loop
-    from ..guardian.ward import Ward
     from ..services.definitions import HandoffRequest
     from ..services.host import CoreService, Host
     from ..transports.transport import Transport
     from .diagnosing import Carried
     from .ends.ends import BridgeSettings
     from .ends.parameters import AttributeParameter
-    from .ends.ros_side import FastSubscriber, RosSide
+    from .ends.ros_side import RosSide
+    from .fastpath.side import FastSubscriber
     from .messages.compiled import Compiled, Core, Function, Translation
 
 _COST = "where a scan or path costs 20 to 100 times as much"
@@ -68,18 +68,14 @@ class Bridge:
     component: Component
     clock: Timing
     simulation: Simulation | None = None
-    ward: Ward | None = None
+    ward: Any = None  # the `Guardian`, where the settings ask for one
     core: Core | None = None
     core_services: Sequence[Callable[[Host], CoreService]] = Component.core_services
     clients: Sequence[Callable[[Host], object]] = ()
     _live: frozenset[str] = frozenset()
 
     def __init__(self, settings: BridgeSettings) -> None:
-        """Prepares a bridge; nothing is opened.
-
-        Args:
-            settings: What the model says.
-        """
+        """Prepares a bridge of which the model says what its settings are; nothing is opened."""
         self.settings = settings
         self.connections: list[Carried] = []
         self.parameters: Sequence[AttributeParameter] = ()
@@ -99,10 +95,7 @@ class Bridge:
         """Makes publishers, subscriptions and events, then starts the JAUS component.
 
         All of them are there before the first message. What is published before ROS has found a
-        subscriber is counted.
-
-        Args:
-            active: Whether messages pass; if not, `set_active` lets them.
+        subscriber is counted. Unless it is active, messages pass from `set_active` on.
         """
         self.ros = ros
         self.component = self._side = _BridgeComponent(self, transport)
@@ -265,11 +258,7 @@ class Bridge:
         return self.ros.now() if self._is_open else Time(*divmod(time.time_ns(), 10**9))
 
     def compiled(self, compiled: Compiled, note: Callable[[str], None]) -> Function | None:
-        """Returns the function of a translation; None where its library is not there.
-
-        Args:
-            note: Counts a field that is left out, as its value is no number.
-        """
+        """Returns the function of a translation; None where its library is not there."""
         if self._library is None:
             return None
         core, library = self._library

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Protocol
 
 from ..base.clocks import Alarm
 from ..transports.transport import accounts_of
-from .ends.ends import Ends
 from .reports.diagnostics import (
     ConnectionStatus,
     double_status,
@@ -30,8 +29,9 @@ if TYPE_CHECKING:
     from ..conversions import Time
     from ..transports.delivery import PeerTraffic
     from ..transports.transport import Accountable
+    from .bridge import Bridge
     from .connections.translations import Form
-    from .ends.simulation import Simulation
+    from .ends.ends import Ends
     from .reports.diagnostics import Statistics
     from .reports.states import Standing, StopReason
 
@@ -73,9 +73,7 @@ class Carried(Protocol):
         """Returns what `/diagnostics` says of it."""
 
 
-TYPE = "diagnostic_msgs/msg/DiagnosticArray"
-"""The type in ROS."""
-
+TYPE = "diagnostic_msgs/msg/DiagnosticArray"  # the type in ROS
 _ENCODING = b"\0\1\0\0"
 _LEVELS = {"ok": 0, "warning": 1, "error": 2, "stale": 3}
 _LENGTH = struct.Struct("<I")
@@ -101,11 +99,7 @@ class DiagnosticArray:
         """Adds a status."""
         texts = [f"{self._node}: {status.name}", status.message, status.hardware_id]
         pairs = [text for pair in status.values for text in pair]
-        written = [
-            *map(_written, texts),
-            _LENGTH.pack(len(status.values)),
-            *map(_written, pairs),
-        ]
+        written = [*map(_written, texts), _LENGTH.pack(len(status.values)), *map(_written, pairs)]
         data = self._data
         data.append(_LEVELS[status.level])
         data += _PADDING[len(data) & 3]
@@ -125,14 +119,9 @@ def _written(text: str) -> bytes:
     return _LENGTH.pack(len(data)) + data
 
 
-LATELY = 10.0
-"""Seconds over which the share of lost packets is told."""
-
-MUCH = 0.05
-"""Share of lost packets from which on a status warns."""
-
-FEWEST_LOST = 3
-"""Lost packets below which no status warns."""
+LATELY = 10.0  # seconds over which the share of lost packets is told
+MUCH = 0.05  # share of lost packets from which on a status warns
+FEWEST_LOST = 3  # lost packets below which no status warns
 
 
 class Accounting:
@@ -184,28 +173,13 @@ class Accounting:
 
 _JAUS_AREAS = frozenset(["component", "judp", "jtcp", "transport"])
 _UNKNOWN = "component.unknown_message"
-
-SLICE = 4
-"""Connections that are looked at in one turn: messages must not wait for all of them."""
-
-
-class Diagnosed(Ends, Protocol):
-    """A bridge as its diagnostics see it."""
-
-    connections: list[Carried]
-    simulation: Simulation | None
-    standing: Standing
+SLICE = 4  # connections that are looked at in one turn: messages must not wait for all of them
 
 
 class Diagnosing:
     """Looks at all connections once each period."""
 
-    def __init__(self, bridge: Diagnosed, period: float) -> None:
-        """Does nothing before `start`.
-
-        Args:
-            period: Seconds from one report to the next.
-        """
+    def __init__(self, bridge: Bridge, period: float) -> None:
         self._bridge = bridge
         self._loop: Loop = bridge.loop
         self._period = period

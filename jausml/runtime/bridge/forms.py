@@ -20,8 +20,7 @@ if TYPE_CHECKING:
     from .connections.connection import AnyConnection
 
 
-CODE_SIZE = 2
-"""Bytes of the message code, by which a payload comes to the right translation."""
+CODE_SIZE = 2  # bytes of the message code, by which a payload comes to the right translation
 
 _VALUES = (0x00, 0x01, 0x7F, 0x80, 0xFF)
 """What is put into each byte: it makes small and great numbers, other lengths, other presences."""

@@ -29,38 +29,25 @@ __all__ = [
 
 MessageT = TypeVar("MessageT", bound="LightMessage")
 
-Layout: TypeAlias = Mapping[str, str]
-"""Types of fields by name."""
-
+Layout: TypeAlias = Mapping[str, str]  # types of fields by name
 BAD_VALUES = (struct.error, TypeError, ValueError, OverflowError, AttributeError)
 
 
 class LightMessage:
-    """A ROS message as a plain object: it has the attributes of the class of ROS, and their names.
-
-    Attributes:
-        TYPE: The type, e.g. `nav_msgs/msg/Odometry`.
-        LAYOUT: The types of the fields by name, in order, as `get_fields_and_field_types` of the
-            class of ROS gives them.
-    """
+    """A ROS message as a plain object, with the attributes of the class of ROS by their names."""
 
     __slots__ = ()
     __hash__ = None  # type: ignore[assignment]
-    TYPE: ClassVar[str]
+    TYPE: ClassVar[str]  # the type, e.g. `nav_msgs/msg/Odometry`
+    # The types of the fields by name, in order, as `get_fields_and_field_types` of the class of ROS
+    # gives them.
     LAYOUT: ClassVar[Layout]
     NESTED: ClassVar[tuple[type[LightMessage], ...]]
     LEAST: ClassVar[int]
 
     @classmethod
     def from_cdr(cls: type[MessageT], data: bytes) -> MessageT:
-        """Returns the message that a serialized one is.
-
-        Args:
-            data: The serialized message, in either byte order.
-
-        Raises:
-            DecodeError: It is none.
-        """
+        """Returns the message that a serialized one, in either byte order, is; or a DecodeError."""
         order = cdr.ORDERS.get(data[:2])
         if order is None or len(data) < len(cdr.HEADER):
             raise DecodeError(cls.TYPE, "no XCDR1 encapsulation")
@@ -70,11 +57,7 @@ class LightMessage:
             raise DecodeError(cls.TYPE, str(error)) from error
 
     def to_cdr(self) -> bytes:
-        """Returns the serialized message, in little-endian order.
-
-        Raises:
-            EncodeError: A value does not fit its field.
-        """
+        """Returns the serialized message, little-endian; EncodeError where a value is unfit."""
         parts = [cdr.HEADER]
         try:
             self._write(parts.append, len(cdr.HEADER))
@@ -140,21 +123,13 @@ def is_light(message_type: type[Any]) -> TypeGuard[type[LightMessage]]:
 def differences(light: type[LightMessage], real: Any) -> list[str]:
     """Returns how a type of the model differs from the installed one; nothing when it does not.
 
-    Args:
-        real: Class of the installed type, which messages are exchanged with.
-
-    Returns:
-        Sentences that name type, field and both types, those of the messages inside it included.
+    Each sentence names type, field and both types, those of the messages inside it included.
     """
     return list(_differences(light, real, set()))
 
 
 def installed_class(light: type[LightMessage]) -> Any:
-    """Returns the class of the installed type that a light class is of.
-
-    Raises:
-        RosTypeError: Its package is not installed, or the type is another there.
-    """
+    """Returns the installed class of a light one; RosTypeError where there is no such type."""
     try:
         real = installed(light.TYPE)
     except ImportError as error:
@@ -172,11 +147,7 @@ def installed_class(light: type[LightMessage]) -> Any:
 
 
 def installed(name: str) -> Any:
-    """Returns the class of an installed type by its name, such as `nav_msgs/msg/Odometry`.
-
-    Raises:
-        ImportError: Its package is not installed, or has no such type.
-    """
+    """Returns the class of an installed type, such as `nav_msgs/msg/Odometry`; ImportError else."""
     package, kind, own = name.split("/")
     module = importlib.import_module(f"{package}.{kind}")
     # The parts of services are SetBool_Request in ROS, and SetBool.Request in rclpy.

@@ -7,7 +7,6 @@ import gc
 import sys
 from contextlib import contextmanager
 from dataclasses import replace
-from functools import partial
 from typing import TYPE_CHECKING
 
 from ..base.counters import LOGGER
@@ -27,9 +26,7 @@ from ..component.process import (
     given_options,
     running_transport,
 )
-from ..guardian.ward import Ward
 from .ends import parameters
-from .ends.guarding import ros_of
 from .ends.topics import ParameterError
 from .messages.limits import RosLostError
 from .ros.environment import permits_ros
@@ -60,11 +57,7 @@ class ManagedBridge:
     """
 
     def __init__(
-        self,
-        bridge: Bridge,
-        ros: RosNode,
-        transport: Transport,
-        end: Callable[[str], None],
+        self, bridge: Bridge, ros: RosNode, transport: Transport, end: Callable[[str], None]
     ) -> None:
         self._bridge = bridge
         self._ros = ros
@@ -113,11 +106,8 @@ class ManagedBridge:
             self._end("JAUS Shutdown")
 
 
-PERIOD = 1.0
-"""Seconds between two collections."""
-
-LONGEST_DELAY = 10.0
-"""Seconds after which garbage is collected at a moment that is not quiet, too."""
+PERIOD = 1.0  # seconds between two collections
+LONGEST_DELAY = 10.0  # seconds after which garbage is collected at a moment that is not quiet, too
 
 
 @contextmanager
@@ -260,16 +250,11 @@ def _configure(
 
 @contextmanager
 def _guarded(bridge: Bridge, node: RosNode, loop: Loop, line: Sequence[str]) -> Iterator[None]:
-    """Lets a bridge have a guardian, unless the model does without."""
+    """Lets a bridge have a guardian, where the model has something for it to stop."""
     if not bridge.settings.guardian:
         yield
         return
-
-    def simulated() -> int:
-        seconds, nanoseconds = node.now() if node.is_simulated else (0, 0)
-        return seconds * 10**9 + nanoseconds
-
-    ward = Ward(loop, partial(ros_of, line), simulated, bridge.note_guardian)
+    ward = bridge.settings.guardian(loop, node, line, bridge.note_guardian)
     bridge.ward = node.ward = ward
     try:
         yield

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from enum import Enum
 from functools import partial
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from ..base.clocks import Alarm
 from ..messages import (
@@ -31,24 +31,11 @@ if TYPE_CHECKING:
 class ControlState(Enum):
     """What a component knows of its control over another one."""
 
-    SEEKING = "seeking"
-    """The target does not answer, or control was lost; it is requested."""
-    CONTROLLED = "controlled"
-    """The target is controlled, and not (yet) Ready."""
-    READY = "ready"
-    """The target is controlled and obeys every command."""
+    SEEKING = "seeking"  # the target does not answer, or control was lost; it is requested
+    CONTROLLED = "controlled"  # the target is controlled, and not (yet) Ready
+    READY = "ready"  # the target is controlled and obeys every command
     REFUSED = "refused"
     """The target is not available or has a controller of the same or higher authority."""
-
-
-class Session(Protocol):
-    """One user's share, as the control sees it."""
-
-    authority: int
-    resume: bool
-
-    def changed(self) -> None:
-        """Learn that the state is another one."""
 
 
 class Releases:
@@ -59,11 +46,7 @@ class Releases:
     """
 
     def __init__(self, component: Host, on_done: Callable[[JausAddress], None]) -> None:
-        """Nothing is under way.
-
-        Args:
-            on_done: Told of each target to which nothing is under way any more.
-        """
+        """Nothing is under way; each target is told to which nothing is under way any more."""
         self._component = component
         self._on_done = on_done
         self._under_way: dict[JausAddress, int] = {}
@@ -73,11 +56,7 @@ class Releases:
         return target in self._under_way
 
     def send(self, target: JausAddress, *, acknowledge: bool) -> None:
-        """Send ReleaseControl.
-
-        Args:
-            acknowledge: Whether it is repeated until it is acknowledged.
-        """
+        """Send ReleaseControl, which may be repeated until it is acknowledged."""
         if not acknowledge:
             self._component.send(ReleaseControl(), target)
             return
@@ -184,12 +163,8 @@ class TargetWatch:
     """
 
     def __init__(
-        self,
-        component: Host,
-        target: JausAddress,
-        take: Callable[[Message], None],
+        self, component: Host, target: JausAddress, take: Callable[[Message], None]
     ) -> None:
-        """Prepare; nothing is asked before ``start``."""
         self._component = component
         self._events = component.part(EventClient)
         self._target = target

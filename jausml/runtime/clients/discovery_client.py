@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from ..base.address import BROADCAST, JausAddress
 from ..base.quirks import Quirk
 from ..messages import QueryServiceList, QueryServices, ReportServiceList, ReportServices
-from ..services.discovery_messages import services_of
+from ..services.discovery import services_of
 from .registration import Registration
 
 if TYPE_CHECKING:
@@ -20,10 +20,9 @@ if TYPE_CHECKING:
 
 
 def query_services(component: JausAddress = BROADCAST) -> QueryServices:
-    """Return the query for the services of one component, or of all.
+    """Return the query for the services of one component, or of all that are there.
 
-    Args:
-        component: The component. There are stacks that know no wildcards, and report nothing.
+    There are stacks that know no wildcards, and report nothing.
     """
     record = QueryServices.ComponentRec(component_id=component.component)
     node = QueryServices.NodeSeq(
@@ -48,11 +47,7 @@ def query_service_lists(component: JausAddress = BROADCAST) -> QueryServiceList:
 def reported_services(
     report: ReportServices | ReportServiceList, subsystem: int
 ) -> Iterator[tuple[JausAddress, tuple[ServiceIdentity, ...]]]:
-    """Yield the components of a report with their services.
-
-    Args:
-        subsystem: Where the components of a ReportServices are, which does not tell it.
-    """
+    """Yield the components of a report, which does not tell their subsystem, and their services."""
     if isinstance(report, ReportServices):
         parts = [(subsystem, report.node_list)]
     else:
@@ -71,9 +66,7 @@ def reported_services(
                 )
 
 
-INTERVAL = 5.0
-"""Seconds after which a component that reports nothing is asked again."""
-
+INTERVAL = 5.0  # seconds after which a component that reports nothing is asked again
 _MOST_ASKED = 4096
 
 
@@ -145,11 +138,7 @@ class DiscoveryClient:
         self._watchers.append(on_sighting)
 
     def ask_for_services(self, place: JausAddress) -> None:
-        """Ask for components and their services.
-
-        Args:
-            place: Whom to ask: a component, or several by a wildcard.
-        """
+        """Ask a component, or several by a wildcard, for components and their services."""
         # Peers of v1.0 know the first alone.
         self._component.send(query_services(), place)
         self._component.send(query_service_lists(), place)

@@ -27,12 +27,8 @@ if TYPE_CHECKING:
     from ..services.host import Host
 
 R = TypeVar("R", bound=Message)
-
-EVENT_REQUESTS = range(224)
-"""Request ids of the events of one provider."""
-
-STRAY_REQUEST = 255
-"""Request id with which events that nobody here wants are cancelled."""
+EVENT_REQUESTS = range(224)  # request ids of the events of one provider
+STRAY_REQUEST = 255  # request id with which events that nobody here wants are cancelled
 
 DEFAULT_EVENT_TIMEOUT = 1
 """Minutes assumed until the provider reports its timeout; peers of v1.0 never do."""

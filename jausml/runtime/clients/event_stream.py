@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from enum import Enum
 from functools import partial
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from ..base.clocks import Alarm
 from ..base.quirks import Quirk
@@ -20,19 +20,16 @@ if TYPE_CHECKING:
     from ..base.fast_path import FastPath
     from ..services.host import Host
     from ..wire.message import DecodeError, Message
+    from .event_client import EventClient
     from .event_subscription import EventSubscription
 
-SILENT_PERIODS = 3
-"""Periods of a periodic event without a report after which it is created again."""
-
-MIN_SILENCE = 1.0
-"""Shortest silence in seconds that counts; reports of fast events may be late."""
+SILENT_PERIODS = 3  # periods of a periodic event without a report after which it is created again
+MIN_SILENCE = 1.0  # shortest silence in seconds that counts; reports of fast events may be late
 
 MAX_SILENCE = 30.0
 """Longest wait in seconds for the reports of a provider that confirms but does not report."""
 
-MAX_RENEWALS = 8
-"""Unanswered renewals after which an event is created again."""
+MAX_RENEWALS = 8  # unanswered renewals after which an event is created again
 
 SETTLING = 1.0
 """Seconds after a confirmation in which nobody asks whether the provider knows the event."""
@@ -40,9 +37,7 @@ SETTLING = 1.0
 EVENT_HEADER = 8
 """Bytes before the report in an Event: code 2, event 1, sequence number 1, size of the report 4."""
 
-HALF_SEQUENCE = 128
-"""Sequence numbers from here on are older than the last one."""
-
+HALF_SEQUENCE = 128  # sequence numbers from here on are older than the last one
 _CREATE = CreateEvent.CODE.to_bytes(2, "little")
 
 
@@ -52,58 +47,24 @@ class _State(Enum):
     ACTIVE = "active"
 
 
-class Listener(Protocol):
-    """Who hands streams their messages, and knows the other streams."""
-
-    def bind(self, stream: EventStream, event_id: int) -> None:
-        """Deliver the events of an id to a stream from now on."""
-
-    def unbind(self, stream: EventStream) -> None:
-        """Deliver no events to a stream any more."""
-
-    def suspect(self, provider: JausAddress) -> None:
-        """Verify all events of a provider that lost one or fell silent."""
-
-    def has(self, stream: EventStream) -> bool:
-        """Return whether a stream is among those with subscribers."""
-
-    def forget(self, stream: EventStream) -> None:
-        """Drop a stream without subscribers."""
-
-    def event_timeout(self, provider: JausAddress) -> int:
-        """Return the event timeout of a provider in minutes, 0 for never."""
-
-
 class EventStream:
-    """Creates an event, renews it, and creates it again when the provider lost it.
-
-    Attributes:
-        payload: The encoded query.
-        request_id: Marks our requests in the provider's answers.
-        event_id: The provider's id of the event, once confirmed.
-        former_id: The id that it had before, if the provider gave it another one.
-        missing: Reports that did not arrive, by the gaps between their numbers.
-        late: Reports that arrived after newer ones.
-        refusal: Why the provider gives no such event, in its words; empty when it has not refused.
-    """
+    """Creates an event, renews it, and creates it again when the provider lost it."""
 
     def __init__(
-        self,
-        listener: Listener,
-        component: Host,
-        provider: JausAddress,
-        payload: bytes,
+        self, client: EventClient, component: Host, provider: JausAddress, payload: bytes
     ) -> None:
         self.component = component
         self.provider = provider
-        self.payload = payload
-        self.request_id = 0
-        self.event_id: int | None = None
+        self.payload = payload  # the encoded query
+        self.request_id = 0  # marks our requests in the provider's answers
+        self.event_id: int | None = None  # the provider's id of the event, once confirmed
+        # The id that it had before, if the provider gave it another one.
         self.former_id: int | None = None
-        self.missing = 0
-        self.late = 0
+        self.missing = 0  # reports that did not arrive, by the gaps between their numbers
+        self.late = 0  # reports that arrived after newer ones
+        # Why the provider gives no such event, in its words; empty when it has not refused.
         self.refusal = ""
-        self._listener = listener
+        self._client = client
         self._loop = component.loop
         self._settings = component.settings
         self._counters = component.counters
@@ -150,7 +111,7 @@ class EventStream:
         self._subscribers.remove(subscription)
         if self._subscribers:
             self._agree_on_rate()
-        elif self._listener.has(self):
+        elif self._client.has(self):
             self.stop()
 
     def stop(self) -> None:
@@ -165,7 +126,7 @@ class EventStream:
             message = CancelEvent(request_id=self.request_id, event_id=self.event_id)
             self._send(message)
         self._presence.forget(self.provider, self._returned)
-        self._listener.forget(self)
+        self._client.forget(self)
         self._state = _State.IDLE
 
     def fast_path(self) -> FastPath | None:
@@ -247,7 +208,7 @@ class EventStream:
                 self._reborn()
         changed, self._confirmed_rate = rate != self._confirmed_rate, rate
         self._is_renewed = not is_new and not changed
-        self._listener.bind(self, event_id)
+        self._client.bind(self, event_id)
         self.event_id = event_id
         self._state = _State.ACTIVE
         self._loop.revision.changed()
@@ -271,7 +232,7 @@ class EventStream:
         if self._state is _State.ACTIVE:
             if self._renewals:
                 self.lost()
-                self._listener.suspect(self.provider)
+                self._client.suspect(self.provider)
         elif self._state is _State.CREATING:
             if code == UNKNOWN_EVENT:
                 return  # the answer to a request of a former life
@@ -287,7 +248,7 @@ class EventStream:
     def lost(self) -> None:
         """Create the event again: the provider does not know it any more."""
         self._counters.add("event_client.lost")
-        self._listener.unbind(self)
+        self._client.unbind(self)
         self.event_id = None
         self._recreate()
 
@@ -351,7 +312,7 @@ class EventStream:
     def _reborn(self) -> None:
         """The provider has begun a new life: it knows nothing of the other events either."""
         self._counters.add("event_client.lost")
-        self._loop.call_soon(partial(self._listener.suspect, self.provider))
+        self._loop.call_soon(partial(self._client.suspect, self.provider))
 
     def _send(self, message: Message) -> None:
         """Send a request; the transport repeats it where somebody is there to acknowledge."""
@@ -364,7 +325,7 @@ class EventStream:
         The reports of an every-change event may rightly stay away; only a renewal tells that its
         provider was restarted. A periodic event without timeout needs no renewal at all.
         """
-        minutes = self._listener.event_timeout(self.provider)
+        minutes = self._client.event_timeout(self.provider)
         waits = [30.0 * minutes] if minutes else []
         if self._rate is None:
             waits.append(self._settings.check_interval)
@@ -422,4 +383,4 @@ class EventStream:
         self._counters.add("event_client.stalled")
         self._silence_wait = min(2 * wait, max(MAX_SILENCE, shortest))
         self._create()
-        self._listener.suspect(self.provider)
+        self._client.suspect(self.provider)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from ..base.clocks import Alarm
 from ..base.fast_path import fast_path_of
@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..base.fast_path import FastPath
     from ..base.loop import Loop, Timer
-    from ..services.host import Host
     from ..wire.message import Message
+    from .event_stream import EventStream
 
 
 class QueryTimer:
@@ -28,11 +28,7 @@ class QueryTimer:
     """
 
     def __init__(self, loop: Loop, rate: float, ask: Callable[[float], object]) -> None:
-        """Asks for the first time at once.
-
-        Args:
-            ask: Asks once; it is given the seconds until the next query.
-        """
+        """Asks at once for the first time; what asks is given the seconds until the next query."""
         self._loop = loop
         self._period = 1 / rate
         self._ask = ask
@@ -55,45 +51,21 @@ _ALIKE = 0.999
 """Share of a rate from which on another one is the same: on the wire a rate has 16 bits."""
 
 
-class Stream(Protocol):
-    """The event as its subscribers see it."""
-
-    component: Host
-    provider: JausAddress
-    missing: int
-    late: int
-    refusal: str
-
-    @property
-    def active(self) -> bool:
-        """Whether the provider has confirmed the event."""
-
-    def leave(self, subscription: EventSubscription) -> None:
-        """Remove a subscriber."""
-
-    def count_bad(self, provider: JausAddress, error: DecodeError) -> None:
-        """Count a report that cannot be read."""
-
-
 class EventSubscription:
-    """One subscriber's share in an event; made by ``JausComponent.subscribe``.
+    """One subscriber's share in an event; made by ``JausComponent.subscribe``."""
 
-    Attributes:
-        rate: Reports each second that the subscriber asked for; None means every change.
-        takes_payloads: Whether the subscriber takes encoded reports.
-        ask: Asks the provider for one report, which `answer` takes.
-    """
-
-    ask: Callable[[float], object]
+    ask: Callable[[float], object]  # asks the provider for one report, which `answer` takes
 
     def __init__(
         self,
-        stream: Stream,
+        stream: EventStream,
         on_report: Callable[[Any, JausAddress], None],
+        # Reports each second that the subscriber asked for; None means every change.
         rate: float | None,
         silence_timeout: float,
         on_silence: Callable[[], None] | None,
         *,
+        # Whether the subscriber takes encoded reports.
         takes_payloads: bool = False,
     ) -> None:
         """Use ``JausComponent.subscribe`` instead."""
@@ -172,11 +144,7 @@ class EventSubscription:
         self._stop_asking()
 
     def follow(self, event_rate: float | None) -> None:
-        """Have the subscriber's own rate of an event that others share.
-
-        Args:
-            event_rate: Reports of the event each second; None when they come at every change.
-        """
+        """Have the own rate of an event that others share, whose rate is None at every change."""
         self._component.loop.revision.changed()
         is_slower = (
             self.rate is not None and event_rate is not None and self.rate < _ALIKE * event_rate
@@ -240,20 +208,13 @@ class Subscribers:
     """Those who get the reports of one event, each with the class of the report for it."""
 
     def __init__(self, on_bad: Callable[[DecodeError], None]) -> None:
-        """Have nobody yet.
-
-        Args:
-            on_bad: Told why a report cannot be read.
-        """
         self._on_bad = on_bad
         self._classes: dict[EventSubscription, type[Message]] = {}
 
     def __len__(self) -> int:
-        """Return how many they are."""
         return len(self._classes)
 
     def __iter__(self) -> Iterator[EventSubscription]:
-        """Iterate over those that there are now."""
         return iter(tuple(self._classes))
 
     def items(self) -> tuple[tuple[EventSubscription, type[Message]], ...]:

@@ -23,32 +23,19 @@ if TYPE_CHECKING:
     from ..services.host import Host
     from ..wire.message import Message
 
-ATTEMPTS = 3
-"""How often a query is sent in the time that its answer has."""
-
-LATEST = 5
-"""How late an answer may be, in time-outs of its exchange."""
+ATTEMPTS = 3  # how often a query is sent in the time that its answer has
+LATEST = 5  # how late an answer may be, in time-outs of its exchange
 
 
 class Unanswered(Enum):
     """Why there is no answer."""
 
-    SILENT = "did not answer"
-    """The message was sent, and none came in time."""
-    UNSENT = "was not asked"
-    """Those that went before left no time; nothing was sent."""
+    SILENT = "did not answer"  # the message was sent, and none came in time
+    UNSENT = "was not asked"  # those that went before left no time; nothing was sent
 
 
 class Exchange:
-    """A message that waits for its turn, then for its answer; made by `Exchanges.ask`.
-
-    Attributes:
-        timeout: Seconds for which it waits for its turn, and then for its answer.
-        owed: Answers that may come, one for each time that it was sent.
-        is_over: Whether it has ended; what is owed may come still.
-        same_until: Until when the same question waits then, by the clock of the loop.
-        others_until: Until when others wait.
-    """
+    """A message that waits for its turn, then for its answer; made by `Exchanges.ask`."""
 
     def __init__(
         self,
@@ -56,6 +43,7 @@ class Exchange:
         answers: Sequence[type[Message]],
         end: Callable[[bytes | Unanswered], None],
         *,
+        # Seconds for which it waits for its turn, and then for its answer.
         timeout: float,
         is_query: bool,
         priority: Priority,
@@ -67,8 +55,9 @@ class Exchange:
         self.timeout = timeout
         self.is_query = is_query
         self.priority = priority
-        self.owed = 0
-        self.is_over = False
+        self.owed = 0  # answers that may come, one for each time that it was sent
+        self.is_over = False  # whether it has ended; what is owed may come still
+        # Until when the same question waits then, by the clock of the loop.
         self.same_until = self.others_until = 0.0
         self.timers: list[Timer] = []
 
@@ -98,7 +87,7 @@ class Exchange:
         self.is_over = True
         self.same_until = now + (self.timeout if ending is Unanswered.SILENT else 0.0)
         late = self.timeout * (1 if isinstance(ending, bytes) else LATEST)
-        self.others_until = max(self.others_until, now + late)
+        self.others_until = max(self.others_until, now + late)  # until when others wait
 
     def take_over(self, former: Exchange) -> None:
         """Has what is owed to the same question, asked before, owed to this one."""

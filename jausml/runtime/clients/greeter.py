@@ -14,25 +14,22 @@ if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..services.host import Host
 
-GREETING_INTERVAL = 5.0
-"""Seconds between two greetings."""
+GREETING_INTERVAL = 5.0  # seconds between two greetings
 
 
 class Greeter:
     """Asks peers for their identification until they speak, and again when they fall silent.
 
-    Operator units of competitions, and components behind a router without multicast, learn of
-    this component by that alone. Each peer gets one small query in ``GREETING_INTERVAL`` seconds at
+    Operator units of competitions, and components behind a router without multicast, learn of this
+    component by that alone. Each peer gets one small query in ``GREETING_INTERVAL`` seconds at
     most, which is not repeated otherwise, and none while it was heard, with whatever message,
     within ``discovery_timeout`` of the settings: it may have been restarted after such a silence.
-
-    Attributes:
-        unanswered: How often each peer was greeted since it spoke last.
     """
 
     def __init__(self, component: Host) -> None:
         self._component = component
         self._presence = component.part(Presence)
+        # How often each peer was greeted since it spoke last.
         self.unanswered = dict.fromkeys(component.settings.greeted, 0)
         self._timer = Alarm(component.loop)
         component.unanswered_greetings = self.unanswered

@@ -25,11 +25,8 @@ if TYPE_CHECKING:
 
     from ..services.host import Host
 
-RENEWALS = 3
-"""How often a request is sent again in the time in which it would lapse."""
-
-RENEWAL = 3.0
-"""Seconds between two requests to a component that has not said when they lapse."""
+RENEWALS = 3  # how often a request is sent again in the time in which it would lapse
+RENEWAL = 3.0  # seconds between two requests to a component that has not said when they lapse
 
 DECISION_TRIES = 3
 """How often a decision is given to the transport, which repeats it each time: who has granted

@@ -26,14 +26,12 @@ if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..wire.message import Message
 
-MAX_ELEMENTS = 255
-"""Elements that one request holds (AS5710, SetElement)."""
+MAX_ELEMENTS = 255  # elements that one request holds (AS5710, SetElement)
 
 MAX_BYTES = 1400
 """Bytes of elements in one request, unless one element alone has more: fits an Ethernet frame."""
 
-ELEMENT_HEADER = 9
-"""Bytes of an element next to its data: three UIDs, format and count."""
+ELEMENT_HEADER = 9  # bytes of an element next to its data: three UIDs, format and count
 
 
 class ListRequest:
@@ -143,13 +141,7 @@ class ListClient:
 
         def ask(query: Message, report: type[Message], take: Callable[..., None]) -> None:
             self._queries.ask(
-                target,
-                query,
-                report,
-                take,
-                on_failure=on_failure,
-                timeout=timeout,
-                retries=retries,
+                target, query, report, take, on_failure=on_failure, timeout=timeout, retries=retries
             )
 
         def take_list(report: ReportElementList, _sender: JausAddress) -> None:

@@ -10,8 +10,7 @@ if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..services.host import Host
 
-QUICK_TRIES = 8
-"""Requests without an answer after which the pauses between them grow."""
+QUICK_TRIES = 8  # requests without an answer after which the pauses between them grow
 
 
 class Pace:

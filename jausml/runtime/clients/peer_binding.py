@@ -20,14 +20,11 @@ class Search(Protocol):
 
 
 class PeerBinding:
-    """Who is at the other end of a connection now.
-
-    Attributes:
-        present: They; replaced when it changes, so any thread may read it.
-    """
+    """Who is at the other end of a connection now."""
 
     def __init__(self, peers: Sequence[JausAddress] | Search) -> None:
         self.search = None if isinstance(peers, Sequence) else peers
+        # Replaced when it changes, so any thread may read it.
         self.present: tuple[JausAddress, ...] = tuple(peers) if isinstance(peers, Sequence) else ()
         self._on_change: list[Callable[[], None]] = []
 

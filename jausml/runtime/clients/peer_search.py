@@ -31,10 +31,8 @@ class PeerChoice(Enum):
 
     NEAREST = "nearest"
     """One: of the same node, else of the same subsystem, else any; then the lowest address."""
-    FIRST = "first"
-    """One: that which answers first."""
-    ALL = "all"
-    """Every one."""
+    FIRST = "first"  # one: that which answers first
+    ALL = "all"  # every one
 
 
 @dataclass(frozen=True)
@@ -60,7 +58,6 @@ class PeerSearch:
     choice: PeerChoice = PeerChoice.NEAREST
 
     def __post_init__(self) -> None:
-        """Refuse what no address can meet."""
         if not (
             0 <= self.subsystem < WILDCARD_SUBSYSTEM
             and 0 <= self.node < WILDCARD_NODE
@@ -69,11 +66,7 @@ class PeerSearch:
             raise ValueError(f"nothing can be found: {self}")
 
     def matches(self, own: JausAddress, address: JausAddress, urns: Collection[str]) -> bool:
-        """Return whether a component is one that the search looks for.
-
-        Args:
-            own: Who searches; never found by itself.
-        """
+        """Return whether a component is one that the search looks for: never who searches."""
         return (
             address != own
             and self.subsystem in (0, address.subsystem)
@@ -95,7 +88,6 @@ class PeerSearch:
         component.part(PeerClient).find(self, on_change)
 
     def __str__(self) -> str:
-        """Return what is searched for, for people."""
         places = [
             f"on node {self.node}" if self.node else "",
             f"in subsystem {self.subsystem}" if self.subsystem else "",
@@ -115,8 +107,7 @@ def distance(own: JausAddress, address: JausAddress) -> int:
 CHECK_INTERVAL = 1.0
 """Seconds between two checks of a peer, and between two looks around at the fastest."""
 
-MISSED_CHECKS = 3
-"""Checks without acknowledgement after which a peer is taken for gone."""
+MISSED_CHECKS = 3  # checks without acknowledgement after which a peer is taken for gone
 
 COLLECTING_TIME = 0.3
 """Seconds from the first answer to the choice, in which further components may answer."""
@@ -124,8 +115,7 @@ COLLECTING_TIME = 0.3
 SLOWEST_SEARCH = 5.0
 """Longest time in seconds between two looks around while a search has found nobody."""
 
-STEADY_SEARCH = 15.0
-"""Seconds between two looks around of a search that takes all and has some."""
+STEADY_SEARCH = 15.0  # seconds between two looks around of a search that takes all and has some
 
 MAX_PROVIDERS = 1024
 """Components that are remembered; inventions of a peer must not fill the memory."""
@@ -199,11 +189,7 @@ class PeerClient:
         component.when_stopped(self.stop)
 
     def find(self, search: PeerSearch, on_change: OnChange) -> None:
-        """Look for peers until the component stops.
-
-        Args:
-            on_change: Told all peers whenever they change; none when they are gone.
-        """
+        """Look for peers until the component stops; tells all of them whenever they change."""
         if not self._finders:
             self._discovery.watch(self._sighted)
             self._component.when_started(self._check)
@@ -322,11 +308,7 @@ class PeerFinder(Host):
     """A component that finds others by what they provide."""
 
     def discover(self, urn: str, on_found: Callable[[FoundComponent], None]) -> None:
-        """Report each component that provides a service, once for each component found.
-
-        Args:
-            urn: Identifier of the service, e.g. ``urn:jaus:jss:mobility:VelocityStateSensor``.
-        """
+        """Report each component that provides a service, by its URN, once for each found."""
         with self.loop.lock:
             self.part(DiscoveryClient).discover(urn, on_found)
 

@@ -11,28 +11,20 @@ if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..services.host import Host
 
-SILENCE = 2.0
-"""Seconds without a message after which a component that speaks again has come back."""
+SILENCE = 2.0  # seconds without a message after which a component that speaks again has come back
 
 
 class Presence:
-    """When each component that is waited for has sent its last message, of whatever kind.
-
-    Attributes:
-        heard: By component when that was; kept by who takes the messages.
-    """
+    """When each component that is waited for has sent its last message, of whatever kind."""
 
     def __init__(self, component: Host) -> None:
         self._loop = component.loop
+        # By component when that was; kept by who takes the messages.
         self.heard: dict[JausAddress, float] = {}
         self._on_return: dict[JausAddress, list[Callable[[], None]]] = {}
 
     def watch(self, address: JausAddress, on_return: Callable[[], None]) -> None:
-        """Wait for a component.
-
-        Args:
-            on_return: Called when it speaks for the first time, or after a silence.
-        """
+        """Wait for a component; the action is called when it speaks first, or after a silence."""
         self.heard.setdefault(address, -math.inf)
         self._on_return.setdefault(address, []).append(on_return)
 

@@ -1,96 +1,26 @@
-"""One-time queries: ask, wait for the report, ask again.
-
-Of what waits for equally long the first is due first: one timer serves all.
-"""
+"""One-time queries: ask, wait for the report, ask again."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
-from itertools import takewhile
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
+from ..base.clocks import Alarm
 from ..wire.message import DecodeError, Message
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ..base.address import JausAddress
-    from ..base.loop import Loop, Timer
     from ..services.host import Host
 
 R = TypeVar("R", bound=Message)
-T = TypeVar("T")
-
-
-class Deadlines(Generic[T]):
-    """Deadlines of what waits for answers, to be used while the lock of the loop is held.
-
-    All that wait for the same time share one timer of the loop: what came later is due later, and
-    a timer for each would be made and cancelled in vain.
-    """
-
-    def __init__(self, loop: Loop, on_due: Callable[[T], None]) -> None:
-        self._loop = loop
-        self._on_due = on_due
-        self._due: dict[float, dict[T, float]] = {}  # by delay, in the order in which they are due
-        self._timers: dict[float, Timer] = {}
-
-    def add(self, item: T, delay: float) -> None:
-        """Wait for an answer; nothing may wait twice for the same time.
-
-        Args:
-            delay: For how many seconds.
-        """
-        due = self._loop.now() + delay
-        waiting = self._due.get(delay)
-        if waiting is None:
-            waiting = self._due[delay] = {}
-            self._set_timer(delay, due)
-        waiting[item] = due
-
-    def discard(self, item: T, delay: float) -> None:
-        """Wait no longer; no effect for what does not wait."""
-        waiting = self._due.get(delay)
-        if waiting is not None:
-            waiting.pop(item, None)
-
-    def clear(self) -> None:
-        """Wait for nothing any more."""
-        for timer in self._timers.values():
-            timer.cancel()
-        for waiting in self._due.values():
-            waiting.clear()
-        self._timers.clear()
-        self._due.clear()
-
-    def _set_timer(self, delay: float, due: float) -> None:
-        self._timers[delay] = self._loop.call_at(due, partial(self._expire, delay))
-
-    def _expire(self, delay: float) -> None:
-        """Tell what is due; the next that will be has the timer then."""
-        waiting, now = self._due.get(delay, {}), self._loop.now()
-        late = list(takewhile(lambda item: waiting[item] <= now, waiting))
-        try:
-            for item in late:
-                if waiting.pop(item, None) is not None:  # an earlier one may have ended its wait
-                    self._on_due(item)
-        finally:
-            if waiting:
-                self._set_timer(delay, next(iter(waiting.values())))
-            else:
-                self._due.pop(delay, None)
 
 
 @dataclass(slots=True, eq=False)
 class PendingQuery:
-    """A query that waits for its report; made by ``Querier.query``.
-
-    Attributes:
-        on_failure: Called when every attempt stayed unanswered.
-        timeout: Seconds to wait before the query is repeated.
-        attempts: How often it may still be sent.
-    """
+    """A query that waits for its report; made by ``Querier.query``."""
 
     _client: QueryClient
     target: JausAddress
@@ -98,9 +28,10 @@ class PendingQuery:
     payload: bytes
     on_report: Callable[[Any, JausAddress], None]
     takes_payloads: bool
-    on_failure: Callable[[], None] | None
-    timeout: float
-    attempts: int
+    on_failure: Callable[[], None] | None  # called when every attempt stayed unanswered
+    timeout: float  # seconds to wait before the query is repeated
+    attempts: int  # how often it may still be sent
+    timer: Alarm
 
     def cancel(self) -> None:
         """Wait no longer; neither callback is called."""
@@ -114,7 +45,6 @@ class QueryClient:
     def __init__(self, component: Host) -> None:
         self.component = component
         self._pending: dict[type[Message], list[PendingQuery]] = {}
-        self._deadlines: Deadlines[PendingQuery] = Deadlines(component.loop, self._send)
         component.when_stopped(self.stop)
 
     def ask(
@@ -138,23 +68,20 @@ class QueryClient:
             self.component.on_payload(
                 report_class, partial(self._reported, queries), is_robust=True
             )
-        payload = query.encode()
         pending = PendingQuery(
             self,
             target,
             report_class,
-            payload,
+            query.encode(),
             on_report,
             payloads,
             on_failure,
             timeout,
             retries + 1,
+            Alarm(self.component.loop),
         )
         queries.append(pending)
-        if self.component.running:
-            self._send(pending)
-        else:
-            self.component.when_started(partial(self._start, pending))
+        self.component.when_started(partial(self._start, pending))
         return pending
 
     def forget(self, pending: PendingQuery) -> None:
@@ -162,17 +89,16 @@ class QueryClient:
         queries = self._pending[pending.report_class]
         if pending in queries:
             queries.remove(pending)
-            self._deadlines.discard(pending, pending.timeout)
+            pending.timer.cancel()
 
     def stop(self) -> None:
         """Cancel all queries."""
         for queries in self._pending.values():
             for pending in list(queries):
                 self.forget(pending)
-        self._deadlines.clear()
 
     def _start(self, pending: PendingQuery) -> None:
-        """Send a query at the start of the component, unless it was cancelled before."""
+        """Send a query when the component runs, unless it was cancelled before."""
         if pending in self._pending[pending.report_class]:
             self._send(pending)
 
@@ -186,37 +112,28 @@ class QueryClient:
                 component.call(pending.on_failure)
             return
         pending.attempts -= 1
-        self._deadlines.add(pending, pending.timeout)
         component.transport.send(component.address, pending.target, pending.payload)
+        pending.timer.set(pending.timeout, partial(self._send, pending))
 
     def _reported(self, queries: list[PendingQuery], payload: bytes, sender: JausAddress) -> None:
         """Give a report to the first query that waits for one of its sender."""
-        for pending in queries:
-            if pending.target == sender:
-                self._answered(pending, queries, payload, sender)
-                return
-
-    def _answered(
-        self,
-        pending: PendingQuery,
-        queries: list[PendingQuery],
-        payload: bytes,
-        sender: JausAddress,
-    ) -> None:
-        """Hand over a report; the query goes on waiting if it is none."""
+        pending = next((waiting for waiting in queries if waiting.target == sender), None)
+        if pending is None:
+            return
         report_class = pending.report_class
         try:
             report = payload if pending.takes_payloads else report_class.decode(payload)
-        except DecodeError as error:
+        except DecodeError as error:  # it goes on waiting
             self._count_bad(report_class, sender, error)
             return
         queries.remove(pending)
-        self._deadlines.discard(pending, pending.timeout)
         if pending.takes_payloads:
             on_bad = partial(self._count_bad, report_class)
             self.component.payload_caller(pending.on_report, on_bad)(payload, sender)
         else:
             self.component.call(pending.on_report, report, sender)
+        # At last, as it is no part of the latency.
+        pending.timer.cancel()
 
     def _count_bad(
         self, report_class: type[Message], sender: JausAddress, error: DecodeError

@@ -8,7 +8,7 @@ from ..base.address import BROADCAST
 from ..base.clocks import Alarm
 from ..messages import QueryIdentification, ReportIdentification
 from ..services.definitions import CORE, Scope
-from ..services.discovery_messages import register_services
+from ..services.discovery import register_services
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -16,11 +16,8 @@ if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..services.host import Host
 
-EAGER_TRIES = 3
-"""Attempts in quick succession after the start."""
-
-EAGER_INTERVAL = 5.0
-"""Seconds between them."""
+EAGER_TRIES = 3  # attempts in quick succession after the start
+EAGER_INTERVAL = 5.0  # seconds between them
 
 STEADY_INTERVAL = 15.0
 """Seconds between two attempts later on; also renews the registration.
@@ -33,17 +30,14 @@ OCU_TYPES = range(20001, 30001)
 
 
 class Registration:
-    """Registers one component with its subsystem, and looks around for that again and again.
-
-    Attributes:
-        server: Where it is registered; None while nobody has answered.
-    """
+    """Registers one component with its subsystem, and looks around for that again and again."""
 
     def __init__(self, component: Host) -> None:
         self._component = component
         self._askers: list[Callable[[], None]] = []
         self._timer = Alarm(component.loop)
         self._tries = 0
+        # Where it is registered; None while nobody has answered.
         self.server: JausAddress | None = None
         self._heard = 0.0
         settings = component.settings

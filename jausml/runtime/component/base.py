@@ -25,7 +25,7 @@ from ..services.events import EventsService
 from ..services.host import CoreService, Host
 from ..services.liveness import LivenessService
 from ..services.management import ManagementService
-from ..transports.delivery import MESSAGE_CODE_SIZE, Ordering
+from ..transports.delivery import Ordering
 from ..transports.packets.packet import Priority
 from ..transports.transport import log_accounts
 
@@ -35,12 +35,11 @@ if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..base.clocks import Timing
     from ..base.fast_path import FastPath
-    from ..transports.delivery import ReceivedMessage, Take
+    from ..transports.delivery import Take
     from ..transports.transport import Transport
     from ..wire.message import Message
 
-COMPONENT_TYPE = 60001
-"""Type of a plain component (AS5710, ReportIdentification)."""
+COMPONENT_TYPE = 60001  # type of a plain component (AS5710, ReportIdentification)
 
 
 class Component(Host):
@@ -224,14 +223,13 @@ class Component(Host):
     def start(self) -> None:
         """Receive messages, initialise, and begin subscriptions and sessions.
 
-        Raises:
-            RuntimeError: The component runs already.
-            ValueError: Another component of this process has the address.
+        A RuntimeError says that the component runs already, a ValueError that another one of this
+        process has the address.
         """
         with self.loop.lock:
             if self._jaus_running:
                 raise RuntimeError(f"component {self.address} runs already")
-            self.transport.attach(self.address, self._jaus_receive, self._jaus_dispatch)
+            self.transport.attach(self.address, self._jaus_dispatch)
             self._jaus_running = True
             self.core_state_changed()
             self._jaus_management.initialize()
@@ -281,12 +279,6 @@ class Component(Host):
             self._jaus_management.lift(clients)
 
     # ---- what comes in -----------------------------------------------------------------------
-
-    def _jaus_receive(self, received: ReceivedMessage) -> None:
-        if len(received.payload) >= MESSAGE_CODE_SIZE:
-            self._jaus_dispatch(received.payload, received.source)
-        else:
-            self.counters.add("component.unknown_message")
 
     def _jaus_dispatcher(self) -> Take:
         """Return what takes every message for the component, payload and sender."""

@@ -91,12 +91,7 @@ class ModelledComponent(Component):
     def handle_by_machines(
         self, message_class: type[M], *, when: Guard | Callable[[M], Guard] = Guard.ANY
     ) -> None:
-        """Let the machines take an input message.
-
-        Args:
-            when: Whom to obey, before any guard of the machine; a function tells it from the
-                message.
-        """
+        """Let the machines take an input message, of those alone whom its guard obeys."""
         self.handle(message_class, self._jaus_take, when=when)
 
     def provide_by_machines(
@@ -108,10 +103,7 @@ class ModelledComponent(Component):
         """Let the machines answer a query, and serve events on it.
 
         An event sends the report that the transition of the present state would send; the
-        transition itself is taken for a query alone.
-
-        Args:
-            *makers: The actions that make the report.
+        transition itself is taken for a query alone. The makers are actions that make the report.
         """
         provider = partial(self._jaus_report, makers)
         provision = Provision(query_class, report_class, provider)
@@ -155,9 +147,7 @@ class ModelledComponent(Component):
     def core_state(self, of: str = "Management") -> str:
         """Return the path of the core state, e.g. Receiving.Ready.Controlled.Available.Ready.
 
-        Args:
-            of: The core service; AccessControl knows no more than who controls, and whether
-                control is available.
+        AccessControl knows no more than who controls, and whether control is available.
         """
         if of == "Management":
             return CORE_STATES[self.status, self.controller is not None]
@@ -167,14 +157,11 @@ class ModelledComponent(Component):
         return _WITHOUT_CONTROL[of]
 
     def request_core_state(self, path: str, of: str = "Management") -> None:
-        """Enter the core state of a path, when a component may do so by itself.
+        """Enter the core state of a path, or around it, when a component may do so by itself.
 
         Of Management those are Standby, Failure and Shutdown; Standby without a controller lets go
         of it. Of AccessControl, a component lets go of its controller, and says whether control is
         available. Requests for others are counted as ``component.core_state_refused``.
-
-        Args:
-            path: A core state, or a state inside one.
         """
         if of == "AccessControl" and (self.controller or path.startswith(_NOT_CONTROLLED)):
             self.control_available = ".Available" in path
@@ -275,22 +262,16 @@ class Simulation:
         component.when_started(self._warn)
 
     def keep(self, report_class: type[Message], **values: Any) -> None:
-        """Have reports say these values from now on, and send events on them.
+        """Have reports say values by their attributes from now on, and send events on them.
 
-        Args:
-            values: By their attributes in the report. None is what a command left out: of that, the
-                value before stays.
+        None is what a command left out: of that, the value before stays.
         """
         stated_values = {name: value for name, value in values.items() if value is not None}
         self._kept.setdefault(report_class, {}).update(stated_values)
         self._component.report_changed(report_class)
 
     def report(self, at_rest: R) -> R:
-        """Return a report that says what was kept, and of all else what it says at rest.
-
-        Args:
-            at_rest: The report of a component that was told nothing; it is changed.
-        """
+        """Return a report that says what was kept, and of all else what it says at rest."""
         for name, value in self._kept.get(type(at_rest), {}).items():
             setattr(at_rest, name, value)
         self._component.counters.add("component.simulated")

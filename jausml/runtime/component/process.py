@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 import argparse
+import os
 import re
+import socket
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ..base.address import JausAddress
 from ..base.api import part_of_whole
+from ..base.counters import LOGGER
 from ..base.loop import Loop
 from ..base.process import LOG_LEVELS, log_counts
 from ..base.settings import TransportKind, TransportSettings
 from ..services.definitions import ComponentSettings, Scope, server_type
 from ..transports.udp.judp import JudpTransport
-from .watchdog import feed_watchdog
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
 
     from ..transports.transport import Transport
 
@@ -82,11 +84,7 @@ def component_settings(
 
 @contextmanager
 def running_transport(settings: TransportSettings) -> Iterator[Transport]:
-    """Open a transport on a loop of its own for the duration of a block.
-
-    Raises:
-        OSError: The network cannot be used as the settings say.
-    """
+    """Open a transport on a loop of its own for a block; OSError where the network refuses."""
     with Loop() as loop:
         transport = create_transport(settings, loop)
         transport.open()
@@ -127,14 +125,54 @@ _OPTIONAL_TRANSPORTS = {
 
 
 def create_transport(settings: TransportSettings, loop: Loop) -> Transport:
-    """Return the transport that the settings name, not yet open.
-
-    Raises:
-        JausError: The workspace was generated without this transport.
-    """
+    """Return the transport of settings, not yet open; JausError where the workspace has none."""
     if settings.transport is TransportKind.JUDP:
         return JudpTransport(settings, loop)
     kind: Callable[[TransportSettings, Loop], Transport] = part_of_whole(
         *_OPTIONAL_TRANSPORTS[settings.transport]
     )
     return kind(settings, loop)
+
+
+_TIMES_IN_TIME_OUT = 3
+"""Notifications within the time after which a silent process is killed and started again."""
+
+
+def feed_watchdog(loop: Loop, environment: Mapping[str, str] = os.environ) -> None:
+    """Tell systemd that the loop turns, as long as it does; nothing where nobody watches.
+
+    The lock of the loop is held.
+    """
+    place, time_out = environment.get("NOTIFY_SOCKET", ""), environment.get("WATCHDOG_USEC", "")
+    # A process that this one starts inherits the environment, and is not who is watched.
+    watched = environment.get("WATCHDOG_PID", str(os.getpid()))
+    is_time_out = time_out.isdecimal() and int(time_out) > 0
+    if not place or not is_time_out or watched != str(os.getpid()):
+        return
+    # A name that begins with @ is one of Linux's abstract sockets.
+    address = f"\0{place[1:]}" if place.startswith("@") else place
+    _Feeder(loop, address, int(time_out) / 1e6 / _TIMES_IN_TIME_OUT).feed()
+
+
+class _Feeder:
+    def __init__(self, loop: Loop, address: str, period: float) -> None:
+        self._loop = loop
+        self._address = address
+        self._period = period
+        self._was_told = True
+
+    def feed(self) -> None:
+        """Notify the watchdog, and do so again after a period."""
+        try:
+            with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM | socket.SOCK_CLOEXEC) as sender:
+                # A manager that reads nothing must not hold up the loop.
+                sender.settimeout(0)
+                sender.sendto(b"WATCHDOG=1", self._address)
+        except OSError as error:
+            if self._was_told:
+                LOGGER.warning("the watchdog at %s cannot be told: %s", self._address, error)
+            self._was_told = False
+        else:
+            self._was_told = True
+        # Also where it failed: a manager that is away for a moment would kill a sound process.
+        self._loop.call_later(self._period, self.feed)

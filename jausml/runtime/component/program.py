@@ -10,12 +10,7 @@ from typing import TYPE_CHECKING
 from ..base.counters import LOGGER
 from ..base.process import EXIT_OK, StopRequest, configure_log, failed
 from ..base.settings import add_arguments, from_arguments
-from .process import (
-    add_component_arguments,
-    component_settings,
-    given_options,
-    running_transport,
-)
+from .process import add_component_arguments, component_settings, given_options, running_transport
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

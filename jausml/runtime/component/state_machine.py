@@ -44,47 +44,33 @@ class Kind(Enum):
     their queries so: nobody means that a question stops what a state has started. A target that
     is the present state is a self transition.
     """
-    INTERNAL = "internal"
-    """Runs the actions alone."""
+    INTERNAL = "internal"  # runs the actions alone
     PUSH = "push"
     """Remembers the present state and enters the target; the oldest of many is forgotten."""
-    POP = "pop"
-    """Enters the state that the last push remembered."""
+    POP = "pop"  # enters the state that the last push remembered
 
 
 @dataclass(frozen=True)
 class On:
-    """A transition.
+    """A transition."""
 
-    Attributes:
-        trigger: What takes it; None is whatever no other transition takes.
-        when: Its guard; None means always.
-        do: What is done, after the exit and before the entry actions.
-    """
-
-    trigger: Trigger
-    when: Condition | None = None
-    do: tuple[Action, ...] = ()
+    trigger: Trigger  # what takes it; None is whatever no other transition takes
+    when: Condition | None = None  # its guard; None means always
+    do: tuple[Action, ...] = ()  # what is done, after the exit and before the entry actions
     target: str = ""
     kind: Kind = Kind.SIMPLE
 
 
 @dataclass(frozen=True)
 class State:
-    """A state; the states that enclose it are those of the shorter paths.
+    """A state; the states that enclose it are those of the shorter paths."""
 
-    Attributes:
-        path: Names from the outermost state, joined by dots.
-        initial: Whether entering the enclosing state, or the machine, enters this one.
-        transitions: Tried in this order; the first whose guard holds is taken.
-        defaults: Tried for the states inside, before the transitions of this state.
-    """
-
-    path: str
-    initial: bool = False
+    path: str  # names from the outermost state, joined by dots
+    initial: bool = False  # whether entering the enclosing state, or the machine, enters this one
     entry: tuple[Action, ...] = ()
     exit: tuple[Action, ...] = ()
-    transitions: tuple[On, ...] = ()
+    transitions: tuple[On, ...] = ()  # tried in this order; the first whose guard holds is taken
+    # Tried for the states inside, before the transitions of this state.
     defaults: tuple[On, ...] = ()
 
 

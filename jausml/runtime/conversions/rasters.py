@@ -59,11 +59,7 @@ def reverse_rows(cells: Sequence[Cell], columns: float) -> list[Cell]:
 
 
 def row_starts(count: int, columns: float) -> range:
-    """Returns where the rows of a grid begin, the last row first.
-
-    Raises:
-        ConversionError: The cells do not fill rows of `columns` cells.
-    """
+    """Returns where rows of a grid begin, the last first; ConversionError where cells fill none."""
     if not count:
         return range(0)
     if not (columns >= 1.0 and columns % 1.0 == 0.0 and count % columns == 0.0):
@@ -71,8 +67,7 @@ def row_starts(count: int, columns: float) -> range:
     return range(count - int(columns), -1, -int(columns))
 
 
-_SIZES = {"mono8": 1, "mono16": 2, "rgb8": 3, "bgr8": 3}
-"""The octets of a pixel by encoding."""
+_SIZES = {"mono8": 1, "mono16": 2, "rgb8": 3, "bgr8": 3}  # the octets of a pixel by encoding
 _ENCODINGS = {(b"5", 255): "mono8", (b"5", 65535): "mono16", (b"6", 255): "rgb8"}
 _BETWEEN = rb"(?:\s|#[^\r\n]*[\r\n])"
 _HEADER = re.compile(

@@ -22,14 +22,12 @@ from .sayings import Cancel, Datagram, Stops, Told, Topic
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-POLL = 0.1
-"""Seconds between two looks at the beat."""
+POLL = 0.1  # seconds between two looks at the beat
 
 GOAL_PATIENCE = 1.5
 """Seconds without a beat after which goals are cancelled: what is cancelled cannot be taken up."""
 
-SAID_FOR = 1.0
-"""Seconds for which stops are said to whoever is found, and goals are cancelled."""
+SAID_FOR = 1.0  # seconds for which stops are said to whoever is found, and goals are cancelled
 
 SOUGHT_FOR = 5.0
 """Seconds for which whoever listens to a topic is looked for, where nobody was found before.
@@ -37,18 +35,12 @@ SOUGHT_FOR = 5.0
 Participants of DDS find each other at once, or when one announces itself again, after 3 s.
 """
 
-TIMES = 3
-"""How often each subscriber and each component is told, as the first message may get lost."""
-
-AGAIN = 0.1
-"""Seconds between these."""
-
+TIMES = 3  # how often each subscriber and each component is told, as the first message may get lost
+AGAIN = 0.1  # seconds between these
 _PAUSE = 0.002
 _CANCEL = "action_msgs/srv/CancelGoal"
 _STAMP = struct.Struct("<iI")
-
-EXIT_OF_ROS = 3
-"""Exit code of a guardian that cannot speak ROS."""
+EXIT_OF_ROS = 3  # exit code of a guardian that cannot speak ROS
 
 _ResultT = TypeVar("_ResultT")
 
@@ -365,11 +357,7 @@ def _log(text: str) -> None:
 
 
 def main(channel: str, page: str, death: str, name: str, bridge: str) -> int:
-    """Guards one bridge.
-
-    Returns:
-        The exit code: 0, or `EXIT_OF_ROS`.
-    """
+    """Guards one bridge; returns the exit code: 0, or `EXIT_OF_ROS`."""
     # It ends with its bridge, by itself: signals of a terminal or a service manager are for that.
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, signal.SIG_IGN)

@@ -66,12 +66,7 @@ class Rcl:
     """One participant, from the start on: it takes a second until others know a new one."""
 
     def __init__(self, rcl: str, utilities: str, name: str, arguments: list[str]) -> None:
-        """Joins ROS.
-
-        Args:
-            name: Name of the node; one that begins with `_` is hidden from most tools.
-            arguments: What concerns security, as on the command line of the bridge.
-        """
+        """Joins ROS with the arguments of security; a name that begins with `_` is hidden."""
         try:
             self._rcl = ctypes.CDLL(rcl, ctypes.RTLD_GLOBAL)
             default = ctypes.CDLL(utilities, ctypes.RTLD_GLOBAL).rcutils_get_default_allocator
@@ -116,11 +111,7 @@ class Rcl:
         return ctypes.c_void_p(function())
 
     def publisher(self, topic: str, support: Any, qos: dict[str, Any]) -> Publisher:
-        """Makes a publisher.
-
-        Args:
-            qos: Quality of service by the words of the model; durations in seconds, 0 for none.
-        """
+        """Makes a publisher of the quality that the model names; 0 seconds stand for no limit."""
         options = self._default("rcl_publisher_get_default_options")
         quality = _Quality.from_address(ctypes.addressof(options))
         quality.history = _HISTORY.get(qos["history"], 1)
@@ -206,14 +197,7 @@ class Rcl:
         return handle
 
     def cancel(self, canceller: Any, goal: bytes) -> bool:
-        """Asks that a goal ends.
-
-        Args:
-            goal: Its id, 16 octets.
-
-        Returns:
-            False while the server has not been found: to be tried again.
-        """
+        """Asks that a goal, of 16 octets, ends; False while the server has not been found."""
         ready = ctypes.c_bool()
         self._call(
             "rcl_service_server_is_available",

@@ -11,42 +11,29 @@ if TYPE_CHECKING:
 
 @dataclass
 class Topic:
-    """A stop for a topic.
-
-    Attributes:
-        stamps: Where the present time stands in it.
-    """
+    """A stop for a topic."""
 
     name: str
     support: Any
     qos: dict[str, Any]
     data: bytearray
-    stamps: list[int]
+    stamps: list[int]  # where the present time stands in it
 
 
 @dataclass
 class Datagram:
-    """A stop for a JAUS component.
-
-    Attributes:
-        slot: Where the page has the sequence number.
-    """
+    """A stop for a JAUS component."""
 
     data: bytearray
     endpoint: tuple[str, int]
-    slot: int
+    slot: int  # where the page has the sequence number
 
 
 @dataclass
 class Stops:
-    """What ends what a connection has set in motion.
+    """What ends what a connection has set in motion."""
 
-    Attributes:
-        patience: Seconds without a beat after which it is said.
-        refused: Topics that ROS refuses.
-    """
-
-    patience: float
+    patience: float  # seconds without a beat after which it is said
     topics: list[Topic]
     datagrams: list[Datagram]
     refused: int
@@ -54,29 +41,21 @@ class Stops:
 
 @dataclass
 class Told:
-    """How often whoever listens to a stop was told, by the number of those who do.
-
-    Attributes:
-        rivals: Publishers on the topic when the stop was due.
-    """
+    """How often whoever listens to a stop was told, by the number of those who do."""
 
     publisher: Publisher
     topic: Topic
-    rivals: int
+    rivals: int  # publishers on the topic when the stop was due
     times: dict[int, int] = field(default_factory=dict)
     last: float = 0.0
 
 
 @dataclass
 class Cancel:
-    """What was asked of the server of an action.
-
-    Attributes:
-        first: When it was asked first, 0 before its server was found.
-    """
+    """What was asked of the server of an action."""
 
     canceller: Any
     goal: bytes
     service: str
-    first: float = 0.0
+    first: float = 0.0  # when it was asked first, 0 before its server was found
     last: float = 0.0

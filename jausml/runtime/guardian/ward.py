@@ -11,27 +11,21 @@ from typing import TYPE_CHECKING, Any
 
 from ..base.clocks import Alarm
 from ..base.counters import LOGGER
+from ..conversions import Time
 from . import process
-from .page import MOST_OF_A_FRAME, MOST_STOPS, Page, frame, steady_ns
-from .slots import Slots
+from .page import MOST_OF_A_FRAME, MOST_STOPS, Page, Slots, frame, steady_ns
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable
 
     from ..base.loop import Loop
 
-PERIOD = 0.1
-"""Seconds between two beats."""
-
-LEAST_PATIENCE = 0.5
-"""Seconds for which a bridge may be starved without a stop."""
+PERIOD = 0.1  # seconds between two beats
 
 _REFRESH = 10
 """Beats after which what is handed over is looked at again, as endpoints of components change."""
 
-TOO_SOON = 10.0
-"""Seconds within which a second guardian that ends is one too many."""
-
+TOO_SOON = 10.0  # seconds within which a second guardian that ends is one too many
 _GOODBYE = 2.0
 # The guardian alone is imported, not jausml, which would take more memory and time.
 _MODULE = ".".join(process.__name__.split(".")[-2:])
@@ -81,6 +75,9 @@ class Ward:
     has none.
     """
 
+    # That stops are made for: where it stands in them, the guardian puts the present.
+    moment = Time(0x01020304, 0x05060708)
+
     def __init__(
         self,
         loop: Loop,
@@ -119,13 +116,9 @@ class Ward:
     # ------------------------------------------------------------------ for connections
 
     def guard(self, stops: Callable[[], Content]) -> Guarded | None:
-        """Guards a connection from now on.
+        """Guards a connection from now on, of which `stops` returns patience and stops.
 
-        Args:
-            stops: Returns its patience and its stops for topics and components.
-
-        Returns:
-            What arms the stops; None where there are too many.
+        What is returned arms them; None where there are too many.
         """
         if len(self._guarded) >= MOST_STOPS:
             self._left_out += 1
@@ -360,15 +353,3 @@ class Ward:
         except subprocess.TimeoutExpired:
             process.kill()
             process.wait()
-
-
-def stops(
-    patience: float, topics: Sequence[Content] = (), datagrams: Sequence[Content] = ()
-) -> Content:
-    """Returns the stops of a connection as they are handed over.
-
-    Args:
-        patience: Seconds of silence after which the stop of the connection is due.
-    """
-    due = max(LEAST_PATIENCE, patience)
-    return {"patience": due, "topics": list(topics), "datagrams": list(datagrams)}

@@ -5,15 +5,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import Annotated, TypeAlias
 
-from ..wire.codec import (
-    U8,
-    U32,
-    StampedMessage,
-    TimeStamp,
-    bits,
-    integer,
-    unsigned,
-)
+from ..wire.codec import U8, U32, StampedMessage, TimeStamp, bits, integer, unsigned
 from ..wire.layout import Bodiless, message
 from ..wire.message import Message
 

@@ -29,11 +29,8 @@ if TYPE_CHECKING:
     from .host import Host
 
 
-LIMIT = 10
-"""Like refusals that a requester gets at once in each second."""
-
-PERIOD = 1.0
-"""Seconds in which they are counted."""
+LIMIT = 10  # like refusals that a requester gets at once in each second
+PERIOD = 1.0  # seconds in which they are counted
 
 MAX_REQUESTERS = 256
 """Requesters that are counted at a time; a flood of false ones must not fill the memory."""
@@ -62,9 +59,7 @@ class Refusals:
     def put_off(self, requester: JausAddress, code: int, again: Callable[[], None]) -> bool:
         """Tell whether a refusal is not to be sent now; the request is then judged again later.
 
-        Args:
-            code: Why it is refused; another reason is told at once.
-            again: Judges the request again; of several of a requester the last one is.
+        Another reason is told at once; of several requests of one sender the last is judged.
         """
         now = self._loop.now()
         count = self._counts.get(requester) or self._begin(requester, now)
@@ -102,13 +97,6 @@ class AccessControlService:
     """Keeps who controls the component (AS5710, AccessControl, protocol behaviour).
 
     A component that provides AccessControl v1.0 answers ReleaseControl as v1.0 says.
-
-    Attributes:
-        authority: Its authority code; the default authority without a controller.
-        has_lapsed: Whether the last controller let control lapse.
-        kept: Whether the controller keeps control while nobody else may have it.
-        on_lost: Called when control ends, before the controller is told.
-        on_changed: Called when somebody else, or nobody, has become the controller.
     """
 
     urns = frozenset([CORE + "AccessControl"])
@@ -119,13 +107,16 @@ class AccessControlService:
         self._timeout = component.settings.control_timeout
         self._default = component.settings.default_authority
         self.controller: JausAddress | None = None
+        # Its authority code; the default authority without a controller.
         self.authority = self._default
         self.offered = True
         self.managed = True
-        self.has_lapsed = False
-        self.kept = False
+        self.has_lapsed = False  # whether the last controller let control lapse
+        self.kept = False  # whether the controller keeps control while nobody else may have it
         self.emergency_clients: Set[JausAddress] = frozenset()
+        # Called when control ends, before the controller is told.
         self.on_lost: Callable[[], None] = _nothing
+        # Called when somebody else, or nobody, has become the controller.
         self.on_changed: Callable[[], None] = _nothing
         self._refusals = Refusals(component.loop)
         self._is_1_0 = component.core_version("AccessControl") < VERSION_1_1
@@ -189,11 +180,7 @@ class AccessControlService:
         self.pass_control(sender, code, lambda: self._confirm(sender, Confirm.CONTROL_ACCEPTED))
 
     def pass_control(self, client: JausAddress, code: int, confirm: Callable[[], None]) -> None:
-        """Make a client the controller, and tell a former one that it is that no more.
-
-        Args:
-            confirm: Tells the client, after the former controller and before those who watch.
-        """
+        """Make a client the controller; it is told after the former one, before who watches."""
         self._refusals.forget(client)
         former, self.controller = self.controller, client
         self.has_lapsed = False

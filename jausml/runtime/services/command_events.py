@@ -31,11 +31,8 @@ if TYPE_CHECKING:
 
 RejectCode = RejectEventRequest.ResponseCode
 
-EVENT_IDS = 255
-"""Event ids are 0 to 254; peers take 255 for "no event"."""
-
-MAX_TEXT = 80
-"""Characters that an ErrorMessage holds."""
+EVENT_IDS = 255  # event ids are 0 to 254; peers take 255 for "no event"
+MAX_TEXT = 80  # characters that an ErrorMessage holds
 
 
 class RequestError(JausError):
@@ -50,12 +47,7 @@ class EventIds:
     """Hands out the ids that are free, each as late as possible after its last use."""
 
     def __init__(self, limit: int, make_room: Callable[[JausAddress], object]) -> None:
-        """Start with all ids free.
-
-        Args:
-            limit: Most ids in use at a time, 0 to 255.
-            make_room: Gives an id back, if somebody must give way to a client.
-        """
+        """Start with all ids free; `make_room` gives one back, if somebody must give way."""
         self._limit = limit
         self._make_room = make_room
         self._used: set[int] = set()

@@ -13,25 +13,19 @@ if TYPE_CHECKING:
 
     from ..base.address import JausAddress
 
-CORE = "urn:jaus:jss:core:"
-"""Prefix of the identifiers of the core services (AS5710)."""
+CORE = "urn:jaus:jss:core:"  # prefix of the identifiers of the core services (AS5710)
 
 VERSION_1_1 = (1, 1)
 """Major and minor version of the core services of AS5710A; AS5710 is 1.0."""
 
-MAX_EVENT_RATE = 1092.0
-"""Upper limit of RequestedPeriodicRate in Hz (AS5710, CreateEvent)."""
+MAX_EVENT_RATE = 1092.0  # upper limit of RequestedPeriodicRate in Hz (AS5710, CreateEvent)
 
 
 @dataclass(frozen=True)
 class ServiceIdentity:
-    """A service as Discovery reports it (AS5710, ReportServices).
+    """A service as Discovery reports it (AS5710, ReportServices)."""
 
-    Attributes:
-        urn: Identifier, e.g. ``urn:jaus:jss:mobility:PrimitiveDriver``; case matters.
-    """
-
-    urn: str
+    urn: str  # e.g. ``urn:jaus:jss:mobility:PrimitiveDriver``; case matters
     major: int
     minor: int
 
@@ -39,12 +33,9 @@ class ServiceIdentity:
 class Guard(Enum):
     """Who a component obeys an input message from (AS5710, AccessControl and Management)."""
 
-    ANY = "any"
-    """Every component."""
-    CONTROLLED = "controlled"
-    """The controller alone, in Standby or Ready."""
-    READY = "ready"
-    """The controller alone, in Ready."""
+    ANY = "any"  # every component
+    CONTROLLED = "controlled"  # the controller alone, in Standby or Ready
+    READY = "ready"  # the controller alone, in Ready
 
 
 class Status(IntEnum):
@@ -69,21 +60,13 @@ class Scope(IntEnum):
 
 @dataclass(frozen=True)
 class HandoffRequest:
-    """Somebody asks for control of a component that this one controls.
+    """Somebody asks for control of a component that this one controls."""
 
-    Attributes:
-        target: The controlled component.
-        number: By which the target knows the request.
-        client: Who asks.
-        authority: The authority code with which it would have control.
-        explanation: Why it asks, for people.
-    """
-
-    target: JausAddress
-    number: int
-    client: JausAddress
-    authority: int
-    explanation: str
+    target: JausAddress  # the controlled component
+    number: int  # by which the target knows the request
+    client: JausAddress  # who asks
+    authority: int  # the authority code with which it would have control
+    explanation: str  # why it asks, for people
 
 
 @dataclass(frozen=True)
@@ -167,7 +150,6 @@ class ComponentSettings:
     check_interval: float = 10.0
 
     def __post_init__(self) -> None:
-        """Refuse values that the wire cannot carry or that would flood it."""
         check_range("default_authority", self.default_authority, 0, 255)
         check_range("control_timeout", self.control_timeout, 0, 255)
         check_range("handoff_timeout", self.handoff_timeout, 0, 255)
@@ -258,11 +240,7 @@ _LONGEST_URL = 255
 
 
 def server_type(url: str) -> int:
-    """Returns the kind of server that a URL leads to.
-
-    Raises:
-        ValueError: It has a scheme that the IOP does not know, or is too long to be told.
-    """
+    """Returns the kind of server of a URL; ValueError where the IOP has none, or it is too long."""
     scheme = url.partition("://")[0].lower()
     if scheme not in _SERVER_TYPES or "://" not in url:
         known = ", ".join(_SERVER_TYPES)

@@ -21,8 +21,7 @@ if TYPE_CHECKING:
     from ..wire.message import Message
     from .host import Host
 
-MOST_ENDPOINTS = 255
-"""Endpoints that a report can list, and ids that a confirmation can tell."""
+MOST_ENDPOINTS = 255  # endpoints that a report can list, and ids that a confirmation can tell
 
 
 def endpoints(urls: Sequence[str], owner: JausAddress) -> list[Endpoint]:

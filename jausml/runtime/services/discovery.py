@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from ..base.address import WILDCARD_COMPONENT, WILDCARD_NODE, WILDCARD_SUBSYSTEM, JausAddress
+from ..base.api import part_of_whole
 from ..messages import (
     QueryConfiguration,
     QueryIdentification,
@@ -18,35 +20,156 @@ from ..messages import (
     ReportSubsystemList,
 )
 from .definitions import CORE, VERSION_1_1, Scope, ServiceIdentity
-from .discovery_messages import (
-    MAX_LIST,
-    report_configuration,
-    report_service_list,
-    report_services,
-    report_subsystem_list,
-    services_of,
-)
 
 if TYPE_CHECKING:
-    from ..base.address import JausAddress
+    from collections.abc import Callable, Iterable, Mapping, Sequence
+
     from ..wire.message import Message
     from .host import Host
 
+    Catalog = Mapping[JausAddress, Sequence[ServiceIdentity]]
+
+
+MAX_LIST = 255  # entries that a list of a report holds
+
+INSTANCE_ID = 0
+"""InstanceID of every component: old systems had several at one address, here there is one."""
+
+
+def register_services(services: Iterable[ServiceIdentity]) -> RegisterServices:
+    """Return the registration of a component's services."""
+    return RegisterServices(service_list=_records(services))
+
+
+def report_services(query: QueryServices, catalog: Catalog, subsystem: int) -> ReportServices:
+    """Return what is known of the nodes and components that a QueryServices names.
+
+    Unknown nodes and components are left out, so that a query for one unknown node yields an
+    empty list.
+    """
+    patterns = {
+        JausAddress(subsystem, node.node_rec.node_id, component.component_id)
+        for node in query.node_list
+        for component in node.component_list
+    }
+    matches = {
+        address: services
+        for address, services in catalog.items()
+        if not patterns.isdisjoint(_matching_patterns(address))
+    }
+    return ReportServices(node_list=_nodes(matches, matches))
+
+
+def report_service_list(query: QueryServiceList, catalog: Catalog) -> ReportServiceList:
+    """Return what is known of the subsystems, nodes and components that a query names.
+
+    A SearchFilter keeps the services whose identifier contains it; one of several filters of an
+    address is enough. Filters of one address beyond the length of a list are left out.
+    """
+    # JAUS-DEVIATION: the meaning of SearchFilter is not known to us; a part of the URI is taken.
+    filters: dict[JausAddress, set[str]] = {}
+    for subsystem_entry in query.subsystem_list:
+        for node_entry in subsystem_entry.node_list:
+            for component in node_entry.component_list:
+                pattern = JausAddress(
+                    subsystem_entry.subsystem_rec.subsystem_id,
+                    node_entry.node_rec.node_id,
+                    component.component_id,
+                )
+                texts = filters.setdefault(pattern, set())
+                # Each is looked for in all services: thousands of them would hold up the rest.
+                if len(texts) < MAX_LIST:
+                    texts.add(component.search_filter or "")
+    matches: dict[JausAddress, Sequence[ServiceIdentity]] = {}
+    for address, services in catalog.items():
+        texts = set().union(*(filters.get(name, ()) for name in _matching_patterns(address)))
+        matching = [service for service in services if any(text in service.urn for text in texts)]
+        # Without a filter a component is named even if it has no services.
+        if matching or "" in texts:
+            matches[address] = matching
+    return ReportServiceList(
+        subsystem_list=[
+            ReportServiceList.SubsystemSeq(
+                subsystem_rec=ReportServiceList.SubsystemRec(subsystem_id=subsystem),
+                node_list=_nodes(members, matches),
+            )
+            for subsystem, members in grouped(matches, lambda address: address.subsystem)
+        ]
+    )
+
+
+def _nodes(addresses: Iterable[JausAddress], catalog: Catalog) -> list[ReportServices.NodeSeq]:
+    """Return the nodes of some components, with what these provide."""
+    return [
+        ReportServices.NodeSeq(
+            node_rec=ReportServices.NodeRec(node_id=node),
+            component_list=[
+                ReportServices.ComponentSeq(
+                    component_rec=component_record(address), service_list=_records(catalog[address])
+                )
+                for address in members
+            ],
+        )
+        for node, members in grouped(addresses, lambda address: address.node)
+    ]
+
+
+def component_record(address: JausAddress) -> ReportServices.ComponentRec:
+    """Return what stands for a component."""
+    return ReportServices.ComponentRec(component_id=address.component, instance_id=INSTANCE_ID)
+
+
+def _records(services: Iterable[ServiceIdentity]) -> list[ReportServices.ServiceRec]:
+    return [
+        ReportServices.ServiceRec(service.urn, service.major, service.minor) for service in services
+    ]
+
+
+def services_of(
+    component: RegisterServices | ReportServices.ComponentSeq,
+) -> tuple[ServiceIdentity, ...]:
+    """Return the services that a component registers, or that a report names."""
+    return tuple(
+        ServiceIdentity(service.uri, service.major_version_number, service.minor_version_number)
+        for service in component.service_list
+    )
+
+
+def _matching_patterns(address: JausAddress) -> list[JausAddress]:
+    """Return the address itself and all wildcard addresses that include it.
+
+    A query may name tens of thousands of addresses; looking these few up in it keeps the answer
+    cheap.
+    """
+    return [
+        JausAddress(subsystem, node, component)
+        for subsystem in (address.subsystem, WILDCARD_SUBSYSTEM)
+        for node in (address.node, WILDCARD_NODE)
+        for component in (address.component, WILDCARD_COMPONENT)
+    ]
+
+
+def grouped(
+    addresses: Iterable[JausAddress], key: Callable[[JausAddress], int]
+) -> list[tuple[int, list[JausAddress]]]:
+    """Group addresses by one of their parts.
+
+    Groups beyond `MAX_LIST` are dropped: a list on the wire holds no more.
+    """
+    groups: dict[int, list[JausAddress]] = {}
+    for address in sorted(addresses):
+        groups.setdefault(key(address), []).append(address)
+    return list(groups.items())[:MAX_LIST]
+
 
 Type = ReportIdentification.Type
-
-MAX_REGISTRATIONS = 1024
-"""Components that are remembered; a flood of registrations must not fill the memory."""
-
-MAX_SUBSYSTEMS = MAX_LIST - 1
-"""Other subsystems that fit a ReportSubsystemList."""
 
 
 class DiscoveryService:
     """Answers for the component, its node or its subsystem (AS5710, Discovery).
 
-    A component that provides Discovery v1.0 knows no QueryServiceList.
-    A query whose scope is wider than the service's own stays unanswered.
+    A component that provides Discovery v1.0 knows no QueryServiceList. A query whose scope is wider
+    than the service's own stays unanswered; one that answers for others has a `Directory` of them.
     """
 
     urns = frozenset([CORE + "Discovery"])
@@ -54,27 +177,25 @@ class DiscoveryService:
     def __init__(self, component: Host) -> None:
         self._component = component
         self._scope = component.settings.discovery_scope
-        self._registered: dict[JausAddress, tuple[ServiceIdentity, ...]] = {}
-        self._heard: dict[JausAddress, float] = {}
-        self._servers: dict[int, tuple[JausAddress, float]] = {}
+        self._directory: Any = None
 
     def attach(self) -> None:
         """Take the messages of Discovery."""
         component = self._component
         component.provide(QueryIdentification, ReportIdentification, self._identification)
-        component.provide(QueryConfiguration, ReportConfiguration, self._configuration)
-        component.provide(QuerySubsystemList, ReportSubsystemList, self._subsystem_list)
         component.provide(QueryServices, ReportServices, self._services)
         if component.core_version("Discovery") >= VERSION_1_1:
             component.provide(QueryServiceList, ReportServiceList, self._service_list)
-        component.handle(RegisterServices, self._register)
-        component.on_message(ReportIdentification, self._server_found)
+        if self._scope < Scope.COMPONENT:
+            self._directory = component.part(part_of_whole("services.directory", "Directory"))
+            return
+        component.provide(QueryConfiguration, ReportConfiguration, _not_told)
+        component.provide(QuerySubsystemList, ReportSubsystemList, _not_told)
+        component.handle(RegisterServices, self._ignore)
 
     def _identification(
-        self, query: QueryIdentification, sender: JausAddress
+        self, query: QueryIdentification, _sender: JausAddress
     ) -> ReportIdentification | None:
-        if sender in self._heard:
-            self._heard[sender] = self._component.loop.now()
         if not Scope.SYSTEM <= query.query_type <= Scope.COMPONENT:
             return None
         scope = Scope(query.query_type)
@@ -96,25 +217,6 @@ class DiscoveryService:
             return known if known >= Type.PAYLOAD else Type.COMPONENT
         return known if known < Type.NODE else Type.OTHER_SUBSYSTEM
 
-    def _configuration(
-        self, query: QueryConfiguration, _sender: JausAddress
-    ) -> ReportConfiguration | None:
-        own = self._component.address
-        members = [address for address in self._catalog() if address.subsystem == own.subsystem]
-        if query.query_type == Scope.SUBSYSTEM and self._scope <= Scope.SUBSYSTEM:
-            return report_configuration(members)
-        if query.query_type == Scope.NODE and self._scope <= Scope.NODE:
-            return report_configuration(member for member in members if member.node == own.node)
-        return None
-
-    def _subsystem_list(self, _query: Message, _sender: JausAddress) -> ReportSubsystemList | None:
-        if self._scope > Scope.SUBSYSTEM:
-            return None
-        own = self._component.address
-        self._forget_servers()
-        others = {subsystem: server for subsystem, (server, _) in self._servers.items()}
-        return report_subsystem_list({**others, own.subsystem: own}.values())
-
     def _services(self, query: QueryServices, _sender: JausAddress) -> ReportServices:
         own = self._component.address.subsystem
         members = {
@@ -127,59 +229,17 @@ class DiscoveryService:
     def _service_list(self, query: QueryServiceList, _sender: JausAddress) -> ReportServiceList:
         return report_service_list(query, self._catalog())
 
-    def _register(self, message: RegisterServices, sender: JausAddress) -> None:
-        counters = self._component.counters
-        if len(self._registered) >= MAX_REGISTRATIONS:
-            self._forget_registrations()
-        if not self._answers_for(sender):
-            counters.add("discovery.registration_ignored")
-        elif sender not in self._registered and len(self._registered) >= MAX_REGISTRATIONS:
-            counters.count("discovery.too_many_registrations", str(sender))
-        else:
-            self._registered[sender] = services_of(message)
-            self._heard[sender] = self._component.loop.now()
+    def _catalog(self) -> Mapping[JausAddress, tuple[ServiceIdentity, ...]]:
+        """Return the services of whom it answers for."""
+        own = {self._component.address: self._component.services}
+        return own if self._directory is None else self._directory.catalog()
 
-    def _server_found(self, report: ReportIdentification, sender: JausAddress) -> None:
-        if report.query_type != Scope.SUBSYSTEM:
-            return
-        if len(self._servers) >= MAX_SUBSYSTEMS:
-            self._forget_servers()
-        if sender.subsystem in self._servers or len(self._servers) < MAX_SUBSYSTEMS:
-            self._servers[sender.subsystem] = sender, self._component.loop.now()
-        else:
-            self._component.counters.count("discovery.too_many_subsystems", str(sender))
+    def _ignore(self, _message: RegisterServices, _sender: JausAddress) -> None:
+        self._component.counters.add("discovery.registration_ignored")
 
-    def _answers_for(self, other: JausAddress) -> bool:
-        own = self._component.address
-        if self._scope is Scope.SYSTEM:
-            return True
-        if self._scope is Scope.SUBSYSTEM:
-            return other.subsystem == own.subsystem
-        if self._scope is Scope.NODE:
-            return (other.subsystem, other.node) == (own.subsystem, own.node)
-        return False
 
-    def _oldest(self) -> float:
-        """Return the time before which whoever was heard last is forgotten."""
-        return self._component.loop.now() - self._component.settings.registration_lifetime
-
-    def _catalog(self) -> dict[JausAddress, tuple[ServiceIdentity, ...]]:
-        """Return the component and those that registered and were heard of lately."""
-        self._forget_registrations()
-        return {**self._registered, self._component.address: self._component.services}
-
-    def _forget_registrations(self) -> None:
-        limit = self._oldest()
-        for address in [registrant for registrant, heard in self._heard.items() if heard < limit]:
-            del self._heard[address]
-            del self._registered[address]
-
-    def _forget_servers(self) -> None:
-        limit = self._oldest()
-        for subsystem in [
-            subsystem_id for subsystem_id, (_, heard) in self._servers.items() if heard < limit
-        ]:
-            del self._servers[subsystem]
+def _not_told(_query: Message, _sender: JausAddress) -> None:
+    """Leave what concerns others to a component that answers for them."""
 
 
 def _latin(name: str) -> str:

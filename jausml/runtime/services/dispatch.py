@@ -20,19 +20,12 @@ if TYPE_CHECKING:
     from ..transports.delivery import Ordering
 
 _MOST_DROPS = 1024
-
-LONGEST_CALL = 0.5
-"""Seconds after which the log tells that user code blocks."""
-
+LONGEST_CALL = 0.5  # seconds after which the log tells that user code blocks
 M = TypeVar("M", bound=Message)
 Q = TypeVar("Q", bound=Message)
 R = TypeVar("R", bound=Message)
-
-Action = Callable[[Any, "JausAddress"], object]
-"""Takes a decoded message and its sender."""
-
-Take = Callable[[bytes, "JausAddress"], object]
-"""Takes an encoded message and its sender."""
+Action = Callable[[Any, "JausAddress"], object]  # takes a decoded message and its sender
+Take = Callable[[bytes, "JausAddress"], object]  # takes an encoded message and its sender
 
 Condition = Guard | Callable[[Any], Guard]
 """Whom to obey: always the same, or depending on the message."""
@@ -40,11 +33,7 @@ Condition = Guard | Callable[[Any], Guard]
 
 @dataclass(frozen=True)
 class Provision(Generic[Q, R]):
-    """What answers a query.
-
-    Attributes:
-        provider: Returns the present report, encoded or not, or None without one.
-    """
+    """What answers a query: a present report, encoded or not, or None without one."""
 
     query_class: type[Q]
     report_class: type[R]
@@ -55,20 +44,16 @@ class Provision(Generic[Q, R]):
 
 @dataclass(slots=True)
 class Handler:
-    """What acts on an input message.
-
-    Attributes:
-        takes_payload: Whether the action takes the encoded message instead of the decoded one.
-        is_robust: Whether one that does raises nothing and tells itself when it takes too long.
-        counts_each: Whether one that is late is of use still, after newer ones.
-    """
+    """What acts on an input message."""
 
     message_class: type[Message]
     action: Action
     condition: Condition
+    # Whether the action takes the encoded message instead of the decoded one.
     takes_payload: bool = False
+    # Whether one that does raises nothing and tells itself when it takes too long.
     is_robust: bool = False
-    counts_each: bool = True
+    counts_each: bool = True  # whether one that is late is of use still, after newer ones
 
     def guard_for(self, message: Message) -> Guard:
         """Return whom to obey when the message is this one."""
@@ -129,23 +114,13 @@ class Router:
 
     # ---- routes -----------------------------------------------------------------------------
 
-    def set_handler(
-        self,
-        message_class: type[Message],
-        action: Action,
-        condition: Condition,
-        *,
-        takes_payload: bool = False,
-        is_robust: bool = False,
-        counts_each: bool = True,
-    ) -> None:
+    def set_handler(self, handler: Handler) -> None:
         """Handle a message; raises ValueError when it is handled already."""
+        message_class = handler.message_class
         route = self._routes.setdefault(message_class.CODE, _Route())
         if route.handler is not None:
             raise ValueError(f"{message_class.NAME} is handled already")
-        route.handler = Handler(
-            message_class, action, condition, takes_payload, is_robust, counts_each
-        )
+        route.handler = handler
         self._prepare(message_class.CODE)
 
     def set_provision(
@@ -155,7 +130,7 @@ class Router:
     ) -> None:
         """Answer a query; raises ValueError when it is handled already."""
         query_class = provision.query_class
-        self.set_handler(query_class, partial(answer, provision), Guard.ANY)
+        self.set_handler(Handler(query_class, partial(answer, provision), Guard.ANY))
         self._provisions[query_class.CODE] = provision
 
     def provision(self, query_code: int) -> Provision[Any, Any] | None:
@@ -296,11 +271,9 @@ class Router:
     def payload_caller(
         self, function: Action, on_bad: Callable[[JausAddress, DecodeError], None]
     ) -> Callable[[bytes, JausAddress], None]:
-        """Return what calls a function that takes encoded messages, as ``call`` does.
+        """Return what calls a function with encoded messages, as ``call`` does.
 
-        Args:
-            function: Takes an encoded message and its sender.
-            on_bad: Told the sender and the error when the function cannot read a message.
+        Of a message that it cannot read, the sender and the error are told.
         """
         clock = self._stopwatch
 

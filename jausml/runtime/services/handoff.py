@@ -27,14 +27,9 @@ if TYPE_CHECKING:
     from ..base.address import JausAddress
     from .host import Host
 
-NO_REQUEST = 255
-"""Number in the answer to a client that has no request; requests have others."""
-
-MAX_REQUESTS = 16
-"""Clients that wait at a time; a flood of false ones must not bury the controller."""
-
-PAUSE = 0.1
-"""Seconds in which changes are collected before the controller is told."""
+NO_REQUEST = 255  # number in the answer to a client that has no request; requests have others
+MAX_REQUESTS = 16  # clients that wait at a time; a flood of false ones must not bury the controller
+PAUSE = 0.1  # seconds in which changes are collected before the controller is told
 
 Confirm = ConfirmHandoffRequest.ResponseCode
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeVar, cast
 from ..transports.packets.packet import Priority
 from ..wire.message import DecodeError, EncodeError, Message, asked_for, asked_for_in
 from .definitions import VERSION_1_1, Guard
-from .dispatch import Provision
+from .dispatch import Handler, Provision
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -21,13 +21,8 @@ if TYPE_CHECKING:
     from ..base.fast_path import FastPath
     from ..base.loop import Loop
     from ..transports.transport import Transport
-    from .definitions import (
-        Completion,
-        ComponentSettings,
-        HandoffRequest,
-        ServiceIdentity,
-    )
-    from .dispatch import Handler, Router
+    from .definitions import Completion, ComponentSettings, HandoffRequest, ServiceIdentity
+    from .dispatch import Router
 
 M = TypeVar("M", bound=Message)
 Q = TypeVar("Q", bound=Message)
@@ -92,11 +87,7 @@ class Hooks:
         """The component entered Shutdown, by its controller's command or by ``stop``."""
 
     def on_set_time(self, time: datetime) -> None:
-        """The controller has set the component's clock (AS5710, Time, SetTime).
-
-        Args:
-            time: What it was set to, in UTC. The host's clock is left as it is.
-        """
+        """The controller has set the component's clock in UTC; the host's is left as it is."""
 
     def core_state_changed(self) -> None:
         """The status changed, who controls the component, or whether control is to be had."""
@@ -160,12 +151,9 @@ class Host(Hooks):
     # ---- parts ------------------------------------------------------------------------------
 
     def part(self, kind: Callable[[Host], P]) -> P:
-        """Return a part of the component, which is made when it is first asked for.
+        """Return a part of the component, made by its class when it is first asked for.
 
         What a component does not use is thus not made, and a workspace need not have it.
-
-        Args:
-            kind: The class of the part, or what makes it of the component.
         """
         with self.loop.lock:
             if kind not in self._jaus_parts:
@@ -199,7 +187,9 @@ class Host(Hooks):
         """
         with self.loop.lock:
             is_each = when is Guard.ANY if counts_each is None else counts_each
-            self._jaus_router.set_handler(message_class, handler, when, counts_each=is_each)
+            self._jaus_router.set_handler(
+                Handler(message_class, handler, when, counts_each=is_each)
+            )
 
     def handle_payload(
         self,
@@ -224,13 +214,9 @@ class Host(Hooks):
             ValueError: The message has a handler or a provider already.
         """
         with self.loop.lock:
+            is_each = when is Guard.ANY
             self._jaus_router.set_handler(
-                message_class,
-                handler,
-                when,
-                takes_payload=True,
-                is_robust=is_robust,
-                counts_each=when is Guard.ANY,
+                Handler(message_class, handler, when, True, is_robust, is_each)  # noqa: FBT003
             )
 
     def provide(
@@ -295,11 +281,7 @@ class Host(Hooks):
     def watch_unwanted(
         self, message_class: type[Message], callback: Callable[[bytes, JausAddress], None]
     ) -> None:
-        """Call ``callback(payload, sender)`` for each such message that nothing else takes.
-
-        Args:
-            callback: Takes an encoded message and its sender; there is one for each message.
-        """
+        """Call ``callback(payload, sender)`` for each such message that nothing else takes."""
         with self.loop.lock:
             self._jaus_router.unwanted[message_class.CODE] = callback
 
@@ -311,20 +293,9 @@ class Host(Hooks):
         priority: Priority = Priority.STANDARD,
         acknowledge: bool = False,
     ) -> None:
-        """Send one message.
-
-        Args:
-            destination: A component, or a wildcard address.
-
-        Raises:
-            EncodeError: A value does not fit its field.
-        """
+        """Send a message to a component or a wildcard; EncodeError where a value does not fit."""
         self.transport.send(
-            self.address,
-            destination,
-            message.encode(),
-            priority=priority,
-            acknowledge=acknowledge,
+            self.address, destination, message.encode(), priority=priority, acknowledge=acknowledge
         )
 
     def _jaus_answer(

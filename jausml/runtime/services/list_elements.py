@@ -17,22 +17,15 @@ ELEMENTS_OF_DRIVERS = {
 
 @dataclass(frozen=True)
 class ListElement:
-    """One element of a list.
+    """One element of a list."""
 
-    Attributes:
-        uid: Identifier, 1 to 65534; says nothing about the order.
-        previous_uid: Element before it; 0 in the first element.
-        next_uid: Element after it; 0 in the last element, the first element's in the last one of
-            a circular list.
-        data: What the element is: an encoded message, or bytes of the user's own format.
-        data_format: 0 for a JAUS message, 1 for a format of the user (AS5710, SetElement).
-    """
-
-    uid: int
-    previous_uid: int = 0
+    uid: int  # identifier, 1 to 65534; says nothing about the order
+    previous_uid: int = 0  # element before it; 0 in the first element
+    # Element after it; 0 in the last element, the first element's in the last one of a circular
+    # list.
     next_uid: int = 0
-    data: bytes = b""
-    data_format: int = 0
+    data: bytes = b""  # what the element is: an encoded message, or bytes of the user's own format
+    data_format: int = 0  # 0 for a JAUS message, 1 for a format of the user (AS5710, SetElement)
 
     @property
     def message_code(self) -> int | None:

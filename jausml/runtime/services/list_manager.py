@@ -30,23 +30,16 @@ if TYPE_CHECKING:
 
 Reason = RejectElementRequest.ResponseCode
 
-NO_UID = 0
-"""Previous UID of the first element, next UID of the last one."""
-
-ALL_UIDS = 65535
-"""UID that means all elements in a DeleteElement; no element has it."""
+NO_UID = 0  # previous UID of the first element, next UID of the last one
+ALL_UIDS = 65535  # UID that means all elements in a DeleteElement; no element has it
 
 
 class ListError(JausError):
-    """A request that the list refuses.
-
-    Attributes:
-        reason: Code for RejectElementRequest.
-    """
+    """A request that the list refuses."""
 
     def __init__(self, reason: Reason, text: str) -> None:
         super().__init__(text)
-        self.reason = reason
+        self.reason = reason  # code for RejectElementRequest
 
 
 def chain(
@@ -77,15 +70,12 @@ class ElementList:
         self._elements: dict[int, ListElement] = {}
 
     def __len__(self) -> int:
-        """Return the number of elements."""
         return len(self._elements)
 
     def __iter__(self) -> Iterator[ListElement]:
-        """Iterate over the elements in order, each once."""
         return iter(tuple(self._elements.values()))
 
     def __contains__(self, uid: object) -> bool:
-        """Whether there is an element of a UID."""
         return uid in self._elements
 
     def get(self, uid: int) -> ListElement | None:
@@ -216,11 +206,7 @@ class Driver(Protocol):
 
 
 class ListManagerService:
-    """Edits and reports the list (AS5710 v1.1, ListManager, protocol behaviour).
-
-    Attributes:
-        drivers: They say what the list may hold; without any, the component does.
-    """
+    """Edits and reports the list (AS5710 v1.1, ListManager, protocol behaviour)."""
 
     # The service was part of the other sets before core v1.1 took it over.
     urns = frozenset(
@@ -230,6 +216,7 @@ class ListManagerService:
     def __init__(self, component: Host) -> None:
         self._component = component
         self.elements = ElementList(component.settings.max_list_elements)
+        # They say what it may hold; without any, the component does.
         self.drivers: list[Driver] = []
 
     def attach(self) -> None:

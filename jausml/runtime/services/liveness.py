@@ -16,8 +16,7 @@ if TYPE_CHECKING:
 UNSOLICITED = "urn:jaus:jss:iop:UnsolicitedHeartbeat"
 """Service of the IOP that promises an unrequested heartbeat."""
 
-UNSOLICITED_RATE = 1.0
-"""Rate in Hz of a component that provides it; the IOP leaves the rate open."""
+UNSOLICITED_RATE = 1.0  # rate in Hz of a component that provides it; the IOP leaves the rate open
 
 
 class LivenessService:

@@ -27,8 +27,7 @@ if TYPE_CHECKING:
 
 
 # JAUS-DEVIATION: AS5710 lists 1 (STOP) alone; components made with the JAUS Tool Set send 0.
-EMERGENCY_CODES = (0, 1)
-"""Emergency codes that are taken for STOP; others are ignored."""
+EMERGENCY_CODES = (0, 1)  # emergency codes that are taken for STOP; others are ignored
 
 FINAL = (Status.FAILURE, Status.SHUTDOWN)
 """States that no message ends: an emergency on top of them leads back to them."""
@@ -68,7 +67,7 @@ class ManagementService:
         self.status = Status.INITIALIZE
         access.managed = False
         access.emergency_clients = self._emergencies
-        access.on_lost = self._control_lost
+        access.on_lost = self.stand_by
 
     def attach(self) -> None:
         """Take the messages of Management."""
@@ -262,10 +261,6 @@ class ManagementService:
                 self._access.drop(Reject.CONTROL_RELEASED)
             self._enter(status if status in FINAL else Status.STANDBY)
             self._tell(self._component.address, active=False)
-
-    def _control_lost(self) -> None:
-        if self.status is Status.READY:
-            self._enter(Status.STANDBY)
 
     def _enter(self, status: Status) -> None:
         former, self.status = self.status, status

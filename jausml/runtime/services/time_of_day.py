@@ -13,14 +13,9 @@ if TYPE_CHECKING:
     from ..base.address import JausAddress
     from .host import Host
 
-TIME_STAMP = 1 << 0
-"""Bit of the time of day and day of month in a QueryTime's PresenceVector."""
-
-DATE_STAMP = 1 << 1
-"""Bit of the date in a QueryTime's PresenceVector."""
-
-FIRST_YEAR = 2000
-"""Year that a DateStamp counts from."""
+TIME_STAMP = 1 << 0  # bit of the time of day and day of month in a QueryTime's PresenceVector
+DATE_STAMP = 1 << 1  # bit of the date in a QueryTime's PresenceVector
+FIRST_YEAR = 2000  # year that a DateStamp counts from
 
 
 class TimeService:

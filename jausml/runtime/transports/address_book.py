@@ -23,18 +23,14 @@ if TYPE_CHECKING:
 
 @dataclass(slots=True, eq=False)
 class Claim:
-    """What a component without proof has sent and got, at the one endpoint that it claims.
-
-    Attributes:
-        number: What it is to acknowledge; None while it has not been asked.
-    """
+    """What a component without proof has sent and got, at the one endpoint that it claims."""
 
     host: str
     received: int = 0
     sent: int = 0
     wrong: int = 0
     questions: int = 0
-    number: int | None = None
+    number: int | None = None  # what it is to acknowledge; None while it has not been asked
     asked: float = -math.inf
     asker: JausAddress | None = None
     held: list[bytes] = field(default_factory=list)
@@ -43,9 +39,7 @@ class Claim:
 SOURCE_REFUSED = "transport.source_refused"
 """Packets in the name of a component that is heard from elsewhere."""
 
-MAX_PEERS = 1024
-"""Components that are remembered besides those that have a place of their own."""
-
+MAX_PEERS = 1024  # components that are remembered besides those that have a place of their own
 _PROOF_LIFE = 60.0
 _NOWHERE: Endpoint = ("", 0)
 _LONG_AGO = -sys.float_info.max
@@ -55,31 +49,22 @@ _SEARCH_INTERVAL = 1.0
 class Doubt(Enum):
     """What a sender does about the age of an address."""
 
-    NONE = auto()
-    """Nothing: the component was heard lately, or was asked a moment ago."""
-    ASK = auto()
-    """Ask for an acknowledgement, which tells whether the address is still right."""
-    SEARCH = auto()
-    """Look for the component by multicast as well: it did not answer."""
+    NONE = auto()  # nothing: the component was heard lately, or was asked a moment ago
+    ASK = auto()  # ask for an acknowledgement, which tells whether the address is still right
+    SEARCH = auto()  # look for the component by multicast as well: it did not answer
 
 
 @dataclass(slots=True, eq=False)
 class Entry:
-    """Where a component is, when it was heard there last, and when it was asked whether it is.
+    """Where a component is, when it was heard there last, and when it was asked whether it is."""
 
-    Attributes:
-        endpoint: Where it is; nowhere once it is forgotten.
-        heard: When it was heard last; never while it is suspected to be elsewhere.
-        asked: When it was asked last, in doubt.
-        spoke: When it was heard last before it was suspected, or proved where it is.
-        claim: What is owed while it has not proved where it is. It counts as never heard as
-            long, so that nothing goes to it beyond its credit.
-    """
-
-    endpoint: Endpoint
-    heard: float
-    asked: float = -math.inf
+    endpoint: Endpoint  # where it is; nowhere once it is forgotten
+    heard: float  # when it was heard last; never while it is suspected to be elsewhere
+    asked: float = -math.inf  # when it was asked last, in doubt
+    # When it was heard last before it was suspected, or proved where it is.
     spoke: float = -math.inf
+    # What is owed while it has not proved where it is. It counts as never heard as long, so that
+    # nothing goes to it beyond its credit.
     claim: Claim | None = None
 
     @property
@@ -91,20 +76,16 @@ class Entry:
 class AddressBook:
     """UDP endpoints of components (AS5669A: the address of the newest datagram counts).
 
-    A learnt endpoint replaces a configured one, since it is where the component is now. An
-    endpoint from which nothing came for ``lifetime`` seconds is kept but doubted, so that a
-    component that restarted on another port or host is found again.
+    A learnt endpoint replaces a configured one, since it is where the component is now. An endpoint
+    from which nothing came for ``lifetime`` seconds is kept but doubted, so that a component that
+    restarted on another port or host is found again.
 
     By that, whoever sends in the name of a component takes its traffic over. Fixed endpoints are
     learnt anew only after such a silence.
 
     Places are lent. When all are taken, a component that has not proved where it is gives way to
-    the next one, and after those one of the host that has most; configured components and those
-    in control have places of their own. So nobody is locked out, whatever others send.
-
-    Attributes:
-        lifetime: Seconds of silence after which an endpoint is doubted.
-        learnt: Components that were heard, the one silent longest first.
+    the next one, and after those one of the host that has most; configured components and those in
+    control have places of their own. So nobody is locked out, whatever others send.
     """
 
     def __init__(
@@ -119,9 +100,7 @@ class AddressBook:
     ) -> None:
         """Know nobody yet.
 
-        Args:
-            trusts: Whether an endpoint needs no proof.
-            changed: Told when a component is elsewhere than before, or in doubt.
+        An endpoint that is trusted needs no proof; changes of places, and doubts, are told.
         """
         self.lifetime = lifetime
         self._fixed = fixed
@@ -132,10 +111,9 @@ class AddressBook:
         self._kept: dict[JausAddress, JausAddress] = {}
         self._counters = counters
         self._configured: dict[JausAddress, Entry] = {}
-        self.learnt: OrderedDict[int, Entry] = OrderedDict()
+        self.learnt: OrderedDict[int, Entry] = OrderedDict()  # the one silent longest first
 
     def __len__(self) -> int:
-        """Return how many components were learnt."""
         return len(self.learnt)
 
     def configure(self, entries: Mapping[JausAddress, Endpoint]) -> None:
@@ -186,11 +164,7 @@ class AddressBook:
         entry.heard = now
 
     def keep_place(self, owner: JausAddress, address: JausAddress | None) -> None:
-        """Give a component a place of its own, instead of the one that an owner named before.
-
-        Args:
-            address: Who controls it; None for nobody.
-        """
+        """Give the controller of an owner a place of its own, instead of the one before."""
         if address is None:
             self._kept.pop(owner, None)
         else:
@@ -267,9 +241,7 @@ class AddressBook:
     def suspect(self, address: JausAddress, since: float) -> None:
         """Doubt an endpoint at once, because the component failed to acknowledge.
 
-        Args:
-            since: When the first packet without acknowledgement was sent: who was heard later is
-                there, and its acknowledgement may only be late.
+        Who was heard after the first packet without acknowledgement is there still.
         """
         entry = self.learnt.get(address) or self._configured.get(address)
         if entry is not None and entry.heard < since:
@@ -308,8 +280,7 @@ def resolve(
     return resolved
 
 
-NOT_ALLOWED = "transport.source_not_allowed"
-"""Packets of hosts that are not allowed."""
+NOT_ALLOWED = "transport.source_not_allowed"  # packets of hosts that are not allowed
 
 
 class AllowedHosts:

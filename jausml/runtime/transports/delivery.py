@@ -15,40 +15,20 @@ if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..base.fast_path import FastPath
     from ..base.loop import Loop
-    from .packets.packet import Packet, Priority
+    from .packets.packet import Packet
 
-MESSAGE_CODE_SIZE = 2
-"""Bytes of the message code with which every payload begins."""
-
-
-class ReceivedMessage(NamedTuple):
-    """One JAUS message as it arrived.
-
-    Attributes:
-        payload: Little-endian 16-bit message code and body.
-        sequence: Sequence number of its (first) packet.
-    """
-
-    source: JausAddress
-    destination: JausAddress
-    payload: bytes
-    priority: Priority
-    sequence: int
+MESSAGE_CODE_SIZE = 2  # bytes of the message code with which every payload begins
 
 
 @dataclass(slots=True)
 class Arrival:
-    """The message that is being handed over.
+    """The message that is being handed over."""
 
-    Attributes:
-        number: Its sequence number, by which later ones of its source can be told from earlier
-            ones; None where the transport keeps the order, and for what goes to a wildcard.
-        is_sure: Whether it asks for acknowledgement; its repetition rightly comes late.
-        origin: Where it came from, such as an endpoint; another process is heard from elsewhere.
-    """
-
+    # Its sequence number, by which later ones of its source can be told from earlier ones; None
+    # where the transport keeps the order, and for what goes to a wildcard.
     number: int | None = None
-    is_sure: bool = False
+    is_sure: bool = False  # whether it asks for acknowledgement; its repetition rightly comes late
+    # Where it came from, such as an endpoint; another process is heard from elsewhere.
     origin: object = None
 
 
@@ -58,57 +38,45 @@ class PeerTraffic(NamedTuple):
     A message is one packet or, if it is large, several; acknowledgements are not counted. What the
     numbers of the peer tell (``Account``) is exact if it numbers what it sends by destination, as
     components of jausml do, or talks to this component alone. Else ``lost`` is an upper bound.
-
-    Attributes:
-        acknowledged_late: Messages that were acknowledged when they had been given up.
-        answered: Messages whose answer came, and no acknowledgement.
-        unacknowledged: Messages that never were, though they may have arrived.
-        lost: Packets of the peer that were lost on the way.
-        is_exact: Whether the peer is known not to number for all whom it talks to.
     """
 
     own: JausAddress
     peer: JausAddress
     sent: int = 0
     acknowledged: int = 0
-    acknowledged_late: int = 0
-    answered: int = 0
-    unacknowledged: int = 0
+    acknowledged_late: int = 0  # messages that were acknowledged when they had been given up
+    answered: int = 0  # messages whose answer came, and no acknowledgement
+    unacknowledged: int = 0  # messages that never were, though they may have arrived
     came: int = 0
-    lost: int = 0
+    lost: int = 0  # packets of the peer that were lost on the way
     late: int = 0
     doubled: int = 0
     repeated: int = 0
     restarts: int = 0
-    is_exact: bool = False
+    is_exact: bool = False  # whether the peer is known not to number for all whom it talks to
 
 
 class Double(NamedTuple):
-    """Another component that was heard with the address of one of this process.
-
-    Attributes:
-        first_heard: When it was heard first, in UTC.
-        last_heard: When it was heard last, by the clock of the loop.
-    """
+    """Another component that was heard with the address of one of this process."""
 
     address: JausAddress
     place: str
     first_heard: datetime
-    last_heard: float
+    last_heard: float  # by the clock of the loop
 
     def __str__(self) -> str:
-        """Return what is wrong, for people."""
         since = f"{self.first_heard:%Y-%m-%d %H:%M:%S} UTC"
         return (
             f"another component has your id: {self.address} at {self.place} (first heard {since})"
         )
 
 
-Receive = Callable[[ReceivedMessage], None]
-"""Takes a message for one component; runs on the loop's thread and holds the loop's lock."""
-
 Take = Callable[[bytes, "JausAddress"], None]
-"""Takes the payload of a message for one component and who sent it, as ``Receive`` does."""
+"""Takes the payload of a message for one component and who sent it.
+
+A payload is a little-endian 16-bit message code and a body. Runs on the loop's thread and holds the
+loop's lock.
+"""
 
 OnResult = Callable[[bool], None]
 """Told whether a message went out; runs on the loop's thread and holds the loop's lock."""
@@ -123,9 +91,7 @@ def report(loop: Loop, on_result: OnResult | None, *, success: bool) -> None:
 LATEST = 2.0
 """Seconds by which a message may be late; a lower number after them is that of a new process."""
 
-FARTHEST = 1024
-"""Messages of its source that may have come before a late one."""
-
+FARTHEST = 1024  # messages of its source that may have come before a late one
 _MOST_SOURCES = 256
 
 
@@ -135,17 +101,12 @@ def _is_before(number: int, other: int) -> bool:
 
 
 class _Latest(NamedTuple):
-    """The latest message of a source.
-
-    Attributes:
-        sure: Number of the latest one that asks for acknowledgement, while it is not too far back
-            to be compared.
-    """
+    """The latest message of a source."""
 
     number: int
     at: float
     origin: object
-    sure: int | None
+    sure: int | None  # of the latest that asks for acknowledgement, while that can be compared
 
     def followed_by(self, number: int, at: float, origin: object) -> _Latest:
         """Return what is known when a message without acknowledgement came."""
@@ -235,11 +196,7 @@ class Carrier(ABC, Generic[Origin]):
         return -math.inf
 
     def suspect(self, destination: JausAddress, since: float) -> None:
-        """Learn that a destination fails to acknowledge, before the last repetition.
-
-        Args:
-            since: When the packet was sent first.
-        """
+        """Learn before the last repetition that a destination acknowledges nothing since a time."""
 
 
 class ReliableCarrier(Carrier[Origin]):

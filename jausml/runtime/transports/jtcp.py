@@ -28,13 +28,12 @@ if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..base.loop import Loop
     from ..base.settings import Endpoint, TransportSettings
-    from .delivery import OnResult, Receive, Take
+    from .delivery import OnResult, Take
 
 _ACCEPTS_PER_WAKE_UP = 16
 _FIRST_PAUSE_S = 0.1
 _LONGEST_PAUSE_S = 5.0
-_REST_S = 0.5
-"""Seconds without looking for connections, when the system could give none."""
+_REST_S = 0.5  # seconds without looking for connections, when the system could give none
 
 
 class _Line:
@@ -117,8 +116,8 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
         """Where this process listens, if it owns the port."""
         return None if self._listener is None else self._listener.getsockname()
 
-    def _attach(self, address: JausAddress, receive: Receive, take: Take | None) -> None:
-        self._inbox.attach(address, receive, take)
+    def _attach(self, address: JausAddress, take: Take) -> None:
+        self._inbox.attach(address, take)
         line = self._lines.get(self._well_known)
         if line is not None and line.connection is not None:
             self._announce(line.connection)

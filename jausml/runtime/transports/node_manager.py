@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from ..base.loop import Loop
     from ..base.quirks import Quirks
     from ..base.settings import TransportSettings
-    from .delivery import Receive, Take
+    from .delivery import Take
 
 
 _LARGEST_DATAGRAM = 65535
@@ -68,7 +68,6 @@ class NodeManagerClient(Carrier[str]):
         address: JausAddress,
         quirks: Quirks,
     ) -> None:
-        """Prepare a client; ``open`` attaches it."""
         self.address = address
         self._loop = loop
         self._counters = loop.counters
@@ -193,9 +192,8 @@ class NodeManagerClient(Carrier[str]):
 
     # ---- sending ----------------------------------------------------------------------------
 
-    def answer(self, packet: Packet, origin: str) -> None:
+    def answer(self, packet: Packet, origin: str) -> None:  # noqa: ARG002
         """Send a packet back through the manager, which all of them come from."""
-        del origin
         self._put(packet.encode())
 
     def transmit(self, packet: Packet) -> bool:
@@ -345,13 +343,13 @@ class NodeManagerTransport(Transport):
         client = self._clients.get(address)
         return client is not None and client.is_attached
 
-    def _attach(self, address: JausAddress, receive: Receive, take: Take | None) -> None:
+    def _attach(self, address: JausAddress, take: Take) -> None:
         if address in self._clients:
             raise ValueError(f"{address} is attached already")
         client = NodeManagerClient(
             self._settings, self.loop, self._folder, MANAGER, address, self.quirks
         )
-        client.messenger.inbox.attach(address, receive, take)
+        client.messenger.inbox.attach(address, take)
         if self._is_open:
             client.open()
         # Copied, not changed: send() reads it on other threads without a lock.

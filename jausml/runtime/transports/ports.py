@@ -23,9 +23,7 @@ if TYPE_CHECKING:
 
     from ..base.settings import Endpoint, TransportSettings
 
-MANAGER = "JuniorRTE"
-"""Name of the node manager's local socket, of Junior's and of that of fkie."""
-
+MANAGER = "JuniorRTE"  # name of the node manager's local socket, of Junior's and of that of fkie
 _PROC = Path("/proc")
 _LISTENING = "0A"
 _ADDRESS, _STATE, _INODE = 1, 3, 9
@@ -38,7 +36,6 @@ class Holder(NamedTuple):
     process: int
 
     def __str__(self) -> str:
-        """Return both, for a message."""
         return f"{self.name} (process {self.process})"
 
 
@@ -115,9 +112,7 @@ def _processes(inodes: set[str]) -> Iterator[Holder]:
 # JAUS-DEVIATION: AS5669A knows one process per port. These two frames pass between processes of
 # one host only; they begin with 0, which is no JUDP version, so that other stacks drop them, and
 # with a word, so that nobody takes for one of them what other stacks send with version 0.
-FRAME = b"\x00JAUSML"
-"""How each of these frames begins."""
-
+FRAME = b"\x00JAUSML"  # how each of these frames begins
 _FORWARDED = FRAME + b"F"
 _PRESENT = FRAME + b"P"
 _ENDPOINT = struct.Struct("!4sH")

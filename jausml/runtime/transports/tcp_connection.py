@@ -32,9 +32,7 @@ if TYPE_CHECKING:
     from .delivery import OnResult
 
 
-_OTHER_DESCRIPTORS = 64
-"""Descriptors for all but connections; a small bridge on ROS has 24."""
-
+_OTHER_DESCRIPTORS = 64  # descriptors for all but connections; a small bridge on ROS has 24
 _SIZE_END = 3
 _BACKLOG = 64
 
@@ -63,10 +61,8 @@ class StreamReader:
     def feed(self, data: bytes) -> Iterator[Packet | None]:
         """Yield the messages that are complete now; None for each that cannot be read.
 
-        To be iterated to its end, or never fed again.
-
-        Raises:
-            StreamError: The version is another one, or a message is too small to be one.
+        To be iterated to its end, or never fed again. It raises StreamError where the version is
+        another one, or a message too small to be one.
         """
         data, offset = self._data + data, 0
         if data and not self._is_version_known:
@@ -133,8 +129,7 @@ class TcpConnection:
         self._loop = loop
         self._buffer = buffer
         self._timeout = timeout
-        self.has_spoken = False
-        """Whether a whole message has come."""
+        self.has_spoken = False  # whether a whole message has come
         # Replaced with the first message, so that later ones are not asked whether they are it.
         self._on_packet: Callable[[Packet, TcpConnection], None] = self._take_first
         self._then = on_packet
@@ -156,15 +151,12 @@ class TcpConnection:
         self._guard()
 
     def __str__(self) -> str:
-        """Return the endpoint of the peer."""
         return f"{self.peer[0]}:{self.peer[1]}"
 
     def write(self, data: bytes, on_result: OnResult | None = None) -> bool:
-        """Send messages, or let them wait; return False when the peer is too slow for them.
+        """Send messages without version byte, or let them wait; return False for a peer too slow.
 
-        Args:
-            data: Messages without a version byte.
-            on_result: Told once whether the system sent them to the peer.
+        It is told once whether the system sent them to the peer.
         """
         if self.is_closed or self._waiting > self._buffer:
             if not self.is_closed:
@@ -294,11 +286,7 @@ class TcpConnection:
 
 
 def connect(endpoint: Endpoint) -> socket.socket:
-    """Return a socket on its way to an endpoint.
-
-    Raises:
-        OSError: The system has no way there.
-    """
+    """Return a socket on its way to an endpoint; OSError where there is no way."""
     sock = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
     sock.settimeout(0)
     try:
@@ -347,11 +335,7 @@ def octets_of(packet: Packet) -> bytes:
 
 
 def listen(endpoint: Endpoint) -> socket.socket:
-    """A socket that takes connections.
-
-    Raises:
-        OSError: The port is taken, or no address of this computer.
-    """
+    """A socket that takes connections; OSError where the port or the address is not to be had."""
     sock = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
     try:
         # Connections of a former owner that still time out must not keep the port.

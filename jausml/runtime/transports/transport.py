@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from ..base.loop import Loop
     from ..base.quirks import Learnt
     from ..base.settings import Endpoint, TransportSettings
-    from .delivery import Double, OnResult, PeerTraffic, Receive, Take
+    from .delivery import Double, OnResult, PeerTraffic, Take
     from .packets.messenger import Messenger
 
 
@@ -40,29 +40,21 @@ class Transport(ABC):
 
     @abstractmethod
     def open(self) -> None:
-        """Begin to send and receive.
-
-        Raises:
-            OSError: The network cannot be used as the settings say.
-        """
+        """Begin to send and receive; OSError where the network cannot be used like this."""
 
     @abstractmethod
     def close(self) -> None:
         """End; messages that wait are reported as lost."""
 
-    def attach(self, address: JausAddress, receive: Receive, take: Take | None = None) -> None:
+    def attach(self, address: JausAddress, take: Take) -> None:
         """Receive messages for a component of this process from now on.
-
-        Args:
-            receive: Takes each message, on the loop's thread.
-            take: Does the same with payload and sender alone; a transport may call it instead.
 
         Raises:
             ValueError: The address is not one component, or is attached already.
             OSError: Another process has the address, as far as the network tells.
         """
         with self.loop.lock:
-            self._attach(address, receive, take)
+            self._attach(address, take)
 
     def detach(self, address: JausAddress) -> None:
         """Stop to receive messages for a component; no effect when it is unknown."""
@@ -82,32 +74,24 @@ class Transport(ABC):
             known = [] if messenger is None else messenger.traffic()
             return [peer for peer in known if peer.own == address]
 
-    def is_unheard(self, address: JausAddress) -> bool:
+    def is_unheard(self, address: JausAddress) -> bool:  # noqa: ARG002
         """Return whether a component would have been heard by now if messages reached it.
 
         Only a transport that asks silent components for acknowledgement knows.
         """
-        del address
         return False
 
     def answered(self, address: JausAddress, peer: JausAddress, start: bytes) -> None:
-        """Take the answer to a message as good as its acknowledgement: it is repeated no more.
-
-        Args:
-            start: What the payload of the message begins with: its code at least.
-        """
+        """Take the answer to a message that begins so for its acknowledgement."""
         with self.loop.lock:
             messenger = self._messenger_of(address)
             if messenger is not None:
                 messenger.outbox.answered(address, peer, start)
 
     def withdraw(self, address: JausAddress, peer: JausAddress, start: bytes) -> None:
-        """Repeat messages to a component no more, and do not send those that wait.
+        """Repeat messages that begin so to a component no more, and do not send those that wait.
 
         They count as not acknowledged, which is told at once; they may have arrived all the same.
-
-        Args:
-            start: What the payloads of the messages begin with: their code at least.
         """
         with self.loop.lock:
             messenger = self._messenger_of(address)
@@ -117,60 +101,42 @@ class Transport(ABC):
     def datagram(
         self, source: JausAddress, destination: JausAddress, payload: bytes, priority: Priority
     ) -> tuple[bytes, Endpoint] | None:
-        """Return what another process may send in the place of a component, and where.
+        """Return what another process may send for a component, and where, if one does.
 
         It asks for acknowledgement, so that only newer ones that do make it late. Its number is 0.
-
-        Returns:
-            The datagram and its endpoint; None where one datagram does not do.
         """
         del source, destination, payload, priority
         return None
 
-    def next_number(self, source: JausAddress, destination: JausAddress) -> int:
+    def next_number(self, source: JausAddress, destination: JausAddress) -> int:  # noqa: ARG002
         """Return the sequence number of the next packet from one component to another."""
-        del source, destination
         return 0
 
     # ---- strangers --------------------------------------------------------------------------
 
-    def is_proved(self, address: JausAddress) -> bool:
+    def is_proved(self, address: JausAddress) -> bool:  # noqa: ARG002
         """Return whether a component has proved where it is, or need not.
 
         Only UDP has addresses that can be forged.
         """
-        del address
         return True
 
-    def place_of(self, address: JausAddress) -> tuple[str, str]:
+    def place_of(self, address: JausAddress) -> tuple[str, str]:  # noqa: ARG002
         """Return the host and the endpoint of a component, as budgets share what there is."""
-        del address
         return "", ""
 
-    def is_kept(self, address: JausAddress) -> bool:
+    def is_kept(self, address: JausAddress) -> bool:  # noqa: ARG002
         """Return whether a component gives way to nobody: it is configured or in control."""
-        del address
         return False
 
-    def keep_place(self, owner: JausAddress, address: JausAddress | None) -> None:
-        """Let a component give way to nobody, instead of the one that an owner named before.
+    def keep_place(self, owner: JausAddress, address: JausAddress | None) -> None:  # noqa: B027
+        """Let the controller of an owner give way to nobody, instead of the one before."""
 
-        Args:
-            address: Who controls it; None for nobody.
-        """
-        del owner, address
+    def when_proved(self, listener: Callable[[JausAddress], None]) -> None:  # noqa: B027
+        """Call a listener on the loop's thread when a component has proved where it is."""
 
-    def when_proved(self, listener: Callable[[JausAddress], None]) -> None:
-        """Call a listener when a component has proved where it is.
-
-        Args:
-            listener: Takes the component, on the loop's thread.
-        """
-        del listener
-
-    def silence_of(self, address: JausAddress) -> float:
+    def silence_of(self, address: JausAddress) -> float:  # noqa: ARG002
         """Return for how many seconds nothing came from a component; infinite if nothing did."""
-        del address
         return math.inf
 
     # ---- messages ---------------------------------------------------------------------------
@@ -215,23 +181,17 @@ class Transport(ABC):
             )
 
     def sender(
-        self,
-        source: JausAddress,
-        destination: JausAddress,
-        priority: Priority = Priority.STANDARD,
+        self, source: JausAddress, destination: JausAddress, priority: Priority = Priority.STANDARD
     ) -> Callable[[bytes], None]:
-        """Return what sends one payload after the other, without acknowledgement, as ``send`` does.
+        """Return what sends payloads without acknowledgement, as ``send`` does.
 
         It is prepared for one way, and costs less than ``send``; callable from any thread. It may
         be asked for before the transport is open.
-
-        Args:
-            destination: Component, or a wildcard for several.
         """
         return partial(self.send, source, destination, priority=priority)
 
     @abstractmethod
-    def _attach(self, address: JausAddress, receive: Receive, take: Take | None) -> None:
+    def _attach(self, address: JausAddress, take: Take) -> None:
         """Attach a component; see ``attach``, which holds the lock."""
 
     @abstractmethod
@@ -296,7 +256,6 @@ class PeerAccount(NamedTuple):
         return [*counts, numbered, *quirks]
 
     def __str__(self) -> str:
-        """Return the counts that are not 0 and the quirks, for a line of the log."""
         counts = [f"{name} {count}" for name, count in self.counts().items() if count]
         description = "; ".join([*counts, *map(str, self.quirks)])
         return f"account of {self.traffic.peer}: {description or 'nothing'}"

@@ -23,15 +23,11 @@ NO_SERVER = "no_action_server"
 
 
 class VirtualAction:
-    """An action by its name.
-
-    Attributes:
-        server: Whoever takes its goals; None for nobody.
-    """
+    """An action by its name."""
 
     def __init__(self, name: str) -> None:
         self.name = name
-        self.server: GoalTaker | None = None
+        self.server: GoalTaker | None = None  # whoever takes its goals; None for nobody
 
     def close(self, server: GoalTaker) -> None:
         """Serves no more; no effect where another one does."""
@@ -47,10 +43,7 @@ class VirtualActionClient:
         self._way = way
 
     def send(
-        self,
-        elements: Sequence[bytes],
-        fill: Callable[[Any], object] | None,
-        watcher: GoalWatcher,
+        self, elements: Sequence[bytes], fill: Callable[[Any], object] | None, watcher: GoalWatcher
     ) -> VirtualGoal:
         """Sends a goal; it waits for a server where there is none."""
         goal = VirtualGoal(self._action, self._way, elements, watcher)
@@ -65,17 +58,12 @@ class VirtualActionClient:
 
 
 class VirtualGoal:
-    """A goal: what its client has sent, and what its server executes.
-
-    Attributes:
-        elements: Its elements, serialized.
-        request: What else it has.
-    """
+    """A goal: what its client has sent, and what its server executes."""
 
     def __init__(
         self, action: VirtualAction, way: Way, elements: Sequence[bytes], watcher: GoalWatcher
     ) -> None:
-        self.elements = list(elements)
+        self.elements = list(elements)  # serialized
         self.request = SimpleNamespace()
         self._action = action
         self._way = way

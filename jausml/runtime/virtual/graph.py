@@ -22,8 +22,7 @@ if TYPE_CHECKING:
 RosType: TypeAlias = "type[Any] | str"
 """A message class of ROS, a light class, or the name of a type, e.g. `nav_msgs/msg/Odometry`."""
 
-MOST_KEPT = 5000
-"""Messages that a latched publisher with `keep_all` keeps."""
+MOST_KEPT = 5000  # messages that a latched publisher with `keep_all` keeps
 
 UNDEMANDING = Qos(reliability="best_effort")
 """What a subscription requests that takes whatever is offered."""
@@ -43,13 +42,7 @@ def type_name(ros_type: RosType) -> str:
 
 
 class GraphPublisher:
-    """A publisher.
-
-    Attributes:
-        subscriptions: Connected subscriptions.
-        unmatched: Messages published while there was none; whoever publishes counts.
-        kept: Data and publication time, in nanoseconds since 1970, for late subscriptions.
-    """
+    """A publisher."""
 
     def __init__(
         self,
@@ -66,9 +59,10 @@ class GraphPublisher:
         self.on_matched = on_matched
         self.health = health
         self.publish: Callable[[bytes], None] = self._publish
-        self.unmatched = 0
-        self.subscriptions: list[GraphSubscription] = []
+        self.unmatched = 0  # messages published while there was none; whoever publishes counts
+        self.subscriptions: list[GraphSubscription] = []  # connected subscriptions
         size = MOST_KEPT if qos.history == "keep_all" else qos.depth
+        # Data and publication time, in nanoseconds since 1970, for late subscriptions.
         self.kept: deque[tuple[bytes, int]] = deque(maxlen=size)
 
     @property
@@ -135,12 +129,7 @@ class GraphSubscription:
         self.topic.remove_subscription(self)
 
     def send(self, data: bytes, stamp: int, lifespan: float) -> None:
-        """Lets a message come.
-
-        Args:
-            stamp: When it was published, in nanoseconds since 1970.
-            lifespan: Seconds for which its publisher offers it; 0 means for ever.
-        """
+        """Lets a message come that was published at a time in nanoseconds since 1970."""
         if not self.way.carry(partial(self._arrive, data, stamp, lifespan)):
             self.counts.missed += 1
 
@@ -244,11 +233,7 @@ class RosGraph:
         self._own: dict[tuple[str, Qos], GraphPublisher] = {}
 
     def publish(self, topic: str, ros_type: RosType, data: bytes, qos: Qos | None = None) -> None:
-        """Publishes a serialized message; the first on a topic makes its publisher.
-
-        Args:
-            qos: Quality of service; that of a plain publisher by default.
-        """
+        """Publishes a serialized message; the first on a topic makes its publisher."""
         offered = Qos() if qos is None else qos
         publisher = self._own.get((topic, offered))
         if publisher is None or publisher.topic.kind != type_name(ros_type):
@@ -282,22 +267,13 @@ class RosGraph:
         return self.attach(_OUTSIDE, ros_type, requested, take_data, link)
 
     def serve_action(self, name: str, taker: GoalTaker) -> VirtualAction:
-        """Gives the goals of an action to a taker, in the place of the one before.
-
-        Args:
-            name: Its full name.
-        """
+        """Gives the goals of an action to a taker, in the place of the one before."""
         action = self._action(name)
         action.server = taker
         return action
 
     def action_client(self, name: str, link: Link | None = None) -> VirtualActionClient:
-        """Returns what sends goals of an action.
-
-        Args:
-            name: Its full name.
-            link: What goals, feedback and results pass.
-        """
+        """Returns what sends goals of an action, which pass a link as feedback and results do."""
         way = Way(self.loop, self._random, Link() if link is None else link)
         return VirtualActionClient(self._action(name), way)
 
@@ -310,11 +286,7 @@ class RosGraph:
         topic: Topic,
         on_matched: Callable[[], None] | None = None,
     ) -> GraphPublisher:
-        """Makes a publisher of a node.
-
-        Args:
-            on_matched: Called for each subscription that is connected, on the loop.
-        """
+        """Makes a publisher of a node; greets each subscription that is connected."""
         graph_topic = self._topic(topic.name, ros_type)
         health = self._health(graph_topic, topic.qos, publishes=True)
         publisher = GraphPublisher(node, topic.qos, graph_topic, on_matched, health)
@@ -330,11 +302,7 @@ class RosGraph:
         take: Callable[[bytes, int], None],
         link: Link,
     ) -> GraphSubscription:
-        """Makes a subscription of a node.
-
-        Args:
-            take: Is given each serialized message, and when it was published, in nanoseconds.
-        """
+        """Makes a subscription; messages are taken with their time in ns since 1970."""
         graph_topic = self._topic(topic.name, ros_type)
         way = Way(self.loop, self._random, link)
         health = self._health(graph_topic, topic.qos, publishes=False)

@@ -21,8 +21,7 @@ if TYPE_CHECKING:
     from ..base.loop import Loop
     from ..base.settings import Endpoint, TransportSettings
 
-LONGEST_HOLD = 1.0
-"""Seconds that something waits at most to be overtaken, where nothing follows."""
+LONGEST_HOLD = 1.0  # seconds that something waits at most to be overtaken, where nothing follows
 
 
 @dataclass(frozen=True)
@@ -54,7 +53,6 @@ class Link:
     reorder: float = 0.0
 
     def __post_init__(self) -> None:
-        """Refuse what no way can do."""
         for name in ("delay", "jitter", "exponential"):
             if not 0 <= getattr(self, name) < float("inf"):
                 raise ValueError(f"{name} is {getattr(self, name)}; it must be 0 s or more")
@@ -78,19 +76,11 @@ _PLAIN = Link()
 
 
 class Way:
-    """A link in use: what is lost by now, and what is held.
-
-    Attributes:
-        link: What it does; another one counts for what comes from then on.
-    """
+    """A link in use: what is lost by now, and what is held."""
 
     def __init__(self, loop: Loop, random: Random, link: Link) -> None:
-        """Begin to let pass.
-
-        Args:
-            random: Decides what happens, in the order in which it happens.
-        """
-        self.link = link
+        """Begin to let pass; what happens is drawn in the order in which it happens."""
+        self.link = link  # what it does; another one counts for what comes from then on
         self.is_cut = False
         self._loop = loop
         self._random = random
@@ -99,14 +89,7 @@ class Way:
         self._hold = Alarm(loop)
 
     def carry(self, arrive: Callable[[], None]) -> bool:
-        """Let something pass, in a later turn of the loop.
-
-        Args:
-            arrive: Run at the other end, once for each copy.
-
-        Returns:
-            Whether it gets there.
-        """
+        """Let copies of something arrive in later turns; return whether it gets there."""
         link = self.link
         # Draws only what the link asks for: a plain one leaves the chances of others as they are.
         if self.is_cut or (link.loss and self._loses(link)):
@@ -184,11 +167,7 @@ class Network:
     def transport(
         self, settings: TransportSettings, out: Link, into: Link, draw: Callable[[int], int]
     ) -> VirtualTransport:
-        """Return the transport of one more process, open.
-
-        Args:
-            draw: Returns a random number from 0 to below its argument, for sequence numbers.
-        """
+        """Return the transport of one more process, open, which draws its sequence numbers."""
         self._count += 1
         number = self._count
         endpoint = (f"10.{number >> 16}.{number >> 8 & 255}.{number & 255}", JUDP_PORT)
@@ -255,11 +234,7 @@ class Network:
 
 
 class Station:
-    """Where a process is on the network: the port that it sends from, and its two ways.
-
-    Attributes:
-        lost: Datagrams that got lost on one of its ways, or went to where nobody is.
-    """
+    """Where a process is on the network: the port that it sends from, and its two ways."""
 
     group: Endpoint = _GROUP
 
@@ -270,7 +245,7 @@ class Station:
         self.unicast: Station | None = None
         self.sent: Counts = Counter()
         self.received: Counts = Counter()
-        self.lost: Counts = Counter()
+        self.lost: Counts = Counter()  # on one of its ways, or where nobody is
         self._network = network
 
     def open(self, transport: VirtualTransport) -> None:
@@ -297,11 +272,7 @@ class VirtualTransport(DatagramTransport):
     """
 
     def __init__(
-        self,
-        settings: TransportSettings,
-        loop: Loop,
-        station: Station,
-        draw: Callable[[int], int],
+        self, settings: TransportSettings, loop: Loop, station: Station, draw: Callable[[int], int]
     ) -> None:
         """Prepare a transport; ``VirtualWorld.transport`` makes it and opens it."""
         # There are no strangers in a world, so that nobody has to prove where it is.

@@ -17,13 +17,7 @@ if TYPE_CHECKING:
     from ..base.loop import Loop
     from ..bridge.ends.actions import ActionClient, GoalTaker, ListAction
     from ..bridge.ends.ros_side import RosCodec, RosPublisher
-    from ..bridge.ends.topics import (
-        EndpointHealth,
-        Parameter,
-        RosService,
-        TopicCounts,
-        TopicFault,
-    )
+    from ..bridge.ends.topics import EndpointHealth, Parameter, RosService, TopicCounts, TopicFault
     from .graph import GraphPublisher, RosGraph
     from .network import Link
 
@@ -42,11 +36,7 @@ class VirtualRosNode:
     def __init__(
         self, graph: RosGraph, name: str, parameters: Mapping[str, Any], link: Link
     ) -> None:
-        """Joins the graph; `VirtualWorld.ros_node` does that.
-
-        Args:
-            parameters: Values by name, which replace those of the model.
-        """
+        """Joins the graph; `VirtualWorld.ros_node` does that, with values of parameters."""
         self.name = name
         self._graph = graph
         self._parameters = dict(parameters)
@@ -61,11 +51,7 @@ class VirtualRosNode:
         self.publish_diagnostics: Callable[[bytes], None] = diagnostics.publish
 
     def attach(self, loop: Loop) -> None:
-        """Checks that a bridge has the time of the world.
-
-        Raises:
-            ValueError: It has another loop.
-        """
+        """Checks that a bridge has the loop of the world; ValueError where it has another one."""
         if loop is not self._graph.loop:
             raise ValueError(f"{self.name} is of another world than the transport of its bridge")
         # By then the bridge has declared all that it has.
@@ -135,11 +121,7 @@ class VirtualRosNode:
     # ------------------------------------------------------------------ topics
 
     def codec(self, ros_type: type[Any]) -> RosCodec:
-        """Returns what makes objects of rclpy of serialized messages, and the reverse.
-
-        Raises:
-            RosTypeError: rclpy or the type is not installed: light classes do without.
-        """
+        """Returns what makes objects of rclpy of messages; RosTypeError without rclpy."""
         try:
             from ..bridge.ros.internals import Codec  # noqa: PLC0415 - light classes do without
 
@@ -226,11 +208,7 @@ def _needs_ros(what: str) -> NotImplementedError:
 
 
 def _taken(parameter: Parameter, value: Any) -> Any:
-    """Returns a value that a parameter can have, as it takes it.
-
-    Raises:
-        ParameterError: It is of another type, out of its range, or does not do.
-    """
+    """Returns a value as a parameter takes it; ParameterError where it does not do."""
     try:
         return parameter.taken(value)
     except ValueError as error:

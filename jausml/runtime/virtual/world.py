@@ -24,8 +24,7 @@ if TYPE_CHECKING:
 Watch: TypeAlias = "Callable[[float, str, bytes], object]"
 """Told the time in seconds, where something arrives, and the bytes of it."""
 
-START = datetime(2026, 1, 1, tzinfo=timezone.utc)
-"""Time of day at which worlds begin."""
+START = datetime(2026, 1, 1, tzinfo=timezone.utc)  # time of day at which worlds begin
 
 MOST_AT_ONCE = 100_000
 """Turns of the loop without any time between them after which something goes round in circles."""
@@ -70,11 +69,9 @@ class VirtualWorld:
         self.ros = RosGraph(self.loop, self.random, self._tell)
 
     def __enter__(self) -> VirtualWorld:
-        """Return the world; it is closed when the block ends."""
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Close the world."""
         self.close()
 
     def close(self) -> None:
@@ -90,11 +87,7 @@ class VirtualWorld:
         into: Link | None = None,
         settings: TransportSettings | None = None,
     ) -> VirtualTransport:
-        """Return the transport of one more process, open.
-
-        Args:
-            settings: Time-outs and limits; what is said there of sockets does not count.
-        """
+        """Return the transport of one more process, open; settings of sockets do not count."""
         self._transports += 1
         # A stream of its own: numbers of packets do not shift what happens by chance.
         numbers = Random(f"{self._seed} {self._transports}")
@@ -110,11 +103,7 @@ class VirtualWorld:
         namespace: str = "",
         link: Link | None = None,
     ) -> VirtualRosNode:
-        """Return a node for a bridge.
-
-        Args:
-            namespace: Namespace, e.g. `/fleet`; empty means the root.
-        """
+        """Return a node for a bridge in a namespace, e.g. `/fleet`; empty means the root."""
         full = f"/{namespace.strip('/')}/{name}" if namespace.strip("/") else f"/{name}"
         return VirtualRosNode(self.ros, full, parameters or {}, link or Link())
 

@@ -18,13 +18,14 @@ if TYPE_CHECKING:
     from datetime import datetime
 
 T = TypeVar("T")
+NumberT = TypeVar("NumberT", int, float)
 
 # Part of a step by which floating point may miss an integer that was decoded before.
 _SLACK = 1e-3
 
 
-def integer(value: int, lower: int, upper: int, field: str) -> int:
-    """Returns an integer that lies in its range."""
+def integer(value: NumberT, lower: NumberT, upper: NumberT, field: str) -> NumberT:
+    """Returns an integer, or a real number, that lies in its range."""
     try:
         if lower <= value <= upper:
             return value
@@ -59,14 +60,7 @@ def whole_of(value: float, ranges: Sequence[tuple[int, int]], field: str) -> int
     return one_of(whole(value, ranges[0][0], ranges[-1][1], field), ranges, field)
 
 
-def real(value: float, lower: float, upper: float, field: str) -> float:
-    """Returns a real number that lies in its range."""
-    try:
-        if lower <= value <= upper:
-            return value
-    except TypeError:
-        raise EncodeError(field, f"{value!r} is not a number") from None
-    raise EncodeError(field, f"{value!r} is outside {lower} .. {upper}")
+real = integer
 
 
 def scaled(value: float, lower: float, step: float, maximum: int, field: str) -> int:
@@ -132,11 +126,7 @@ def latin1(value: str, field: str) -> bytes:
 
 
 def padded(value: str, length: int, field: str) -> bytes:
-    """Returns a string of fixed length as bytes, padded with zeros.
-
-    Raises:
-        EncodeError: The string is too long, has characters beyond Latin-1 or a NUL, which ends it.
-    """
+    """Returns a string of fixed length as bytes with zeros; EncodeError where it does not fit."""
     text = latin1(value, field)
     sized(text, 0, length, field)
     if b"\0" in text:
@@ -171,11 +161,7 @@ def check_presence(presence: int, known: int, part: str) -> None:
 
 
 def check_count(size: int, upper: int, room: int, element: int, field: str) -> None:
-    """Checks the count of a list before memory is taken for its elements.
-
-    Args:
-        element: Fewest bytes of an element.
-    """
+    """Checks a count, by the fewest bytes of an element, before memory is taken."""
     if size > upper:
         raise DecodeError(field, f"count {size} is more than {upper}")
     if size * element > room:
@@ -192,20 +178,16 @@ def greatest(letter: str) -> int:
 
 @dataclass(frozen=True)
 class Scalar:
-    """A field of a fixed size.
+    """A field of a fixed size."""
 
-    Attributes:
-        format: Its format for `struct`.
-        put: Returns what is packed of a value; it is also given the attribute that an error names.
-        get: Returns the value of what was unpacked; None for that itself.
-        limits: Least and greatest value of an integer that is packed as it is; None for others.
-        is_narrow: Whether its bytes can hold more than these, which packing does not find.
-    """
-
-    format: str
+    format: str  # its format for `struct`
+    # Returns what is packed of a value; it is also given the attribute that an error names.
     put: Callable[[Any, str], Any]
+    # Returns the value of what was unpacked; None for that itself.
     get: Callable[[Any], Any] | None = None
+    # Least and greatest value of an integer that is packed as it is; None for others.
     limits: tuple[int, int] | None = None
+    # Whether its bytes can hold more than these, which packing does not find.
     is_narrow: bool = False
 
 
@@ -244,15 +226,10 @@ def bits(size: int, bit_field: Any) -> Scalar:
 
 @dataclass(frozen=True)
 class Counted:
-    """Bytes, or a string of Latin-1, behind their number.
+    """Bytes, or a string of Latin-1, behind their number."""
 
-    Attributes:
-        format: Format of the number for `struct`.
-        least: Fewest bytes that may be sent.
-    """
-
-    format: str
-    least: int = 0
+    format: str  # format of the number for `struct`
+    least: int = 0  # fewest bytes that may be sent
     is_text: bool = False
 
     @property
@@ -280,13 +257,9 @@ class Listed:
 
 @dataclass(frozen=True)
 class Tagged:
-    """One of several records, behind a byte that says which one: its `TAG`.
+    """One of several records, behind a byte that says which one: its `TAG`."""
 
-    Attributes:
-        name: What an error calls the field.
-    """
-
-    name: str
+    name: str  # what an error calls the field
 
 
 U8 = Annotated[int, unsigned(1)]
@@ -335,17 +308,9 @@ class TimeStamp:
 
     @classmethod
     def from_integer(cls, bits: int) -> TimeStamp:
-        """Returns what the bits of an integer say, legal or not.
-
-        Args:
-            bits: The integer, 0 .. 2**32 - 1.
-        """
+        """Returns what the 32 bits of an integer say, legal or not."""
         return cls(
-            bits & 0x3FF,
-            bits >> 10 & 0x3F,
-            bits >> 16 & 0x3F,
-            bits >> 22 & 0x1F,
-            bits >> 27 & 0x1F,
+            bits & 0x3FF, bits >> 10 & 0x3F, bits >> 16 & 0x3F, bits >> 22 & 0x1F, bits >> 27 & 0x1F
         )
 
 

@@ -72,18 +72,12 @@ class _Field(NamedTuple):
 
 
 class _Part(NamedTuple):
-    """Fields that are written and read in one go.
+    """Fields that are written and read in one go."""
 
-    Attributes:
-        write: Appends them to the bytes written so far.
-        read: Appends them to the values read so far; returns the offset after them.
-        size: Fewest bytes that they take.
-        read_from: Reads a class that has no other fields, where that is quicker than `read`.
-    """
-
-    write: Write
-    read: Read
-    size: int
+    write: Write  # appends them to the bytes written so far
+    read: Read  # appends them to the values read so far; returns the offset after them
+    size: int  # fewest bytes that they take
+    # Reads a class that has no other fields, where that is quicker than `read`.
     read_from: ReadFrom | None = None
 
 

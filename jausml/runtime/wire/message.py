@@ -64,24 +64,18 @@ class Message:
     __hash__ = None  # type: ignore[assignment]  # its fields can be changed
 
     def __eq__(self, other: object) -> bool:
-        """Tells whether another message is of the same class and has the same fields."""
         if other.__class__ is not self.__class__:
             return NotImplemented
         return _values(self) == _values(other)
 
     @recursive_repr()
     def __repr__(self) -> str:
-        """Returns the class with its fields, as dataclasses show them."""
         shown = zip(_names(self), _values(self), strict=True)
         values = ", ".join(f"{name}={value!r}" for name, value in shown)
         return f"{self.__class__.__qualname__}({values})"
 
     def encode(self) -> bytes:
-        """Returns the message code and the body as bytes.
-
-        Raises:
-            EncodeError: A field is out of range, too long or of another type.
-        """
+        """Returns message code and body as bytes; EncodeError where a field does not fit."""
         out = bytearray(_CODE.pack(self.CODE))
         try:
             self.write_to(out)
@@ -91,13 +85,10 @@ class Message:
 
     @classmethod
     def decode(cls: type[MessageT], payload: bytes) -> MessageT:
-        """Returns the message that the bytes hold.
+        """Returns the message that the bytes hold, or a DecodeError.
 
         Bytes after the body are refused: a body that is longer than its definition is of another
         definition, and what was read of it cannot be trusted.
-
-        Raises:
-            DecodeError: The bytes are no such message.
         """
         if payload[:2] != _CODE.pack(cls.CODE):
             cls.check_code(payload)
@@ -120,13 +111,8 @@ class Message:
         """Appends the body; there is none unless a subclass says otherwise."""
 
     @classmethod
-    def read_from(cls: type[MessageT], buffer: bytes, offset: int) -> tuple[MessageT, int]:
-        """Reads the body; there is none unless a subclass says otherwise.
-
-        Returns:
-            The message, and the offset after it.
-        """
-        del buffer
+    def read_from(cls: type[MessageT], buffer: bytes, offset: int) -> tuple[MessageT, int]:  # noqa: ARG003
+        """Reads the body, none by default; returns the message and the offset after it."""
         return cls(), offset
 
 
@@ -145,9 +131,7 @@ def asked_for(query: Message, report: MessageT) -> MessageT:
 
     The field PresenceVector of a query names the optional fields of the report, by the bits of the
     report's own presence vector (AS5710, AS6009, queries). A query without that field asks for all.
-
-    Args:
-        report: What the component has to report; it is not changed.
+    The given report is not changed.
     """
     wanted = _wanted(query)
     if wanted is None:
@@ -165,11 +149,7 @@ def asked_for(query: Message, report: MessageT) -> MessageT:
 
 
 def asked_for_in(query: Message, report_class: type[Message], report: bytes) -> bytes:
-    """Returns an encoded report without the optional fields that its query does not ask for.
-
-    Args:
-        report: Message code and body. It is read only where the query may leave something out.
-    """
+    """Returns an encoded report without optional fields that its query does not ask for."""
     report_class.check_code(report)
     if asks_for_all(query, report_class):
         return report

@@ -9,21 +9,14 @@ from collections.abc import MutableSequence, Sequence
 from typing import Any, NamedTuple, TypeVar, overload
 
 T = TypeVar("T")
-
-_MANY = 8
-"""Records from which on it costs less to leave them bytes than to make each."""
+_MANY = 8  # records from which on it costs less to leave them bytes than to make each
 
 
 class Octet(NamedTuple):
-    """The only field of a record that is one octet on the wire.
+    """The only field of a record that is one octet on the wire."""
 
-    Attributes:
-        attribute: Its attribute.
-        is_signed: Whether it is a number of -128 .. 127.
-    """
-
-    attribute: str
-    is_signed: bool = False
+    attribute: str  # its attribute
+    is_signed: bool = False  # whether it is a number of -128 .. 127
 
 
 class OctetRecords(MutableSequence[T]):

@@ -10,19 +10,12 @@ from functools import cache, partial
 
 from jausml.runtime import ComponentSettings, Guard, JausComponent, ServiceIdentity, Status
 from jausml.runtime import messages as core
-from jausml.runtime.base.address import BROADCAST, JausAddress
+from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.counters import Counters
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.quirks import Quirks
 from jausml.runtime.services.definitions import Completion
-from jausml.runtime.transports.delivery import (
-    Arrival,
-    OnResult,
-    PeerTraffic,
-    Receive,
-    ReceivedMessage,
-    Take,
-)
+from jausml.runtime.transports.delivery import Arrival, OnResult, PeerTraffic, Take
 from jausml.runtime.transports.packets.packet import Priority
 from jausml.runtime.wire.message import Message
 
@@ -85,7 +78,7 @@ class Network:
         """Starts with nobody attached."""
         self.now = 0.0
         self.loop = Loop(clock=lambda: self.now)
-        self.receive: Receive | None = None
+        self.take: Take | None = None
         self.sent = 0
         self.arrival = Arrival()
         self.quirks = Quirks()
@@ -95,14 +88,14 @@ class Network:
         """Where failures are counted."""
         return self.loop.counters
 
-    def attach(self, _address: JausAddress, receive: Receive, _take: Take | None = None) -> None:
+    def attach(self, _address: JausAddress, take: Take) -> None:
         """Delivers to a component from now on."""
-        assert self.receive is None
-        self.receive = receive
+        assert self.take is None
+        self.take = take
 
     def detach(self, _address: JausAddress) -> None:
         """Delivers to nobody any more."""
-        self.receive = None
+        self.take = None
 
     def is_proved(self, _address: JausAddress) -> bool:
         """Everybody is believed here."""
@@ -163,11 +156,11 @@ class Network:
         CODECS[int.from_bytes(payload[:2], "little")].decode(payload)
         self.sent += 1
 
-    def deliver(self, source: JausAddress, destination: JausAddress, payload: bytes) -> None:
+    def deliver(self, source: JausAddress, payload: bytes) -> None:
         """Delivers a message to the component, if it runs."""
-        if self.receive is not None and len(payload) >= 2:
+        if self.take is not None and len(payload) >= 2:
             with self.loop.lock:
-                self.receive(ReceivedMessage(source, destination, payload, Priority.LOW, 0))
+                self.take(payload, source)
 
     def settle(self) -> int:
         """Runs what is due and returns how much that was."""
@@ -268,8 +261,7 @@ def one_input(data: bytes) -> None:
             robot.act(message)
             is_final = is_final and not (message and message[0] % 8 == 5)
         else:
-            destination = BROADCAST if head & 16 else OWN
-            here.deliver(PEERS[number], destination, message)
+            here.deliver(PEERS[number], message)
         here.wait(PAUSES_S[head >> 2 & 3])
         is_final = is_final or robot.status in FINAL
         _check(robot, is_final=is_final)

@@ -9,7 +9,6 @@ from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.base.counters import Counters
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.settings import MAX_FRAGMENT_SIZE, Endpoint, TransportSettings
-from jausml.runtime.transports.delivery import ReceivedMessage
 from jausml.runtime.transports.packets.packet import AckNak, DataFlags, Packet, parse_datagram
 from jausml.runtime.transports.ports import (
     FRAME,
@@ -58,7 +57,7 @@ class ReceivePath:
         self.inputs = 0
         self.messages = 0
         self.delivered = 0
-        self._latest: ReceivedMessage | None = None
+        self._latest: bytes | None = None
         self.loop = Loop(clock=lambda: self.now)
         self.transport = JudpTransport(SETTINGS, self.loop)
         for address in OWN:
@@ -66,10 +65,10 @@ class ReceivePath:
         # Numbers that a packet waits for, so that acknowledgements may match.
         self.transport.send(OWN[0], PEER, b"\x02\x40", acknowledge=True)
 
-    def _receive(self, message: ReceivedMessage) -> None:
-        if message is not self._latest:  # a broadcast reaches both components
+    def _receive(self, payload: bytes, _source: JausAddress) -> None:
+        if payload is not self._latest:  # a broadcast reaches both components
             self.delivered += 1
-        self._latest = message
+        self._latest = payload
 
     def feed(self, data: bytes) -> None:
         """Take a datagram and balance the books."""

@@ -22,7 +22,7 @@ PATIENCE = 20.0
 BRIDGE = """
 import os, signal, sys, threading
 from jausml.runtime.base.loop import Loop
-from jausml.runtime.guardian.ward import Ward, stops
+from jausml.runtime.guardian.ward import Ward
 
 port, life, patience = int(sys.argv[1]), sys.argv[2], float(sys.argv[3])
 with Loop() as loop:
@@ -35,7 +35,8 @@ with Loop() as loop:
         contents = [content]
         if life == "under two commands":
             contents.append({**content, "data": b"halt..".hex()})
-        guarded = ward.guard(lambda: stops(patience, [], contents))
+        stops = {"patience": patience, "topics": [], "datagrams": contents}
+        guarded = ward.guard(lambda: stops)
         if life != "at rest":
             guarded.arm(True)
         print("runs", flush=True)
@@ -58,7 +59,7 @@ print("ended", flush=True)
 class Bridge:
     """A process with a loop, a command to a component and a guardian."""
 
-    def __init__(self, life="under command", patience=0.2, environment=None):
+    def __init__(self, life="under command", patience=0.5, environment=None):
         self.vehicle = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.vehicle.bind(("127.0.0.1", 0))
         line = [sys.executable, "-c", BRIDGE, str(self.vehicle.getsockname()[1]), life]

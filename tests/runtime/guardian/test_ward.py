@@ -12,9 +12,8 @@ from guardians import guardian_of
 
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.loop import Loop
-from jausml.runtime.guardian.page import MOST_OF_A_FRAME, MOST_STOPS, Page
-from jausml.runtime.guardian.slots import Slots
-from jausml.runtime.guardian.ward import Ward, stops
+from jausml.runtime.guardian.page import MOST_OF_A_FRAME, MOST_STOPS, Page, Slots
+from jausml.runtime.guardian.ward import Ward
 
 PATIENCE = 20.0
 OWN = JausAddress(1, 1, 9)
@@ -22,6 +21,7 @@ MUCH = MOST_OF_A_FRAME - 1000
 """Octets that make a frame long."""
 
 GOAL = bytes(range(16))
+STOPS = {"patience": 0.5, "topics": [], "datagrams": []}
 TOPIC = {
     "topic": "/cmd_vel",
     "type": "geometry_msgs/msg/Twist",
@@ -45,7 +45,7 @@ class Guarding:
         """Guards a connection whose stop the vehicle gets, in a frame that may be long."""
         data = f"stop {number:02d}..".encode().hex()
         datagram = {"data": data, "endpoint": self.vehicle.getsockname(), "slot": 0}
-        content = {**stops(0.0, topics, [datagram]), "padding": "." * size}
+        content = {**STOPS, "topics": topics, "datagrams": [datagram], "padding": "." * size}
         return self.ward.guard(lambda: content)
 
     def turn_until(self, condition, what):
@@ -113,8 +113,8 @@ def test_a_stop_that_is_too_long_is_told_while_it_stands(guarding):
 
 
 def test_connections_without_room_are_told(guarding):
-    assert all(guarding.ward.guard(lambda: stops(1.0)) for _ in range(MOST_STOPS))
-    assert guarding.ward.guard(lambda: stops(1.0)) is None
+    assert all(guarding.ward.guard(lambda: STOPS) for _ in range(MOST_STOPS))
+    assert guarding.ward.guard(lambda: STOPS) is None
     assert "1 without room" in guarding.ward.failure
 
 

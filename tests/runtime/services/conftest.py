@@ -13,7 +13,7 @@ from jausml.runtime.base.counters import Counters
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.quirks import Quirks
 from jausml.runtime.messages import digital_resources, machine_states
-from jausml.runtime.transports.delivery import Arrival, PeerTraffic, Receive, ReceivedMessage, Take
+from jausml.runtime.transports.delivery import MESSAGE_CODE_SIZE, Arrival, PeerTraffic, Take
 from jausml.runtime.transports.packets.packet import Priority
 from jausml.runtime.wire.message import DecodeError, Message
 
@@ -58,7 +58,7 @@ class World:
         self.log: list[tuple[JausAddress, JausAddress, int]] = []
         self.arrival = Arrival()
         self.lost: Callable[[JausAddress, JausAddress, int], bool] = lambda *_: False
-        self._receivers: dict[JausAddress, Receive] = {}
+        self._receivers: dict[JausAddress, Take] = {}
         self.unproved: set[JausAddress] = set()
         self.kept: dict[JausAddress, JausAddress | None] = {}
         self.proof_listeners: list[Callable[[JausAddress], None]] = []
@@ -72,9 +72,9 @@ class World:
     def counters(self) -> Counters:
         return self.loop.counters
 
-    def attach(self, address: JausAddress, receive: Receive, _take: Take | None = None) -> None:
+    def attach(self, address: JausAddress, take: Take) -> None:
         assert address not in self._receivers
-        self._receivers[address] = receive
+        self._receivers[address] = take
 
     def detach(self, address: JausAddress) -> None:
         self._receivers.pop(address, None)
@@ -121,7 +121,7 @@ class World:
         destination: JausAddress,
         payload: bytes,
         *,
-        priority: Priority = Priority.STANDARD,
+        priority: Priority = Priority.STANDARD,  # noqa: ARG002 - all are alike
         acknowledge: bool = False,
         on_result: Callable[[bool], None] | None = None,
         supersedes: bool = False,  # noqa: ARG002 - nothing waits or is repeated
@@ -129,7 +129,6 @@ class World:
         code = int.from_bytes(payload[:2], "little")
         self.log.append((source, destination, code))
         self.heard[source] = self.time
-        received = ReceivedMessage(source, destination, payload, priority, 0)
         reached = [
             address
             for address in self._receivers
@@ -138,7 +137,7 @@ class World:
         if self.lost(source, destination, code):
             reached = []
         for address in reached:
-            self.loop.call_soon(lambda to=address: self._deliver(to, received))
+            self.loop.call_soon(lambda to=address: self._deliver(to, payload, source))
         if on_result is not None:
             success = bool(reached) or not acknowledge
             self.loop.call_soon(lambda: on_result(success))
@@ -151,10 +150,10 @@ class World:
     ) -> Callable[[bytes], None]:
         return partial(self.send, source, destination, priority=priority)
 
-    def _deliver(self, address: JausAddress, received: ReceivedMessage) -> None:
-        receive = self._receivers.get(address)
-        if receive is not None:
-            receive(received)
+    def _deliver(self, address: JausAddress, payload: bytes, source: JausAddress) -> None:
+        take = self._receivers.get(address)
+        if take is not None and len(payload) >= MESSAGE_CODE_SIZE:
+            take(payload, source)
 
     def settle(self) -> None:
         """Let everything happen that is due now."""
@@ -209,10 +208,10 @@ class Probe:
         self._received: list[Message] = []
         world.attach(address, self._receive)
 
-    def _receive(self, received: ReceivedMessage) -> None:
-        code = int.from_bytes(received.payload[:2], "little")
+    def _receive(self, payload: bytes, _source: JausAddress) -> None:
+        code = int.from_bytes(payload[:2], "little")
         try:
-            self._received.append(CLASSES[code].decode(received.payload))
+            self._received.append(CLASSES[code].decode(payload))
         except (KeyError, DecodeError):
             assert not self._strict
 

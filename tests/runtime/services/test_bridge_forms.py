@@ -5,7 +5,7 @@ import logging
 import pytest
 
 from jausml.runtime import ros_classes
-from jausml.runtime.bridge.connections.translations import Join
+from jausml.runtime.bridge.connections.joins import Join
 from jausml.runtime.bridge.ends.topics import Topic
 from jausml.runtime.bridge.messages.limits import AbsentFieldError
 from jausml.runtime.conversions import ConversionError

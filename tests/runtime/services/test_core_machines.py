@@ -31,7 +31,7 @@ from jausml.runtime.messages import (
     Shutdown,
     UpdateEvent,
 )
-from jausml.runtime.services.discovery_messages import register_services
+from jausml.runtime.services.discovery import register_services
 
 from .conftest import World
 from .state_tables import Row, Stage, after, controlled, ready

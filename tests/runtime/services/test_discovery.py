@@ -16,7 +16,7 @@ from jausml.runtime.messages import (
     ReportServiceList,
     ReportServices,
 )
-from jausml.runtime.services.discovery_messages import report_services
+from jausml.runtime.services.discovery import report_services
 
 SENSOR = ServiceIdentity("urn:jaus:jss:mobility:VelocityStateSensor", 1, 0)
 DISCOVERY = ServiceIdentity("urn:jaus:jss:core:Discovery", 1, 1)

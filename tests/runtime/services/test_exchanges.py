@@ -218,15 +218,13 @@ class SlowPeer:
         self._delays = list(delays)
         world.attach(PEER, self._receive)
 
-    def _receive(self, received):
-        number = RequestControl.decode(received.payload).authority_code
+    def _receive(self, payload, source):
+        number = RequestControl.decode(payload).authority_code
         delay = self._delays.pop(0)
         if delay is not None:
             self._world.loop.call_later(
                 delay,
-                lambda: self._world.send(
-                    PEER, received.source, ReportTimeout(timeout=number).encode()
-                ),
+                lambda: self._world.send(PEER, source, ReportTimeout(timeout=number).encode()),
             )
 
 

@@ -26,11 +26,11 @@ class Silent:
         self._world = world
         world.attach(JUDGE, self._receive)
 
-    def _receive(self, received):
-        query = QueryIdentification.decode(received.payload)
+    def _receive(self, payload, source):
+        query = QueryIdentification.decode(payload)
         self.asked.append((self._world.time, query.query_type))
         if self.answers:
-            self._world.send(JUDGE, received.source, ANSWER.encode())
+            self._world.send(JUDGE, source, ANSWER.encode())
 
 
 @pytest.fixture

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import pytest
 
+from jausml.runtime.bridge.connections.joins import Join
 from jausml.runtime.bridge.connections.to_jaus import TopicsToMessage
 from jausml.runtime.bridge.connections.to_reports import TopicsToReport
-from jausml.runtime.bridge.connections.translations import Join
 from jausml.runtime.bridge.ends.topics import Topic
 from jausml.runtime.messages import QueryTime, ReportTime, SetTime
 

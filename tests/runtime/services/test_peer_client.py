@@ -7,7 +7,7 @@ from jausml.runtime.base.address import JausAddress
 from jausml.runtime.clients import peer_search
 from jausml.runtime.clients.discovery_client import query_services
 from jausml.runtime.messages import QueryHeartbeatPulse, QueryServiceList, ReportHeartbeatPulse
-from jausml.runtime.services.discovery_messages import report_services
+from jausml.runtime.services.discovery import report_services
 
 from .conftest import CORE_SERVICES
 

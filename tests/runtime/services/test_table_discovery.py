@@ -20,7 +20,7 @@ from jausml.runtime.messages import (
     ReportServices,
     ReportSubsystemList,
 )
-from jausml.runtime.services.discovery_messages import (
+from jausml.runtime.services.discovery import (
     register_services,
     report_service_list,
     report_services,

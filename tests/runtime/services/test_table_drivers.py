@@ -159,7 +159,7 @@ def test_query(world, row):
     stage = play(world, row, Robot)
     answers = []
     stage.component.transport.attach(
-        ASKER, lambda received: answers.append(ReportVelocityState.decode(received.payload))
+        ASKER, lambda payload, _: answers.append(ReportVelocityState.decode(payload))
     )
     world.send(ASKER, stage.component.address, QueryVelocityState().encode())
     world.settle()

@@ -41,7 +41,7 @@ from jausml.runtime.messages import (
     Standby,
     UpdateEvent,
 )
-from jausml.runtime.services.discovery_messages import report_services
+from jausml.runtime.services.discovery import report_services
 
 from .state_tables import CORE_NAMES, V1_0, V1_1, Row, Stage, after, core_services
 

@@ -36,7 +36,7 @@ def test_each_of_three_receivers_knows_what_it_lost(world, way):
     receivers = {receiver: world.transport() for receiver in (SECOND, THIRD, JausAddress(2, 1, 1))}
     for address, transport in receivers.items():
         arrived = came[address] = []
-        transport.attach(address, lambda message, arrived=arrived: arrived.append(message.payload))
+        transport.attach(address, lambda payload, _, arrived=arrived: arrived.append(payload))
         transport.send(address, FIRST, b"\x00\x00")  # it is known where they are
 
     def send(number):
@@ -96,7 +96,7 @@ def test_both_ends_of_a_conversation_add_up(world):
 def test_what_is_acknowledged_is_counted_where_it_was_sent(world):
     sender, receiver = world.transport(), world.transport()
     for transport, address in ((sender, FIRST), (receiver, SECOND)):
-        transport.attach(address, lambda _message: None)
+        transport.attach(address, lambda *_: None)
     receiver.send(SECOND, FIRST, b"\x00\x00")
     world.run_for(0.1)
     for _ in range(3):
@@ -114,7 +114,7 @@ def test_what_is_acknowledged_over_a_long_way_is_late_and_not_lost(world):
     way = Link(delay=0.3, jitter=0.1)
     sender, receiver = world.transport(way), world.transport(way)
     for transport, address in ((sender, FIRST), (receiver, SECOND)):
-        transport.attach(address, lambda _message: None)
+        transport.attach(address, lambda *_: None)
     receiver.send(SECOND, FIRST, b"\x00\x00")
     world.run_for(1.0)
     results = []

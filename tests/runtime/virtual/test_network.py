@@ -54,7 +54,7 @@ def component(transport, address, name="tested", services=CORE, **settings):
 def attached(world, transport, address):
     """Attach an address alone; return what arrives for it, as (time, payload)."""
     got = []
-    transport.attach(address, lambda message: got.append((world.now(), message.payload)))
+    transport.attach(address, lambda payload, _: got.append((world.now(), payload)))
     return got
 
 

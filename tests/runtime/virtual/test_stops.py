@@ -17,7 +17,7 @@ def obeyed(world):
     """The minutes that a peer is told, in order: one of another make, which knows no order."""
     told, transport = [], world.transport()
     transport.attach(
-        PEER, lambda message: told.append(SetTime.decode(message.payload).time_stamp.minutes)
+        PEER, lambda payload, _: told.append(SetTime.decode(payload).time_stamp.minutes)
     )
     return told
 

@@ -73,6 +73,19 @@ def has_stop(connection: bridge.Connection) -> bool:
     )
 
 
+def has_stops(owner: bridge.Bridge) -> bool:
+    """Tells whether a bridge commands what a guardian could stop."""
+    connections = [
+        connection
+        for connection in owner.bridgeConnections
+        if connection.map and connection.map.message
+    ]
+    goals = [action for action in owner.actionConnections if action.direction.name == TO_ROS]
+    return bool(goals) or any(
+        carries_commands(connection) and has_stop(connection) for connection in connections
+    )
+
+
 def silence_timeout(connection: bridge.Connection) -> float:
     """Returns the seconds of silence that count as a loss of the source; 0 is never."""
     if connection.silenceTimeout is not None:

@@ -57,11 +57,7 @@ class CallTranslation(Limiting):
         type: type[LightMessage],  # noqa: A002 - the word of the model
         to_ros: bool,
     ) -> None:
-        """Prepares the translation.
-
-        Args:
-            translate: Makes the target message, or None to let the call fail.
-        """
+        """Prepares the translation; a call for which it makes None fails."""
         super().__init__()
         self.name = name
         self.statistics = Statistics()
@@ -113,9 +109,7 @@ def _encode(message: Message) -> bytes:
     return message.encode()
 
 
-MOST_CALLS = 64
-"""Calls of one connection that are under way at most; further ones are refused."""
-
+MOST_CALLS = 64  # calls of one connection that are under way at most; further ones are refused
 TOO_MANY = "too_many_calls"
 TIMED_OUT = "timed_out"
 NOT_ASKED = "not_asked"
@@ -134,12 +128,7 @@ class Call:
 
 
 class Calls(Generic[CallT, AskingT]):
-    """The part of a connection that keeps its calls, counts them and tells of them.
-
-    Attributes:
-        timeout: Seconds after which a call without an answer has failed, once it was sent.
-        statistics: What happened so far: calls as arrivals, those that were answered as passed.
-    """
+    """The part of a connection that keeps its calls, counts them and tells of them."""
 
     counters: Counters
 
@@ -150,6 +139,7 @@ class Calls(Generic[CallT, AskingT]):
         service: RosService,
         request: AskingT,
         response: CallTranslation | type[Message] | None,
+        # Seconds after which a call without an answer has failed, once it was sent.
         timeout: float = 1.0,
         is_command: bool = False,
         priority: Priority = Priority.STANDARD,
@@ -252,8 +242,7 @@ class Calls(Generic[CallT, AskingT]):
 
     def drop(self, reason: str, detail: str = "", error: Exception | None = None) -> None:
         """Counts a call that came to nothing."""
-        drops = self.statistics.drops
-        drops[reason] = drops.get(reason, 0) + 1
+        self.statistics.drops[reason] += 1
         self.counters.count(f"bridge.{self.name}.{reason}", detail, error=error)
 
     def _set_timeout(self, seconds: float) -> None:

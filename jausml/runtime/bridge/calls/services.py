@@ -67,11 +67,7 @@ class RosServiceToJaus(Calls[ServedCall, "CallTranslation | Message"]):
         is_success_mapped: bool = False,
         **options: Any,
     ) -> None:
-        """Prepares the connection; a command that nobody answers is done when it is sent.
-
-        Args:
-            peers: JAUS components that are asked, or how they are found.
-        """
+        """Prepares the connection; a command that nobody answers is done when it is sent."""
         super().__init__(name, **options)
         self._peers = ControlledPeers(peers, control)
         self._rejections = codes_of(rejections)

@@ -38,9 +38,6 @@ def ros_age(ros_type: type[Any], ros: RosSide, wall: Callable[[], int]) -> Age:
 
     That is the one of its stamp by the ROS clock; of a type or message without one, that of its
     publication, which the publisher tells by the clock of its computer.
-
-    Args:
-        wall: Tells the time of day in nanoseconds since 1970, as publishers do.
     """
     is_stamped = _begins_with_stamp(ros_type)
 
@@ -110,12 +107,7 @@ class Backlog:
     def __init__(
         self, counts: Statistics, drop: Drop, waited: Callable[[Any], float | None]
     ) -> None:
-        """Refuses nothing before `open`.
-
-        Args:
-            waited: Returns the seconds since a message with an origin was sent; None when nobody
-                knows.
-        """
+        """Refuses nothing before `open`; None has waited where nobody knows when it was sent."""
         self._counts, self._drop, self._waited = counts, drop, waited
         self._ends: Ends
         self._changed: Callable[[], None]

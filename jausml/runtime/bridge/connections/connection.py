@@ -15,13 +15,21 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from ..ends import parameters
+from ..light_message import is_light
 from ..messages.compiled import compiled_of
 from ..reports.diagnostics import Latency
 from ..reports.states import StopReason
 from .ages import Backlog
 from .reporting import Reporting
 from .shaping import Shape, Shaping
-from .translations import Form, compiled_first, override_of, transcoder, with_joins
+from .translations import (
+    Form,
+    compiled_first,
+    override_of,
+    transcoder,
+    uses_ros_classes,
+    with_joins,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -40,12 +48,13 @@ NOT_READY = "not_ready"
 NO_PEER = "no_peer"
 
 
-_PLAIN = Shape()
-"""Everything passes when it comes."""
+_PLAIN = Shape()  # everything passes when it comes
 
 
 class Connection(Reporting, Generic[SourceT, TargetT]):
     """What the connections of both directions have in common."""
+
+    _type: type[Any]  # light or of rclpy: the class of the ROS messages
 
     def __init__(
         self,
@@ -55,11 +64,6 @@ class Connection(Reporting, Generic[SourceT, TargetT]):
         shape: Shape = _PLAIN,
         **when_lost: Any,
     ) -> None:
-        """Prepares a connection; nothing is exchanged before `open`.
-
-        Args:
-            shape: Which messages pass, by number, pace and age.
-        """
         super().__init__(name, **when_lost)
         self._shaping = Shaping(shape, self.statistics, self.drop)
         self._backlog = Backlog(self.statistics, self.drop, self.waited)
@@ -89,10 +93,6 @@ class Connection(Reporting, Generic[SourceT, TargetT]):
 
     def decoder(self) -> Callable[[bytes], SourceT]:
         """Returns what makes the objects that the readable translation is given."""
-        raise NotImplementedError
-
-    def classes(self) -> Form:
-        """Returns which classes the translation works on."""
         raise NotImplementedError
 
     def pass_on(self, data: bytes, origin: Any) -> None:
@@ -129,11 +129,7 @@ class Connection(Reporting, Generic[SourceT, TargetT]):
     # ------------------------------------------------------------------ messages
 
     def take(self, data: bytes, origin: Any = None) -> None:
-        """Takes one message from the source.
-
-        Args:
-            origin: Sender of a JAUS message; stamp of a ROS message in nanoseconds.
-        """
+        """Takes a message; its origin is its sender, or when it was published in nanoseconds."""
         if self._halt is not None:
             self._take_halted(self._halt, data, origin)
         elif self._backlog.is_there and not self._backlog.admits(origin):
@@ -189,11 +185,7 @@ class Connection(Reporting, Generic[SourceT, TargetT]):
         return super().end()
 
     def stop(self, reason: StopReason) -> bool:
-        """Sends the safe value, once; what waits for its time gives way to it.
-
-        Returns:
-            Whether messages of the source stood until now.
-        """
+        """Sends the safe value, once; what waits for its time gives way to it."""
         # Withdrawn before the stop is sent, which must be the last word.
         waiting = self._shaping.withdraw()
         if waiting is not None and reason is StopReason.INACTIVE and self.is_latched:
@@ -204,7 +196,8 @@ class Connection(Reporting, Generic[SourceT, TargetT]):
         return super().stop(reason)
 
     def _made_transcode(self) -> Transcode:
-        self.form = self.classes()
+        is_real = uses_ros_classes(self._translate) or not is_light(self._type)
+        self.form = Form.ROS_CLASSES if is_real else Form.LIGHT
         self.override = override_of(self._translate)
         transcode = transcoder(
             self._translate,
@@ -256,8 +249,7 @@ class Connection(Reporting, Generic[SourceT, TargetT]):
         The log does not tell what an inactive bridge drops, as somebody wants it so.
         """
         if reason is StopReason.INACTIVE:
-            drops = self.statistics.drops
-            drops[INACTIVE] = drops.get(INACTIVE, 0) + 1
+            self.statistics.drops[INACTIVE] += 1
         elif reason is not StopReason.END:
             self.drop(NOT_READY, reason.value)
 

@@ -27,9 +27,8 @@ class ControlledPeers:
     def __init__(self, peers: Sequence[JausAddress] | Search, control: Guard) -> None:
         """Meets nobody before `open`.
 
-        Args:
-            control: What they demand of a sender that they obey. Unless that is ANY, control of
-                them is acquired and kept, and they are resumed for READY.
+        Unless control, which they demand of a sender that they obey, is ANY, it is acquired and
+        kept, and they are resumed for READY.
         """
         self._binding = PeerBinding(peers)
         self._control = control
@@ -136,9 +135,8 @@ class RepeatedStops:
     ) -> None:
         """Repeats nothing before `open`.
 
-        Args:
-            is_due: Whether the last word to a peer is a stop, which may not have arrived.
-            send: Sends the stop to a peer, and tells `sent` what became of it.
+        A stop is due while it is the last word to a peer and may not have arrived; what sends it
+        tells `sent` what became of it.
         """
         self._peers = peers
         self._is_due = is_due

@@ -28,21 +28,12 @@ UNASKED = "unasked"
 
 
 class EventRequests:
-    """The AS5710 events of a report, one of each peer.
-
-    Attributes:
-        rate: Reports each second; None means one on every change.
-    """
+    """The AS5710 events of a report, one of each peer."""
 
     def __init__(
         self, ends: Ends, query: Message, message: type[Message], take: Take, rate: float | None
     ) -> None:
-        """Asks nobody yet.
-
-        Args:
-            message: The report.
-        """
-        self.rate = rate
+        self.rate = rate  # reports each second; None means one on every change
         self._ends = ends
         self._query = query
         self._message = message
@@ -109,9 +100,8 @@ class EventRequests:
 class EventToTopics(ToTopics[SourceT, TargetT]):
     """Receives a report as an AS5710 event and publishes it.
 
-    Attributes:
-        rate: Reports each second, 0 for the frequency of the bridge; None means one on every
-            change.
+    The rate is in reports each second, 0 for the frequency of the bridge; None means one on every
+    change.
     """
 
     def __init__(
@@ -123,11 +113,7 @@ class EventToTopics(ToTopics[SourceT, TargetT]):
         rate: float | None = None,
         **options: Any,
     ) -> None:
-        """Prepares the connection.
-
-        Args:
-            query: The query whose answer is the report; it selects the fields.
-        """
+        """Prepares the connection; the query, whose answer is the report, selects the fields."""
         super().__init__(name, translate, **options)
         self.rate = rate
         self._query = query

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from ...base.fast_path import FastSending, through
 from ..ends import parameters
-from ..light_message import is_light
 from ..reports.diagnostics import FILTERED, LOST_IN_QUEUE, MISSED, TOO_OLD, age_of_time
 from .ages import ros_age
 from .connection import Connection
@@ -20,29 +19,24 @@ if TYPE_CHECKING:
     from ...base.fast_path import Outlet
     from ...wire.message import Message
     from ..ends.ends import Ends, SharedFeed
-    from ..ends.ros_side import FastSubscriber
     from ..ends.topics import Topic, TopicFault
     from .ages import Age
     from .connection import Take
-    from .translations import Join, NamedPlaces
+    from .translations import NamedPlaces
 
 SourceT = TypeVar("SourceT")
 TargetT = TypeVar("TargetT", bound="Message")
 
 
 class Sink:
-    """How messages are handed over now, and the latest one that was.
-
-    Attributes:
-        deliver: Hands a message over; False when it was dropped and counted.
-        latest: When the last message was published, in nanoseconds by the clock of its publisher,
-            and when it was taken, by the clock of the bridge.
-    """
+    """How messages are handed over now, and the latest one that was."""
 
     __slots__ = ("deliver", "latest")
 
     def __init__(self, deliver: Callable[[bytes], bool | None]) -> None:
-        self.deliver = deliver
+        self.deliver = deliver  # hands a message over; False when it was dropped and counted
+        # When the last message was published, in nanoseconds by the clock of its publisher, and
+        # when it was taken, by the clock of the bridge.
         self.latest = 0, 0.0
 
 
@@ -57,7 +51,7 @@ class FromTopics(Connection[SourceT, TargetT]):
         type: type[SourceT],  # noqa: A002 - the word of the model
         topics: Sequence[Topic],
         message: type[TargetT],
-        joins: Sequence[Join] = (),
+        joins: Sequence[Any] = (),
         named: NamedPlaces | None = None,
         **when_lost: Any,
     ) -> None:
@@ -127,7 +121,7 @@ class FromTopics(Connection[SourceT, TargetT]):
             if left_out:
                 unknown(left_out)
 
-        def find(feed: Any) -> FastSubscriber | None:
+        def find(feed: Any) -> Any:
             # None with several peers, or one that does not obey: only a single sender has one.
             outlet: Outlet | None = getattr(sink.deliver, "fast_path", lambda: None)()
             if outlet is None or not self.is_usual:
@@ -160,11 +154,6 @@ class FromTopics(Connection[SourceT, TargetT]):
     def encode(self, target: TargetT) -> bytes:
         """Encodes a JAUS message."""
         return target.encode()
-
-    def classes(self) -> Form:
-        """Returns which classes the translation is given objects of."""
-        is_real = uses_ros_classes(self._translate) or not is_light(self._type)
-        return Form.ROS_CLASSES if is_real else Form.LIGHT
 
     def age(self, data: bytes, origin: Any) -> int | None:  # noqa: ARG002
         """Returns the age of a message by the stamp of its publisher."""

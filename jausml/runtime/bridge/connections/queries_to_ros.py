@@ -25,16 +25,12 @@ TargetT = TypeVar("TargetT")
 
 
 class QueryRequests:
-    """Queries for a report, one in each period to each peer.
-
-    Attributes:
-        rate: Queries each second.
-    """
+    """Queries for a report, one in each period to each peer."""
 
     def __init__(
         self, ends: Ends, query: Message, message: type[Message], take: Take, rate: float
     ) -> None:
-        self.rate = rate
+        self.rate = rate  # queries each second
         self._ends = ends
         self._query = query
         self._message = message

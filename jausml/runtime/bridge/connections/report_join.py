@@ -9,8 +9,8 @@ from ...services.definitions import Guard
 from ..ends import parameters
 from ..ends.ends import Taker
 from .events_to_ros import EventRequests
+from .joins import Latest
 from .queries_to_ros import QueryRequests
-from .to_ros import JoinedReports
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from ..ends.ends import Ends
 
 
-class ReportJoin(JoinedReports):
+class ReportJoin(Latest):
     """The latest of the reports of whoever sends it."""
 
     def __init__(
@@ -55,11 +55,7 @@ class ReportJoin(JoinedReports):
         self._own_peers = tuple(peers)
 
     def open(
-        self,
-        ends: Ends,
-        connection: str,
-        peers: PeerBinding,
-        refuse: Callable[[bytes, Any], None],
+        self, ends: Ends, connection: str, peers: PeerBinding, refuse: Callable[[bytes, Any], None]
     ) -> None:
         """Asks for the reports, or listens."""
         owner, message = f"{connection}.{self.name}", self._message

@@ -5,14 +5,7 @@ from __future__ import annotations
 from collections import deque
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ..reports.diagnostics import (
-    FAILURES,
-    FILTERED,
-    NOT_LOST,
-    THINNED,
-    ConnectionStatus,
-    Latency,
-)
+from ..reports.diagnostics import FAILURES, FILTERED, NOT_LOST, THINNED, ConnectionStatus, Latency
 from ..reports.states import Facts, StateLog, StopReason, judge
 from .stopping import Stopping
 
@@ -41,9 +34,7 @@ class Rate:
     def note(self, now: float, arrivals: int, declared: float) -> None:
         """Takes the rate since the last call, or over more of them for a slow source.
 
-        Args:
-            now: Time in seconds.
-            declared: Messages each second that the source promises; 0 when it promises none.
+        What is declared are messages each second; 0 when the source promises none.
         """
         span = PERIODS / declared if declared > 0 else 0.0
         noted = self._noted
@@ -74,15 +65,10 @@ class _Totals(NamedTuple):
 
 
 class Reporting(Stopping):
-    """The part of a connection that tells of it. All of it runs on the loop, or with its lock.
-
-    Attributes:
-        form: Form in which the translation runs, while the bridge is open.
-        override: Names of methods of the user in the place of generated ones, for diagnostics.
-    """
+    """The part of a connection that tells of it. All of it runs on the loop, or with its lock."""
 
     form: Form
-    override: list[tuple[str, str]]
+    override: list[tuple[str, str]]  # names of methods of the user in the place of generated ones
 
     def __init__(self, name: str, **when_lost: Any) -> None:
         super().__init__(name, **when_lost)

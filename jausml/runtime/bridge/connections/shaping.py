@@ -24,9 +24,7 @@ if TYPE_CHECKING:
     Drop = Callable[[str, str], None]
 
 
-OVER_RATE = "over_rate"
-"""Messages of a source that sends more than its connection takes."""
-
+OVER_RATE = "over_rate"  # messages of a source that sends more than its connection takes
 _BURST_S = 1.0
 _MOST_SOURCES = 256
 _EVERYBODY_ELSE = "everybody else"
@@ -44,11 +42,6 @@ class RateCap:
     def __init__(
         self, hertz: float, clock: Callable[[], float], drop: Callable[[str, str], None]
     ) -> None:
-        """Begins with no sources.
-
-        Args:
-            hertz: Messages each second that pass of one source, above 0.
-        """
         self._interval = 1 / hertz
         # Half an interval of tolerance: clocks round.
         self._ahead = max(_BURST_S - self._interval, 0.0) + self._interval / 2
@@ -88,17 +81,11 @@ class RateCap:
 
 @dataclass(frozen=True, slots=True)
 class Shape:
-    """What shall pass.
+    """What shall pass."""
 
-    Attributes:
-        max_rate: Most messages each second; 0 means all.
-        decimation: Every how many messages one passes.
-        age_limit: Seconds after which a message is too old; 0 means never.
-    """
-
-    max_rate: float = 0.0
-    decimation: int = 1
-    age_limit: float = 0.0
+    max_rate: float = 0.0  # most messages each second; 0 means all
+    decimation: int = 1  # every how many messages one passes
+    age_limit: float = 0.0  # seconds after which a message is too old; 0 means never
 
     @property
     def is_plain(self) -> bool:
@@ -112,15 +99,11 @@ class Shape:
 
 
 class Waiting(NamedTuple):
-    """A message whose time has not come.
-
-    Attributes:
-        expiry: When it becomes too old, by the clock of the bridge.
-    """
+    """A message whose time has not come."""
 
     data: bytes
     origin: Any
-    expiry: float
+    expiry: float  # when it becomes too old, by the clock of the bridge
 
 
 class Shaping:
@@ -130,7 +113,6 @@ class Shaping:
     """
 
     def __init__(self, shape: Shape, counts: Statistics, drop: Drop) -> None:
-        """Shapes nothing before `open`."""
         self._shape = shape
         self._counts = counts
         self._drop = drop
@@ -154,12 +136,7 @@ class Shaping:
         reshaped: Callable[[], None],
         judge_silence: Callable[[], None],
     ) -> None:
-        """Reads what parameters say.
-
-        Args:
-            way: Takes the messages that pass.
-            reshaped: Called when other messages shall pass than before.
-        """
+        """Reads what parameters say, and tells when other messages shall pass than before."""
         self._ends, self._age, self._way, self._reshaped = ends, age, way, reshaped
         self._judge_silence = judge_silence
         self._timer = Alarm(ends.clock)

@@ -5,9 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from ...base.counters import LOGGER
-from ...guardian.ward import stops
 from ..ends import parameters
-from ..ends.guarding import MARK
 from ..reports.diagnostics import Limiting, Statistics
 from ..reports.states import StopReason
 
@@ -15,12 +13,11 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ...base.loop import Timer
-    from ...guardian.ward import Content, Guarded
     from ..ends.ends import Ends
     from ..reports.states import Standing
 
-_LOG_INTERVAL = 5.0
-"""Seconds between two lines of the log about the silence of one connection."""
+_LEAST_PATIENCE = 0.5  # seconds for which a bridge may be starved without a stop
+_LOG_INTERVAL = 5.0  # seconds between two lines of the log about the silence of one connection
 
 
 class Stopping(Limiting):
@@ -46,9 +43,8 @@ class Stopping(Limiting):
     ) -> None:
         """Minds nothing before `watch`.
 
-        Args:
-            stop: What the model states for the safe value, each as `thrust = 0`; none: zeros.
-            hold_reason: Why the last command may stand then, for one that has no safe value.
+        A stop is what the model states for the safe value, each as `thrust = 0`; none means zeros.
+        A reason to hold says why the last command may stand where there is no safe value.
         """
         super().__init__()
         self.name = name
@@ -62,7 +58,7 @@ class Stopping(Limiting):
         self._safe_value = safe_value
         self._next_log = 0.0
         self._watch: Timer | None = None
-        self._guarded: Guarded | None = None
+        self._guarded: Any = None  # what arms the stop, where there is a guardian
         self._ends: Ends
 
     def open(self, ends: Ends) -> None:
@@ -88,12 +84,8 @@ class Stopping(Limiting):
         """Hands the safe value to the target side; False when nobody is there."""
         return self.deliver(payload)
 
-    def guarded_stops(self, payload: bytes) -> tuple[list[Content], list[Content]]:
-        """Returns what the guardian says for topics and for components, when the bridge cannot.
-
-        Args:
-            payload: The stop, made for the moment `MARK`.
-        """
+    def guarded_stops(self, payload: bytes) -> dict[str, Any]:
+        """Returns the `topics` or `datagrams` that the guardian says, of a stop for its moment."""
         raise NotImplementedError
 
     def encode(self, target: Any) -> bytes:
@@ -181,8 +173,7 @@ class Stopping(Limiting):
     def stop(self, reason: StopReason) -> bool:
         """Sends the safe value, once: the next message from the source ends what it stands for.
 
-        Returns:
-            Whether messages of the source stood until now.
+        Returns whether messages of the source stood until now.
         """
         if self._watch is not None:
             self._watch.cancel()
@@ -193,8 +184,7 @@ class Stopping(Limiting):
         # First the core is stopped, so that no older command follows the stop.
         self.note_case()
         if stood:
-            counts = self.statistics.stops
-            counts[reason] = counts.get(reason, 0) + 1
+            self.statistics.stops[reason] += 1
             self.send_safe_value(self.deliver_stop)
         # Only after the stop was sent: until then the guardian must say it if this process dies.
         if self._guarded is not None:
@@ -207,17 +197,18 @@ class Stopping(Limiting):
         if ward is not None and self.is_command and self._safe_value is not None:
             self._guarded = ward.guard(self._handed_over)
 
-    def _handed_over(self) -> Content:
+    def _handed_over(self) -> dict[str, Any]:
         """Returns what the guardian is to say, and after which silence."""
+        patience = max(_LEAST_PATIENCE, self.silence_timeout)
+        content: dict[str, Any] = {"patience": patience, "topics": [], "datagrams": []}
         try:
             # At a moment that is found again in the octets, where the guardian puts the present.
-            with self._ends.at(MARK):
+            with self._ends.at(self._ends.ward.moment):
                 payload = self.encode(self._safe_value() if self._safe_value else None)
-            topics, datagrams = self.guarded_stops(payload)
+            content |= self.guarded_stops(payload)
         except Exception as error:  # of what the user has overridden
             self.fail(error)
-            topics, datagrams = [], []
-        return stops(self.silence_timeout, topics, datagrams)
+        return content
 
     def send_safe_value(self, deliver: Callable[[bytes], bool]) -> None:
         """Hands the modelled safe value to the target side; nothing when there is none."""
@@ -232,29 +223,18 @@ class Stopping(Limiting):
     def follow(self, standing: Standing, lost: StopReason | None) -> bool:  # noqa: ARG002
         """Stops what must not go on as the bridge stands; here, whatever passes while inactive.
 
-        Args:
-            lost: Why what the former controller commanded must not stand.
-
-        Returns:
-            Whether something was stopped.
+        What the former controller commanded may be lost for a reason. Returns whether something was
+        stopped.
         """
         return self.halt(None if standing.is_active else StopReason.INACTIVE)
 
     def lose(self, reason: StopReason) -> bool:
-        """Stops what is watched for silence: its time does not pass any more.
-
-        Returns:
-            Whether messages of the source stood until now.
-        """
+        """Stops what is watched, as its time does not pass any more; whether messages stood."""
         is_watched = self.is_command or self.silence_timeout > 0
         return is_watched and self.stopped is None and self.stop(reason)
 
     def halt(self, reason: StopReason | None) -> bool:
-        """Passes nothing on from now on, after the stop; or again, for None.
-
-        Returns:
-            Whether something was stopped.
-        """
+        """Passes nothing on after the stop, or again for None; whether something was stopped."""
         self._halt = reason
         self.note_case()
         return reason is not None and self.stop(reason)

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 
     from ...base.address import JausAddress
     from ...clients.peer_binding import Search
-    from ...guardian.ward import Content
     from ...wire.message import Message
     from ..ends.ends import Ends
     from ..reports.states import Standing, StopReason
@@ -28,8 +27,7 @@ SourceT = TypeVar("SourceT")
 TargetT = TypeVar("TargetT", bound="Message")
 
 
-_BUSY = 3.0
-"""Seconds after a message in which its receivers should be heard, if nothing was before."""
+_BUSY = 3.0  # seconds after a message in which its receivers should be heard, if nothing was before
 
 
 class TopicsToMessage(FromTopics[SourceT, TargetT]):
@@ -104,7 +102,7 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
     def _leave(self, peer: JausAddress) -> None:
         del self._prepared[peer]
         self._find_route()
-        if self._guarded is not None and self._ends.ward is not None:
+        if self._guarded is not None:
             # First the stop of the peer goes: the place may become that of another.
             self._guarded.hand()
             self._ends.ward.slots.give_back(self, (self._ends.component.address, peer))
@@ -166,9 +164,7 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         if not self._senders:
             self.drop(NOT_READY, ", ".join(map(str, self._refusing)))
             return False
-        withheld = self.statistics.withheld
-        for peer in self._refusing:
-            withheld[peer] = withheld.get(peer, 0) + 1
+        self.statistics.withheld.update(self._refusing)
         return True
 
     def deliver_stop(self, payload: bytes) -> bool:
@@ -179,7 +175,7 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         obeying = [peer for peer in self.peers if self._peers.obeys(peer)]
         return self._send_stop(obeying, payload)
 
-    def guarded_stops(self, payload: bytes) -> tuple[list[Content], list[Content]]:
+    def guarded_stops(self, payload: bytes) -> dict[str, Any]:
         """Returns the datagram of the stop for each peer that obeys and has a known place.
 
         Behind a node manager or TCP there is none: there, control lapses. So it does where the
@@ -189,19 +185,14 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         transport, own, datagrams = component.transport, component.address, []
         for peer in filter(self._peers.obeys, self.peers):
             pair = transport.datagram(own, peer, payload, self._priority)
-            slot = self._slot(peer) if pair is not None else None
-            if pair is not None and slot is not None:
+            if pair is None:
+                continue
+            number = partial(transport.next_number, own, peer)
+            slot = self._ends.ward.slots.take(self, (own, peer), number)
+            if slot is not None:
                 datagram, endpoint = pair
                 datagrams.append({"data": datagram.hex(), "endpoint": endpoint, "slot": slot})
-        return [], datagrams
-
-    def _slot(self, peer: JausAddress) -> int | None:
-        """Where the guardian finds the next sequence number to a peer, if it has room for it."""
-        component, ward = self._ends.component, self._ends.ward
-        if ward is None:
-            return None
-        route = (component.address, peer)
-        return ward.slots.take(self, route, partial(component.transport.next_number, *route))
+        return {"datagrams": datagrams}
 
     def _send_stop(self, peers: Sequence[JausAddress], payload: bytes) -> bool:
         component = self._ends.component

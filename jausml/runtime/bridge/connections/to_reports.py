@@ -101,7 +101,7 @@ class TopicsToReport(FromTopics[SourceT, TargetT]):
         """
         stood = super().stop(reason)
         # Of several connections to one report, the one that spoke last has the word.
-        if self._safe_value is None and self._report.feeder in (None, self):
+        if self._safe_value is None and self._report.judge_silence in (None, self.judge_silence):
             self._put(self.encode(self._empty()) if self._empty is not None else None)
         return stood
 
@@ -110,7 +110,7 @@ class TopicsToReport(FromTopics[SourceT, TargetT]):
         holder, message, changed = self._report, self._message, ends.component.report_changed
 
         def put(report: bytes | None) -> None:
-            holder.value, holder.feeder = report, self
+            holder.value, holder.judge_silence = report, self.judge_silence
             # A report that was put together is as old as the oldest of its values.
             if self._oldest < math.inf:
                 self.statistics.heard = self._oldest

@@ -11,14 +11,12 @@ from ...clients.peer_binding import PeerBinding
 from ...services.definitions import Guard, Status
 from ..ends import parameters
 from ..ends.ends import Taker
-from ..ends.guarding import topic_stops
-from ..light_message import is_light
 from ..reports.diagnostics import FILTERED, UNHEARD, age_of_stamp
 from ..reports.states import StopReason
 from .ages import jaus_age
 from .connection import Connection
 from .shaping import RateCap
-from .translations import Form, Joined, ros_encoder, uses_ros_classes
+from .translations import Form, ros_encoder
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -26,14 +24,12 @@ if TYPE_CHECKING:
 
     from ...base.address import JausAddress
     from ...clients.peer_binding import Search
-    from ...guardian.ward import Content
     from ...wire.message import Message
     from ..ends.ends import Ends
     from ..ends.ros_side import RosPublisher
     from ..ends.topics import Topic, TopicFault
     from ..reports.states import Standing
     from .ages import Age
-    from .command_answer import CommandAnswer
     from .connection import Take
     from .translations import Transcode
 
@@ -45,16 +41,6 @@ UNEXPECTED = "unexpected_source"
 
 _GREETING = 10.0
 """Seconds after the start in which subscribers may still be found that were there before."""
-
-
-class JoinedReports(Joined):
-    """The latest of some reports; `ReportJoin` has them, where there are any."""
-
-    def open(
-        self, ends: Ends, connection: str, peers: PeerBinding, refuse: Callable[[bytes, Any], None]
-    ) -> None:
-        """Asks for the reports, or listens."""
-        raise NotImplementedError
 
 
 class ToTopics(Connection[SourceT, TargetT]):
@@ -69,14 +55,13 @@ class ToTopics(Connection[SourceT, TargetT]):
         type: type[TargetT],  # noqa: A002 - the word of the model
         topics: Sequence[Topic],
         peers: Sequence[JausAddress] | Search = (),
-        joins: Sequence[JoinedReports] = (),
+        joins: Sequence[Any] = (),
         **when_lost: Any,
     ) -> None:
         """Prepares the connection.
 
-        Args:
-            translate: Makes the ROS message, or None to pass nothing on. Joined reports give it
-                their messages as keyword arguments.
+        The translation makes the ROS message, or None to pass nothing on; joined reports give it
+        their messages as keyword arguments.
         """
         super().__init__(name, translate, **when_lost)
         self._peers = PeerBinding(peers)
@@ -128,11 +113,6 @@ class ToTopics(Connection[SourceT, TargetT]):
     def encode(self, target: TargetT) -> bytes:
         """Serializes a ROS message."""
         return self._encode(target)
-
-    def classes(self) -> Form:
-        """Returns which classes the translation makes objects of."""
-        is_real = uses_ros_classes(self._translate) or not is_light(self._type)
-        return Form.ROS_CLASSES if is_real else Form.LIGHT
 
     def pass_on(self, data: bytes, origin: Any) -> None:  # noqa: ARG002
         """Translates a message and publishes it."""
@@ -223,9 +203,9 @@ class ToTopics(Connection[SourceT, TargetT]):
             if self.stopped is StopReason.START and is_new:
                 self.send_safe_value(self.deliver)
 
-    def guarded_stops(self, payload: bytes) -> tuple[list[Content], list[Content]]:
+    def guarded_stops(self, payload: bytes) -> dict[str, Any]:
         """Returns the stop for each topic."""
-        return topic_stops(self._publishers, payload), []
+        return {"topics": self._ends.ward.topic_stops(self._publishers, payload)}
 
     def deliver(self, payload: bytes) -> bool:
         """Publishes on every topic; False when ROS refuses."""
@@ -256,9 +236,8 @@ class ToTopics(Connection[SourceT, TargetT]):
         named = [(f"peer {peer}", self._state_of(peer)) for peer in self.peers]
         return [*self._peers.describe(), *named]
 
-    def _state_of(self, peer: JausAddress) -> str:
+    def _state_of(self, peer: JausAddress) -> str:  # noqa: ARG002
         """How it stands with a peer, for diagnostics."""
-        del peer
         return "source"
 
 
@@ -275,7 +254,7 @@ class MessageToTopics(ToTopics[SourceT, TargetT]):
         *,
         when: Guard | Callable[[SourceT], Guard] = Guard.ANY,
         rate_cap: float = 0.0,
-        answer: CommandAnswer | None = None,
+        answer: Any = None,
         **options: Any,
     ) -> None:
         """Prepares the connection.
@@ -284,7 +263,7 @@ class MessageToTopics(ToTopics[SourceT, TargetT]):
             when: Whom to obey: commands pass only from the controller of the bridge. A function
                 tells it from the message.
             rate_cap: Messages each second that are taken of one source; 0 means all.
-            answer: How the last command that was passed on is told when somebody asks for it.
+            answer: The `CommandAnswer` of who asks for the last command that was passed on.
         """
         super().__init__(name, translate, **options)
         self._when = when

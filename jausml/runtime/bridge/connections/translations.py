@@ -1,9 +1,7 @@
 """Translations as connections run them: from bytes to bytes, with joined messages at hand.
 
 Between the bytes stand objects for a method: those of ROS messages are of the light classes of the
-bridge package, or of the classes of ROS if `ros_classes` asks for them. Freshness of what is joined
-is that of its arrival, by the steady clock of the bridge: clocks of other computers, and stamps
-that nobody filled, do not matter.
+bridge package, or of the classes of ROS if `ros_classes` asks for them.
 """
 
 from __future__ import annotations
@@ -12,19 +10,15 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
 from types import MethodType
-from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, TypeVar
 
 from ...services.dispatch import LONGEST_CALL
-from ..ends import parameters
 from ..light_message import is_light
-from ..messages.limits import StaleJoinError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from ..ends.ends import Ends
     from ..ends.ros_side import RosSide
-    from ..ends.topics import Topic
     from ..messages.compiled import Function
 
 
@@ -97,12 +91,7 @@ def transcoder(
 
 
 def compiled_first(function: Function, names: Sequence[str], slow: Transcode) -> Transcode:
-    """Returns a translation that asks a function first.
-
-    Args:
-        names: The joins, in the order in which the function is given them.
-        slow: Treats what is not usual; is given the messages of joins.
-    """
+    """Returns a translation that asks a function first, which takes the joins in order of names."""
     if not names:
 
         def transcode(data: bytes) -> bytes | None:
@@ -122,22 +111,14 @@ def compiled_first(function: Function, names: Sequence[str], slow: Transcode) ->
 
 
 def ros_decoder(ros: RosSide, message_type: type[Any], *, real: bool) -> Callable[[bytes], Any]:
-    """Returns what makes objects of serialized ROS messages.
-
-    Args:
-        message_type: A light class, or a message class of ROS.
-    """
+    """Returns what makes objects, light or of the message class of ROS, of serialized messages."""
     if real or not is_light(message_type):
         return ros.codec(message_type).decode
     return message_type.from_cdr
 
 
 def ros_encoder(ros: RosSide, message_type: type[Any]) -> Callable[[Any], bytes]:
-    """Returns what serializes ROS messages, be they light or of the message class of ROS.
-
-    Args:
-        message_type: A light class, or a message class of ROS.
-    """
+    """Returns what serializes ROS messages, be they light or of the message class of ROS."""
     if not is_light(message_type):
         return ros.codec(message_type).encode
     encode: Callable[[Any], bytes] | None = None
@@ -158,17 +139,11 @@ def ros_encoder(ros: RosSide, message_type: type[Any]) -> Callable[[Any], bytes]
 
 @dataclass(frozen=True)
 class NamedPlaces:
-    """Elements that a translation takes by place, and that messages have in any order.
+    """Elements that a translation takes by place, and that messages have in any order."""
 
-    Attributes:
-        keys: The field with the name of each element, such as `name` of sensor_msgs/JointState.
-        names: The names, in the order of the places.
-        arrays: The fields whose elements the translation takes.
-    """
-
-    keys: str
-    names: tuple[str, ...]
-    arrays: tuple[str, ...]
+    keys: str  # the field with the name of each element, such as `name` of sensor_msgs/JointState
+    names: tuple[str, ...]  # the names, in the order of the places
+    arrays: tuple[str, ...]  # the fields whose elements the translation takes
 
     def ordered(self, source: Any, by_name: Callable[..., list[Any]]) -> Any:
         """Returns a message with its elements in order; one that names none is as it should be.
@@ -185,122 +160,30 @@ class NamedPlaces:
         return source
 
 
-class Joined:
-    """The latest message of a join; it is made an object when somebody asks for it."""
+class Joined(Protocol):
+    """The latest message of a join; `joins.py` has those of models with joins."""
 
-    def __init__(self, name: str, *, freshness: float, drop: bool) -> None:
-        """Keeps nothing yet.
-
-        Args:
-            drop: Whether the main message is dropped when there is nothing fresh.
-        """
-        self.name = name
-        self.freshness = freshness
-        self._drop = drop
-        self._ends: Ends
-        self._decode: Callable[[bytes], Any]
-        self._arrival: float | None = None
-        self._data: bytes | None = None
-        self._latest: Any = None
-
-    def begin(self, ends: Ends, owner: str, decode: Callable[[bytes], Any]) -> None:
-        """Makes the parameter of the freshness.
-
-        Args:
-            owner: Connection and join, with which names of parameters begin.
-        """
-        self._ends = ends
-        self._decode = decode
-        self._arrival = self._data = self._latest = None
-        stale = parameters.FRESHNESS.of(self.freshness, owner)
-        self.freshness = ends.ros.parameter(stale, self._set_freshness)
+    name: str
 
     def fresh(self) -> Any:
-        """Returns the latest message, or None when it is stale or there is none.
-
-        Raises:
-            StaleJoinError: There is nothing fresh, and the main message is dropped.
-            DecodeError: The latest message cannot be read.
-        """
-        if not self.is_stale:
-            if self._latest is None and self._data is not None:
-                self._latest = self._decode(self._data)
-            return self._latest
-        if self._drop:
-            age = self.age
-            reason = "no message yet" if age is None else f"the latest message is {age:.3f} s old"
-            raise StaleJoinError(self.name, reason)
-        return None
+        """Returns the message, or None or a StaleJoinError when there is nothing fresh."""
 
     def fresh_data(self) -> bytes | None:
-        """Returns the latest message as it came, or None when it is stale or there is none.
-
-        Raises:
-            StaleJoinError: There is nothing fresh, and the main message is dropped.
-        """
-        # When it is stale: that raises an error, or says None.
-        return self._data if not self.is_stale else self.fresh()
+        """Returns the message as it came."""
 
     @property
     def age(self) -> float | None:
-        """Seconds since the latest message arrived; None before the first."""
-        arrival = self._arrival
-        return None if arrival is None else self._ends.clock.now() - arrival
+        """Seconds since it arrived; None before the first."""
 
     @property
     def is_stale(self) -> bool:
         """Whether there is nothing fresh."""
-        age = self.age
-        return age is None or age > self.freshness
-
-    def keep(self, data: bytes, _origin: Any = None) -> None:
-        """Takes a message, which is the latest one from now on."""
-        self._arrival, self._data, self._latest = self._ends.clock.now(), data, None
-
-    def _set_freshness(self, seconds: float) -> None:
-        self.freshness = seconds
-
-
-class Join(Joined):
-    """The latest message of a joined topic, or of any of several."""
-
-    def __init__(
-        self,
-        name: str,
-        type: type[Any],  # noqa: A002 - the word of the model
-        topics: Sequence[Topic],
-        freshness: float = 1.0,
-        *,
-        drop: bool = False,
-    ) -> None:
-        """Keeps nothing yet.
-
-        Args:
-            freshness: Seconds after which the latest message is stale.
-            drop: Whether a message of the main topic is dropped when there is nothing fresh.
-                Otherwise its translation is given None.
-        """
-        super().__init__(name, freshness=freshness, drop=drop)
-        self._type = type
-        self.topics = tuple(topics)
-
-    def open(self, ends: Ends, connection: str, *, real: bool) -> None:
-        """Makes the subscriptions."""
-        owner = f"{connection}.{self.name}"
-        self.begin(ends, owner, ros_decoder(ends.ros, self._type, real=real))
-        self.topics = parameters.topics(ends.ros, owner, self.topics)
-        for topic in self.topics:
-            ends.shared_topics.feed(self._type, topic, self.keep)
 
 
 def with_joins(
     transcode: Transcode, joined: Sequence[Joined], *, is_compiled: bool = False
 ) -> Transcode:
-    """Returns a translation that is given the latest messages of joins.
-
-    Args:
-        is_compiled: Whether it asks joins itself, since it takes bytes first.
-    """
+    """Returns a translation with the messages of joins; one that is compiled asks them itself."""
     if is_compiled:
         asked = {join.name: join for join in joined}
         return lambda data: transcode(data, **asked)

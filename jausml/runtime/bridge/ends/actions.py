@@ -18,11 +18,8 @@ LONGEST_GOAL = 1024
 class Progress(Enum):
     """What a number in the feedback says of the list."""
 
-    INDEX = "index"
-    """Which element is under way, from 0."""
-
-    REMAINING = "remaining"
-    """How many elements remain, with the one that is under way."""
+    INDEX = "index"  # which element is under way, from 0
+    REMAINING = "remaining"  # how many elements remain, with the one that is under way
 
     DISTANCE = "distance"
     """How many metres remain along the elements; whoever reads the feedback makes an index of it,
@@ -34,11 +31,7 @@ class Progress(Enum):
         return min(max(position, 0), count - 1)
 
     def number(self, index: int, count: int) -> int:
-        """Returns what the feedback says while an element is under way.
-
-        Args:
-            index: The element, from 0.
-        """
+        """Returns what the feedback says while an element is under way, the first of which is 0."""
         return count - index if self is Progress.REMAINING else index
 
 
@@ -54,24 +47,16 @@ class Outcome(Enum):
 
 @dataclass(frozen=True)
 class ListAction:
-    """A ROS action whose goal is a list.
+    """A ROS action whose goal is a list."""
 
-    Attributes:
-        type_name: Its type, e.g. `nav2_msgs/action/FollowWaypoints`.
-        goal: Path of the array of the goal that has the elements.
-        progress: Path of the number of the feedback that says how far the list is done; empty for
-            none.
-        counting: What that number says.
-        reason: Path of the string of the result that says why the list was not done; empty for
-            none.
-    """
-
-    type_name: str
+    type_name: str  # its type, e.g. `nav2_msgs/action/FollowWaypoints`
     name: str
     element: type[Any]
-    goal: str
+    goal: str  # path of the array of the goal that has the elements
+    # Path of the number of the feedback that says how far the list is done; empty for none.
     progress: str = ""
-    counting: Progress = Progress.INDEX
+    counting: Progress = Progress.INDEX  # what that number says
+    # Path of the string of the result that says why the list was not done; empty for none.
     reason: str = ""
 
 
@@ -105,17 +90,9 @@ class ActionClient(Protocol):
     """Sends goals of one action."""
 
     def send(
-        self,
-        elements: Sequence[bytes],
-        fill: Callable[[Any], object] | None,
-        watcher: GoalWatcher,
+        self, elements: Sequence[bytes], fill: Callable[[Any], object] | None, watcher: GoalWatcher
     ) -> SentGoal:
-        """Sends a goal.
-
-        Args:
-            fill: Sets what else the goal has; called with the goal of rclpy and the lock of the
-                loop.
-        """
+        """Sends a goal; `fill` sets what else it has, of rclpy and with the lock of the loop."""
 
     def faults(self) -> Sequence[TopicFault]:
         """Returns why goals cannot be sent; nothing while they can."""
@@ -139,8 +116,7 @@ class GoalTaker(Protocol):
     def accepts(self, elements: Sequence[bytes], request: Any) -> bool:
         """Whether a goal can be executed now; `begin` comes at once if so.
 
-        Args:
-            elements: Its elements, serialized; one more than `LONGEST_GOAL` of a longer goal.
+        Of a longer goal there is one element more than `LONGEST_GOAL`.
         """
 
     def begin(self, goal: ServedGoal) -> None:

@@ -29,10 +29,9 @@ if TYPE_CHECKING:
     from ...clients.peer_binding import PeerBinding
     from ...component.base import Component
     from ...conversions import Time
-    from ...guardian.ward import Ward
     from ...wire.message import Message
     from ..messages.compiled import Compiled, Function
-    from .ros_side import FastSubscriber, RosPublisher, RosSide
+    from .ros_side import RosPublisher, RosSide
     from .simulation import Simulation
     from .topics import Topic
 
@@ -51,7 +50,7 @@ class BridgeSettings:
             rate too, but not more often than once a second.
         services: Services that the bridge provides, inherited ones included.
         authority: Authority code that control is requested with, 0 to 255.
-        guardian: Whether a small process beside the bridge says its stops when the bridge cannot.
+        guardian: What has a small process beside the bridge say its stops when the bridge cannot.
     """
 
     name: str
@@ -64,27 +63,15 @@ class BridgeSettings:
     authority: int = 127
     component: ComponentSettings = field(default_factory=ComponentSettings)
     transport: TransportSettings = field(default_factory=TransportSettings)
-    guardian: bool = True
-
-
-class Feeder(Protocol):
-    """What feeds a report."""
-
-    def judge_silence(self) -> None:
-        """Withdraws what it has said if that is too old by now."""
+    guardian: Callable[..., Any] | None = None
 
 
 @dataclass(slots=True)
 class ReportHolder:
-    """The present report that topics feed.
+    """The present report that topics feed."""
 
-    Attributes:
-        value: It, encoded; None before their first message.
-        feeder: The connection that spoke last; None before.
-    """
-
-    value: bytes | None = None
-    feeder: Feeder | None = None
+    value: bytes | None = None  # encoded; None before their first message
+    judge_silence: Callable[[], None] | None = None  # of the connection that spoke last
 
     def present(self) -> bytes | None:
         """Returns the report that counts now.
@@ -92,21 +79,17 @@ class ReportHolder:
         What is too old is withdrawn here too: after a halt of the process, whoever asks may come
         before the timer of the silence.
         """
-        if self.feeder is not None:
-            self.feeder.judge_silence()
+        if self.judge_silence is not None:
+            self.judge_silence()
         return self.value
 
 
 @dataclass(frozen=True)
 class Taker:
-    """A connection that takes messages.
-
-    Attributes:
-        senders: Whose messages it takes; None for those of anybody.
-    """
+    """A connection that takes messages."""
 
     take: Take
-    senders: PeerBinding | None = None
+    senders: PeerBinding | None = None  # whose messages it takes; None for those of anybody
     refuse: Take | None = None
     is_command: bool = False
 
@@ -118,11 +101,7 @@ class BySender:
     """
 
     def __init__(self, changed: Callable[[], None]) -> None:
-        """Has no connections yet.
-
-        Args:
-            changed: Told when messages of a sender may go to others than before.
-        """
+        """Tells of changes when messages of a sender may go to others than before."""
         self._changed = changed
         self._takers: list[Taker] = []
         self._known: dict[JausAddress, tuple[Take, ...]] = {}
@@ -239,9 +218,8 @@ class SharedMessages:
     def accept(self, message: type[Message], taker: Taker, when: When) -> None:
         """Takes messages that others send, of whom `handle` says more.
 
-        Args:
-            when: Whom to obey, or a function that tells it from the message; a command has one
-                handler, which its connections share.
+        Whom to obey may depend on the message; a command has one handler, which its connections
+        share.
         """
         if when is Guard.ANY:
             self._listeners.setdefault(message, self._by_sender()).add(taker)
@@ -255,10 +233,7 @@ class SharedMessages:
                 self._component.part(ManagementService).watch_emergency(message, listeners.taking())
                 continue
             self._component.on_payload(
-                message,
-                listeners.taking(),
-                is_robust=True,
-                counts_each=not listeners.are_commands,
+                message, listeners.taking(), is_robust=True, counts_each=not listeners.are_commands
             )
         for message, noting in self._unasked.items():
             self._component.watch_unwanted(message, noting.taking())
@@ -292,17 +267,12 @@ def _tell(greeters: Sequence[Callable[[], None]]) -> None:
 
 
 class Ends(Protocol):
-    """A bridge as its connections see it; `Bridge` is the one.
-
-    Attributes:
-        clock: The time by which messages are late: that of the loop, or of a simulation.
-        ward: What tells the guardian; None where there is none.
-    """
+    """A bridge as its connections see it; `Bridge` is the one."""
 
     settings: BridgeSettings
-    clock: Timing
+    clock: Timing  # by which messages are late: that of the loop, or of a simulation
     simulation: Simulation | None
-    ward: Ward | None
+    ward: Any  # the `Guardian`, where the model asks for one
     ros: RosSide
     component: Component
     shared_topics: SharedTopics
@@ -315,14 +285,13 @@ class Ends(Protocol):
     def compiled(self, compiled: Compiled, note: Callable[[str], None]) -> Function | None:
         """Returns the function of a translation; None where its library is not there.
 
-        Args:
-            note: Counts a field that is left out, as its value is no number.
+        A field that is left out, as its value is no number, is noted.
         """
 
     def fast_translation(self, compiled: Compiled) -> Any:
         """Returns what a core is given to translate alone; None where Python has a part in it."""
 
-    def fast_subscriber(self, feed: Any, path: FastSending) -> FastSubscriber | None:
+    def fast_subscriber(self, feed: Any, path: FastSending) -> Any:
         """Returns a core that takes the messages of a subscription; None where none can."""
 
     def at(self, moment: Time) -> AbstractContextManager[None]:

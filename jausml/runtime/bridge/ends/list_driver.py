@@ -27,13 +27,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ListMessages:
-    """The messages of a list driver.
+    """The messages of a list driver."""
 
-    Attributes:
-        execute: ExecuteList; that of manipulators has no speed.
-    """
-
-    execute: type[Message]
+    execute: type[Message]  # that of manipulators has no speed
     query: type[Message]
     report: type[Message]
 
@@ -42,8 +38,7 @@ class ListMessages:
         return ListDriver(component, self)
 
 
-Answer = tuple["type[Message]", "type[Message]"]
-"""A query and its report."""
+Answer = tuple["type[Message]", "type[Message]"]  # a query and its report
 
 
 @dataclass(frozen=True)
@@ -73,11 +68,7 @@ class ListExecutor(Protocol):
         """Whether an element of the kind says something that can be executed."""
 
     def begin(self, uid: int, speed: float | None) -> None:
-        """Executes the list from an element on, in the place of what is executed.
-
-        Args:
-            speed: Metres per second; None for a driver that knows none.
-        """
+        """Executes the list from an element on, in m/s; None for a driver that knows no speed."""
 
     def change_speed(self, speed: float) -> None:
         """Goes on at another speed; 0 stands still, also for a driver that knows none."""
@@ -90,17 +81,12 @@ class ListExecutor(Protocol):
 
 
 class ListDriver:
-    """Executes the list of a bridge, as its controller says.
-
-    Attributes:
-        active: UID of the element that is executed; 0 for none.
-        speed: Metres per second of what is executed, as its controller has said; 0 for none.
-    """
+    """Executes the list of a bridge, as its controller says."""
 
     def __init__(self, component: Host, messages: ListMessages) -> None:
         """Takes ExecuteList and answers QueryActiveElement."""
-        self.active = NO_UID
-        self.speed = 0.0
+        self.active = NO_UID  # UID of the element that is executed; 0 for none
+        self.speed = 0.0  # m/s, as its controller has said; 0 for none
         self._component = component
         self._list = component.part(ListManagerService)
         self._list.drivers.append(self)

@@ -82,27 +82,20 @@ class MissionError(Enum):
 
 @dataclass
 class Mission:
-    """A mission in the order in which it is executed.
-
-    Attributes:
-        parent: Who spooled it, and is told what becomes of it.
-        elements: Its messages; their UIDs are their places, counted from 1.
-        names: Task and UID of each message; a UID is unique within its task.
-        begun: Where RunMission began; what lies before is not executed.
-    """
+    """A mission in the order in which it is executed."""
 
     number: int
-    parent: JausAddress
-    elements: Sequence[ListElement]
+    parent: JausAddress  # who spooled it, and is told what becomes of it
+    elements: Sequence[ListElement]  # its messages; their UIDs are their places, counted from 1
+    # Task and UID of each message; a UID is unique within its task.
     names: Sequence[tuple[int, int]]
     state: State = State.INIT
     cause: Cause = Cause.NO_ERROR
-    begun: int = 1
+    begun: int = 1  # where RunMission began; what lies before is not executed
     at: int = NO_UID
     tasks: dict[int, int] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        """Notes the last place of each task."""
         self.tasks = {task: at for at, (task, _) in enumerate(self.names, 1)}
 
     def place(self, task: int | None, uid: int | None) -> int:
@@ -141,9 +134,8 @@ class MissionDriver(ListDriver):
 
     # ------------------------------------------------------------------ as a list driver
 
-    def supports(self, element: ListElement) -> bool:
+    def supports(self, element: ListElement) -> bool:  # noqa: ARG002
         """A mission is no list of ListManager."""
-        del element
         return False
 
     def list_changed(self) -> None:

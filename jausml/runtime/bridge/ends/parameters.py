@@ -22,35 +22,19 @@ if TYPE_CHECKING:
     from .ros_side import RosSide
     from .topics import Topic
 
-LEAST = 1e-9
-"""Least value of a number that is above 0."""
-
-GREATEST = 1.7976931348623157e308
-"""Greatest number."""
-
-GREATEST_SPEED = 327.67
-"""Metres per second that a speed of AS6009 can say."""
-
-LONGEST_TIME = 3600.0
-"""Longest time in seconds that a parameter takes."""
+LEAST = 1e-9  # least value of a number that is above 0
+GREATEST = 1.7976931348623157e308  # greatest number
+GREATEST_SPEED = 327.67  # metres per second that a speed of AS6009 can say
+LONGEST_TIME = 3600.0  # longest time in seconds that a parameter takes
 
 LONGEST_FRESHNESS = 1e9
 """Longest time in seconds in which a joined message is fresh: for ever, where it holds a state."""
 
-SHORTEST_TIME = 0.001
-"""Shortest freshness, and shortest time of a call, in seconds."""
-
-LEAST_RATE = 0.02
-"""Least rate in hertz of an event or a query."""
-
-LEAST_MAX_RATE = 0.001
-"""Least rate in hertz above which messages are thinned out, besides 0."""
-
-GREATEST_DECIMATION = 1_000_000
-"""Most messages of which one passes."""
-
-LEAST_DIAGNOSTICS = 0.01
-"""Least number of diagnostics each second."""
+SHORTEST_TIME = 0.001  # shortest freshness, and shortest time of a call, in seconds
+LEAST_RATE = 0.02  # least rate in hertz of an event or a query
+LEAST_MAX_RATE = 0.001  # least rate in hertz above which messages are thinned out, besides 0
+GREATEST_DECIMATION = 1_000_000  # most messages of which one passes
+LEAST_DIAGNOSTICS = 0.01  # least number of diagnostics each second
 
 QUEUE_AGE_LIMIT = 2.0
 """Seconds that a ROS message may have waited in the queue of the bridge.
@@ -62,16 +46,12 @@ commands of before are history: what comes next is the word.
 
 @dataclass(frozen=True)
 class AttributeParameter:
-    """A parameter that sets an attribute of the bridge, also while the bridge runs.
-
-    Attributes:
-        is_positive: Whether a number is above 0.
-    """
+    """A parameter that sets an attribute of the bridge, also while the bridge runs."""
 
     name: str
     attribute: str
     description: str
-    is_positive: bool = False
+    is_positive: bool = False  # whether a number is above 0
 
     def of(self, value: Any) -> Parameter:
         """Returns the parameter of the node, with the value that the attribute has."""
@@ -95,8 +75,7 @@ def network(model: BridgeSettings) -> tuple[Parameter, ...]:
     )
 
 
-_OF_COMMAND_LINES = ("peer", "node_manager_directory")
-"""Options that are no parameters."""
+_OF_COMMAND_LINES = ("peer", "node_manager_directory")  # options that are no parameters
 
 
 def _begun(option: Mapping[str, Any]) -> str:
@@ -126,13 +105,9 @@ def digital_resources(urls: Sequence[str]) -> Parameter:
 
 @dataclass(frozen=True)
 class Known:
-    """A parameter that is not declared yet: all of it but its value.
+    """A parameter that is not declared yet: all of it but its value."""
 
-    Attributes:
-        name: Its name; `{}` stands for the connection, or the connection and join, that it is of.
-    """
-
-    name: str
+    name: str  # in which `{}` stands for the connection, or the connection and join
     description: str
     limits: tuple[float, float] | None = None
     check: Callable[[Any], object] | None = None
@@ -227,11 +202,7 @@ def lift_emergency(check: Callable[[str], None]) -> Parameter:
 
 
 def topics(ros: RosSide, owner: str, modelled: Sequence[Topic]) -> tuple[Topic, ...]:
-    """Returns the topics of a connection or join under the names that parameters give them.
-
-    Args:
-        owner: Connection, or connection and join.
-    """
+    """Returns the topics of a connection, or of its join, under the names that parameters give."""
     if not modelled:
         return ()
     if len(modelled) == 1:
@@ -249,11 +220,7 @@ def topics(ros: RosSide, owner: str, modelled: Sequence[Topic]) -> tuple[Topic, 
 
 
 def peers(ros: RosSide, connection: str, modelled: PeerBinding) -> PeerBinding:
-    """Returns the JAUS components at the other end of a connection.
-
-    Args:
-        modelled: Those that the model names, which a parameter may change; or how they are found.
-    """
+    """Returns the peers of a connection: named ones, which a parameter may change, or a search."""
     if not modelled.present:
         return modelled
     text = f"JAUS components at the other end of {connection}."
@@ -263,11 +230,7 @@ def peers(ros: RosSide, connection: str, modelled: PeerBinding) -> PeerBinding:
 
 
 def address(text: str) -> JausAddress:
-    """Returns the address of one component.
-
-    Raises:
-        ValueError: The text names no component, or several.
-    """
+    """Returns the address of one component; ValueError where a text names none or several."""
     component_address = JausAddress.parse(text)
     if not component_address.is_concrete:
         raise ValueError(f"{text} does not name one component")
@@ -275,9 +238,5 @@ def address(text: str) -> JausAddress:
 
 
 def addresses(texts: Iterable[str]) -> tuple[JausAddress, ...]:
-    """Returns the addresses of several components.
-
-    Raises:
-        ValueError: A text names no component, or several.
-    """
+    """Returns the addresses of several components, as `address` does."""
     return tuple(map(address, texts))

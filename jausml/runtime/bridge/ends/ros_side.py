@@ -10,27 +10,16 @@ if TYPE_CHECKING:
 
     from ...base.loop import Loop
     from ...conversions import Time
-    from .topics import (
-        Parameter,
-        Published,
-        Topic,
-        TopicCounts,
-        TopicFault,
-    )
+    from .topics import Parameter, Published, Topic, TopicCounts, TopicFault
 
 PartT = TypeVar("PartT")
 
 
 class RosPublisher(Protocol):
-    """A publisher for serialized messages.
-
-    Attributes:
-        publish: Publishes a serialized message, from any thread.
-        unmatched: Messages published while no subscription was there; whoever publishes counts.
-    """
+    """A publisher for serialized messages."""
 
     publish: Callable[[bytes], None]
-    unmatched: int
+    unmatched: int  # while no subscription was there; whoever publishes counts
 
     @property
     def matched(self) -> int:
@@ -91,86 +80,47 @@ class RosSide(Protocol):
     def publisher(
         self, ros_type: type[Any], topic: Topic, greet: Callable[[], None] | None = None
     ) -> RosPublisher:
-        """Makes a publisher.
-
-        Args:
-            greet: Called for each subscriber that is found, on the loop or with its lock.
-        """
+        """Makes a publisher; each subscriber that is found is greeted on the loop."""
 
     def subscribe(
         self, ros_type: type[Any], topic: Topic, take: Callable[[bytes, int], None]
     ) -> TopicCounts:
         """Makes a subscription.
 
-        Args:
-            take: Is given each serialized message, and the time at which it was published, in
-                nanoseconds by the clock of its publisher; on the loop or with its lock.
+        Each serialized message is taken with the time of its publication, in nanoseconds by the
+        clock of its publisher; on the loop or with its lock.
         """
 
     def part(self, load: Callable[[], Callable[[Any], PartT]]) -> PartT:
         """Returns a part of the node, made when it is first asked for, e.g. its services.
 
-        Args:
-            load: Returns its class on rclpy. Who asks imports it, so that a workspace has it only
-                where something of the model asks; a virtual node has parts of its own.
+        Who asks imports its class on rclpy, so that a workspace has it only where something of the
+        model asks; a virtual node has parts of its own.
         """
 
     def faults(self, topic: Topic, *, publishes: bool, alone: bool = False) -> Sequence[TopicFault]:
-        """Returns why a topic does not work as it should; nothing while it does.
-
-        Args:
-            alone: Whether a second publisher is a fault.
-        """
+        """Returns why a topic does not work; a second publisher is a fault where one is alone."""
 
     def publish_diagnostics(self, data: bytes) -> None:
         """Publishes a serialized `diagnostic_msgs/msg/DiagnosticArray`."""
 
 
-class FastSubscriber(Protocol):
-    """A core that takes the messages of a subscription and sends what they become.
-
-    Attributes:
-        is_current: Whether it still does.
-    """
-
-    is_current: bool
-
-    def pending(self) -> Other | None:
-        """Returns a message that is not usual, which was taken; None when there is none."""
-
-    def look(self) -> None:
-        """Tells the core what Python has learnt when it took a message."""
-
-
 @dataclass
 class Feed:
-    """A subscription, as a core is told of it.
+    """A subscription, as a core is told of it."""
 
-    Attributes:
-        address: Where the client library has it.
-        descriptor: The eventfd that says how many messages wait.
-        age_limit: Nanoseconds after which a message that waits is too old; 0 means never.
-        expected: The number of the next message.
-    """
-
-    address: int
-    descriptor: int
-    age_limit: int
+    address: int  # where the client library has it
+    descriptor: int  # the eventfd that says how many messages wait
+    age_limit: int  # nanoseconds after which a message that waits is too old; 0 means never
     counts: TopicCounts
-    expected: int = 0
+    expected: int = 0  # the number of the next message
 
 
 class Other(NamedTuple):
-    """A message that is not usual, which a core has taken.
-
-    Attributes:
-        number: That of its publisher; None where the middleware does not tell it.
-        received: When, in nanoseconds since 1970, as when it was published.
-        left: How many more wait.
-    """
+    """A message that is not usual, which a core has taken."""
 
     data: bytes
-    number: int | None
-    received: int
+    number: int | None  # that of its publisher; None where the middleware does not tell it
+    received: int  # when, in nanoseconds since 1970, as when it was published
     published: int
-    left: int
+    left: int  # how many more wait

@@ -18,14 +18,9 @@ if TYPE_CHECKING:
 SEEK = 10.0
 """Seconds of simulated time in one step that are no time that passed, but another place in it."""
 
-_WINDOW = 1.0
-"""Real seconds over which the ratio is measured."""
-
-_GAP = 0.5
-"""Real seconds between two times that are a pause of the simulation, not slowness."""
-
-_TOLERANCE = 0.1
-"""Part by which the ratio may change before anybody is told."""
+_WINDOW = 1.0  # real seconds over which the ratio is measured
+_GAP = 0.5  # real seconds between two times that are a pause of the simulation, not slowness
+_TOLERANCE = 0.1  # part by which the ratio may change before anybody is told
 
 CLOCK_TIMEOUT = 3.0
 """Real seconds without a word on `/clock` after which commands are stopped.
@@ -33,8 +28,7 @@ CLOCK_TIMEOUT = 3.0
 A simulation that rests goes on to say the time; one that is gone would let commands stand forever.
 """
 
-_LEAST_RATE, _GREATEST_RATE = 0.1, 1092.0
-"""Rates of events in hertz (AS5710, CreateEvent)."""
+_LEAST_RATE, _GREATEST_RATE = 0.1, 1092.0  # rates of events in hertz (AS5710, CreateEvent)
 
 
 class SimulatedClock:
@@ -180,13 +174,8 @@ class Simulation:
 
 
 def real_rate(rate: float, ratio: float) -> float:
-    """Returns the rate in real time of events that a simulation shall see at a rate.
+    """Returns the real rate of events, within AS5710, that are to come at a simulated one.
 
-    Args:
-        rate: Events in each simulated second.
-        ratio: Simulated seconds in each real one.
-
-    Returns:
-        Events in each real second, within what AS5710 can ask for.
+    The ratio is of simulated seconds to real ones.
     """
     return min(max(rate * ratio, _LEAST_RATE), _GREATEST_RATE)

@@ -57,52 +57,37 @@ class Published:
 
 @dataclass(slots=True)
 class TopicCounts:
-    """What happened to the messages of a subscription.
+    """What happened to the messages of a subscription."""
 
-    Attributes:
-        taken: Messages taken from its queue.
-        lost: Messages that were overwritten in the queue, or whose lifespan ended there, before
-            they were taken: the bridge was too slow. Only a listener tells them, no wait set.
-        missed: Messages that were published and never taken, those of `lost` included. Publishers
-            number their messages, but do not sign them: it is told only while there is one.
-        too_old: Messages taken and dropped because they had waited too long.
-    """
-
-    taken: int = 0
+    taken: int = 0  # messages taken from its queue
+    # Messages that were overwritten in the queue, or whose lifespan ended there, before they were
+    # taken: the bridge was too slow. Only a listener tells them, no wait set.
     lost: int = 0
+    # Messages that were published and never taken, those of `lost` included. Publishers number
+    # their messages, but do not sign them: it is told only while there is one.
     missed: int = 0
-    too_old: int = 0
+    too_old: int = 0  # messages taken and dropped because they had waited too long
 
 
 @dataclass(frozen=True)
 class Topic:
-    """A topic of a connection.
+    """A topic of a connection."""
 
-    Attributes:
-        name: Topic name; relative names are resolved in the namespace of the node.
-        qos: Quality of service, which `qos_overrides` parameters may change.
-    """
-
-    name: str
+    name: str  # relative ones are resolved in the namespace of the node
     qos: Qos = Qos()
 
 
 @dataclass(frozen=True)
 class RosService:
-    """A service of ROS.
-
-    Attributes:
-        type_name: Its type, e.g. `std_srvs/srv/SetBool`.
-        success: Path of the bool of the response that tells whether all went well; may be empty.
-        reason: Path of the text of the response that tells why not; may be empty.
-    """
+    """A service of ROS."""
 
     name: str
-    type_name: str
+    type_name: str  # its type, e.g. `std_srvs/srv/SetBool`
     request: type[LightMessage]
     response: type[LightMessage]
+    # Path of the bool of the response that tells whether all went well; may be empty.
     success: str = ""
-    reason: str = ""
+    reason: str = ""  # path of the text of the response that tells why not; may be empty
 
 
 class ParameterError(JausError):
@@ -111,27 +96,20 @@ class ParameterError(JausError):
 
 @dataclass(frozen=True)
 class Parameter:
-    """A parameter of the node.
-
-    Attributes:
-        limits: Least and greatest value of a number.
-        check: Raises ValueError for a value that does not do; None takes all.
-    """
+    """A parameter of the node."""
 
     name: str
     default: Any
     description: str
     limits: tuple[float, float] | None = None
+    # Raises ValueError for a value that does not do; None takes all.
     check: Callable[[Any], object] | None = None
 
     def taken(self, value: Any) -> Any:
         """Returns what the parameter becomes by a value that somebody gives: 10 is 10.0.
 
-        Args:
-            value: As rclpy has it: None for an empty list.
-
-        Raises:
-            ValueError: It does not do; the text names the parameter, the value and the cure.
+        One that does not do, as None of rclpy for an empty list, is a ValueError, whose text names
+        parameter, value and cure.
         """
         if isinstance(self.default, float) and type(value) is int:
             value = float(value)
@@ -180,8 +158,7 @@ SEVERAL = "several_publishers"
 _UNKNOWN = "_NODE_NAME_UNKNOWN_"
 """What rclpy calls a node whose end was found before the node itself."""
 
-LATELY = 10.0
-"""Seconds for which a loss is told."""
+LATELY = 10.0  # seconds for which a loss is told
 
 
 @dataclass(frozen=True)
@@ -278,10 +255,8 @@ class EndpointHealth:
         """Returns what is wrong at present.
 
         The next message ends a missed deadline, and a lost liveliness of the bridge's own
-        publisher. ROS does not tell of that one, but of each further period without.
-
-        Args:
-            alone: Whether the values of a second node at the other end would make them jump.
+        publisher. ROS does not tell of that one, but of each further period without. A second node
+        at the other end is wrong where the values of one alone are meant.
         """
         faults = self._incompatible() if self._suspected else []
         ends = self.others() if alone and self.count() > 1 else ()

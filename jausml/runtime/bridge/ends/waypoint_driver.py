@@ -19,8 +19,7 @@ if TYPE_CHECKING:
     from ...services.host import Host
     from ...wire.message import Message
 
-ONLY = 1
-"""UID of the waypoint, while the robot goes there."""
+ONLY = 1  # UID of the waypoint, while the robot goes there
 
 
 @dataclass(frozen=True)
@@ -43,9 +42,8 @@ class WaypointDriver(ListDriver):
         super().__init__(component, messages)
         self._waypoint: ListElement | None = None
 
-    def supports(self, element: ListElement) -> bool:
+    def supports(self, element: ListElement) -> bool:  # noqa: ARG002
         """A waypoint is no list of ListManager."""
-        del element
         return False
 
     def list_changed(self) -> None:

@@ -14,8 +14,7 @@ from typing import Any
 
 from ..messages.compiled import Translation
 
-AT_ONCE = 32
-"""Messages that a core passes on before they are written down."""
+AT_ONCE = 32  # messages that a core passes on before they are written down
 
 # Laid out as the structs of fastpath.hpp: "@" aligns as the compiler does, padding included.
 TAKEN = struct.Struct("@dQPNPNIHB1x")
@@ -144,8 +143,7 @@ class Pending(ctypes.Structure):
     )
 
 
-NONE, SEVERAL = -1, -2
-"""What a wait returns in the place of the only descriptor that is ready."""
+NONE, SEVERAL = -1, -2  # what a wait returns in the place of the only descriptor that is ready
 
 _POINTER, _SIZE = ctypes.c_void_p, ctypes.c_size_t
 # Types are stated, as ctypes takes what it is not told of for a C int and cuts addresses.
@@ -170,12 +168,7 @@ _CLIENT_LIBRARY = {
 
 
 class Library:
-    """The functions of a core, and those of ROS that they call.
-
-    Attributes:
-        ros: Address of the functions of the client library.
-        core_wait: Waits, without the lock of the interpreter.
-    """
+    """The functions of a core, and those of ROS that they call."""
 
     def __init__(self, core: ctypes.CDLL) -> None:
         if sys.platform != "linux":

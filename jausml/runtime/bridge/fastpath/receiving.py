@@ -9,7 +9,7 @@ from __future__ import annotations
 import ctypes
 import struct
 from collections import deque
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from ...base.address import address_of
 from ...messages import Event
@@ -26,9 +26,8 @@ if TYPE_CHECKING:
     from ...component.base import Component
     from ...transports.address_book import Entry
     from ...transports.packets.duplicates import Numbers
-    from ...transports.udp.judp import JudpTransport
-    from ...transports.udp.reading import Receiver
-    from .library import Library, Waited
+    from ...transports.udp.judp import JudpTransport, Receiver
+    from .library import Library, Order, Waited
 
 # Offsets in a datagram of one message (AS5669A): version, type, size, flags, ends, payload.
 _ENDS = slice(4, 13)
@@ -42,7 +41,7 @@ _SHORTEST = 17
 _ENDS_LAYOUT = struct.Struct("<BII")
 _PRIORITY, _ASKS, _ANSWERS, _ACKNOWLEDGES = 0x03, 0x10, 0x20, 0x30
 # Strangers that invent kinds of datagrams must not fill the memory.
-_MOST_WITHOUT = 1024
+_MOST_KEYS = 1024
 
 
 class _Key(NamedTuple):
@@ -59,25 +58,20 @@ payload, whether it was acknowledged, and the sizes of its packets, if they are 
 
 
 class _Flow(NamedTuple):
-    """Where datagrams come from and go to.
-
-    Attributes:
-        numbers: The sequence numbers that are remembered of them.
-        answer: Flags of the acknowledgement that each is answered by; 0 where none is asked for.
-    """
+    """Where datagrams come from and go to."""
 
     entry: Entry
     source: JausAddress
     destination: JausAddress
     numbers: Numbers
-    answer: int
+    answer: int  # flags of the acknowledgement of each; 0 where none is asked for
 
 
-class _Known(NamedTuple):
+class _LearntRoute(NamedTuple):
     """A route of the core, its path through Python, and what writes down what has passed."""
 
     path: FastPath
-    order: Any
+    order: Order
     settle: Settle
 
 
@@ -98,17 +92,16 @@ class FastReceiver:
         self._inbox = transport.inbox
         self._book = transport.address_book
         self._window = transport.inbox.duplicates
-        self._most = transport.inbox.reassembly.limit
+        self._longest = transport.inbox.reassembly.limit
         self._received = transport.counters.tally("judp.received")
         self._sent = transport.counters.tally("judp.sent")
         self._loop = component.loop
-        self._routes: list[_Known] = []
-        self._by_key: dict[_Key, _Known] = {}
-        self._without: set[_Key] = set()
-        self._lent: list[object] = []
-        self._seen: list[_Key] = []
-        self._others: deque[tuple[bytes, Endpoint]] = deque()
-        self._is_enough = False
+        self._routes: list[_LearntRoute] = []
+        self._by_key: dict[_Key, _LearntRoute] = {}
+        self._unusual_keys: set[_Key] = set()
+        self._keys_to_learn: list[_Key] = []
+        self._left_datagrams: deque[tuple[bytes, Endpoint]] = deque()
+        self._core_goes_first = False
         self.descriptor = -1
 
     def receiver(self, sock: socket.socket, by_multicast: bool) -> Receiver:  # noqa: FBT001
@@ -133,25 +126,25 @@ class FastReceiver:
 
     def _alone(self, sock: socket.socket) -> Receiver:
         self.descriptor = sock.fileno()
-        self._library.core_listen(self._core, self.descriptor, self._most)
-        receive, changed, others = sock.recvfrom, self._loop.revision.changed, self._others
+        self._library.core_listen(self._core, self.descriptor, self._longest)
+        receive, changed, left = sock.recvfrom, self._loop.revision.changed, self._left_datagrams
 
-        def take_other(most: int) -> tuple[bytes, Endpoint]:
-            if others:
-                self._is_enough = True
-                return others.popleft()
-            if self._is_enough:
-                self._is_enough = False
+        def take_left(most: int) -> tuple[bytes, Endpoint]:
+            if left:
+                self._core_goes_first = True
+                return left.popleft()
+            if self._core_goes_first:
+                self._core_goes_first = False
                 raise BlockingIOError  # the core looks for the next one
             changed()  # the core does not know the number of what is received here
             return receive(most)
 
-        return take_other
+        return take_left
 
     @property
-    def has_others(self) -> bool:
+    def has_left_datagrams(self) -> bool:
         """Whether datagrams are kept that nobody has read."""
-        return bool(self._others)
+        return bool(self._left_datagrams)
 
     def settle(self, waited: Waited) -> None:
         """Writes down what has passed, and keeps what has not for whoever reads the socket."""
@@ -170,16 +163,15 @@ class FastReceiver:
             left = waited.left[at]
             # Copied, as the core uses its buffers again in the next wait.
             datagram = text(left.data, left.size)
-            self._others.append((datagram, (host_of(left.host), left.port)))
+            self._left_datagrams.append((datagram, (host_of(left.host), left.port)))
             self._note(datagram)
 
     def forget(self) -> None:
         """Forgets all routes, as something has changed that they rest on."""
+        # The core has forgotten them by now, which had the addresses of their translations alone.
         self._routes.clear()
         self._by_key.clear()
-        self._without.clear()
-        # The core has forgotten its routes by now, so nothing uses what was lent to it.
-        self._lent.clear()
+        self._unusual_keys.clear()
 
     # ------------------------------------------------------------------ routes
 
@@ -197,24 +189,24 @@ class FastReceiver:
         ends = bytes([flags & _WITHOUT_PLACE]) + datagram[_FLAGS + 1 : _ENDS.stop]
         key = _Key(ends, code, datagram[_EVENT] if code == Event.CODE else 0)
         # Once for all of a turn, when Python has taken the datagrams themselves.
-        if not self._seen:
+        if not self._keys_to_learn:
             self._loop.call_soon(self._learn)
-        if len(self._seen) < _MOST_WITHOUT:
-            self._seen.append(key)
+        if len(self._keys_to_learn) < _MOST_KEYS:
+            self._keys_to_learn.append(key)
 
     def _learn(self) -> None:
-        seen, self._seen = self._seen, []
-        for key in seen:
+        keys, self._keys_to_learn = self._keys_to_learn, []
+        for key in keys:
             self._bring_up_to_date(key)
-            if key not in self._by_key and key not in self._without:
+            if key not in self._by_key and key not in self._unusual_keys:
                 self._find(key)
 
     def _bring_up_to_date(self, key: _Key) -> None:
         """Tells the routes of a kind of messages what Python has learnt of one of them."""
-        for other, known in self._by_key.items():
+        for other, route in self._by_key.items():
             # Whatever the flags: numbers and order are those of the pair and the kind of message.
             if other.ends[1:] == key.ends[1:] and other[1:] == key[1:]:
-                _tell(known.order, known.path)
+                _tell(route.order, route.path)
 
     def _flow_of(self, ends: bytes) -> _Flow | None:
         """Returns where datagrams come from and go to; None where Python must look at each.
@@ -235,7 +227,7 @@ class FastReceiver:
             or entry.endpoint in self._transport.own_endpoints
             # Forgotten, or never seen: there is nothing to compare numbers with.
             or not numbers
-            or destination not in self._inbox.takers
+            or destination not in self._inbox.receivers
             # Somebody else uses the address of a component of this process: an error to be told.
             or source in self._inbox.receivers
         ):
@@ -252,17 +244,15 @@ class FastReceiver:
         path = self._usual_path(key, flow)
         if path is None:
             # Emptied as a whole: what is asked for again is simply judged again.
-            if len(self._without) >= _MOST_WITHOUT:
-                self._without.clear()
-            self._without.add(key)
+            if len(self._unusual_keys) >= _MOST_KEYS:
+                self._unusual_keys.clear()
+            self._unusual_keys.add(key)
             return
         order = self._add(key, flow, path)
         if order is None:
             return
         _tell(order, path)
-        # Kept from being freed: the core has its address alone.
-        self._lent.append(path.translation)
-        self._by_key[key] = route = _Known(path, order, self._settling(flow, path))
+        self._by_key[key] = route = _LearntRoute(path, order, self._settling(flow, path))
         self._routes.append(route)
 
     def _usual_path(self, key: _Key, flow: _Flow) -> FastPath | None:
@@ -281,7 +271,7 @@ class FastReceiver:
             return None
         return path
 
-    def _add(self, key: _Key, flow: _Flow, path: FastPath) -> Any:
+    def _add(self, key: _Key, flow: _Flow, path: FastPath) -> Order | None:
         """Returns the part of a new route that the core and Python write to; it copies the rest.
 
         None where the core has no memory for it.
@@ -306,7 +296,8 @@ class FastReceiver:
         numbers = list(flow.numbers)
         known = (ctypes.c_uint16 * len(numbers))(*numbers)
         order = self._library.core_add(self._core, ctypes.byref(route), known, len(numbers))
-        return order.contents if order else None
+        contents: Order | None = order.contents if order else None
+        return contents
 
     def _settling(self, flow: _Flow, path: FastPath) -> Settle:
         """Returns what writes down a message, as those would have done whom it has not met."""
@@ -351,7 +342,7 @@ class FastReceiver:
         return settle
 
 
-def _tell(order: Any, path: FastPath) -> None:
+def _tell(order: Order, path: FastPath) -> None:
     """Tells a route what its path through Python knows."""
     latest = None if path.latest is None else path.latest()
     order.has_latest = latest is not None

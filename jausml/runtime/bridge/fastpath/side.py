@@ -43,39 +43,25 @@ class SharedNumbers:
         self._next = partial(library.next_number, ctypes.byref(self.cell))
 
     def __iter__(self) -> Iterator[int]:
-        """Returns itself."""
         return self
 
     def __next__(self) -> int:
-        """Returns the next number, in one call that no thread comes between."""
         number: int = self._next()
         return number
 
     def __repr__(self) -> str:
-        """Returns what `itertools.count` says of where it is."""
         # The packetizer reads from it how many numbers are taken.
         return f"count({self.cell.value})"
 
 
 class FastSubscriber:
-    """Has a core take the messages of one subscription, and send what they become.
-
-    Attributes:
-        is_current: Whether it still does.
-    """
+    """Has a core take the messages of one subscription, and send what they become."""
 
     def __init__(
         self, library: Library, core: int, feed: Feed, path: FastSending, index: int
     ) -> None:
-        """Begins.
-
-        Args:
-            index: By which the core tells of what it has sent.
-
-        Raises:
-            LookupError: The messages cannot go out alone now.
-        """
-        self.is_current = True
+        """Begins; raises LookupError where the messages cannot go out alone now."""
+        self.is_current = True  # whether the core still does
         self._path, self._feed = path, feed
         outlet = path.outlet
         numbers, place = outlet.numbers, outlet.endpoint()
@@ -154,11 +140,6 @@ class FastSide:
     """
 
     def __init__(self, code: ctypes.CDLL, component: Component) -> None:
-        """Begins to wait with the core.
-
-        Args:
-            code: The library of the core.
-        """
         transport, self._loop = component.transport, component.loop
         # The core reads real sockets by the real clock; a virtual world has neither.
         if not isinstance(transport, JudpTransport) or self._loop.now is not steady:
@@ -219,7 +200,7 @@ class FastSide:
         """Waits as `epoll.poll` does, and returns what it does, while usual messages pass."""
         library, receiver = self._library, self._receiver
         self._has_passed = False
-        if receiver.has_others:  # what comes behind them must not pass before them
+        if receiver.has_left_datagrams:  # what comes behind them must not pass before them
             return [(receiver.descriptor, EPOLLIN)]
         # Opened before the revision is read: whoever changes it from here on stops the core again.
         library.core_start(self._core)

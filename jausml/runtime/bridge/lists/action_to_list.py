@@ -35,20 +35,14 @@ TargetT = TypeVar("TargetT", bound="Message")
 EMPTY = "empty_goal"
 NO_SPEED = "no_speed"
 TOO_LONG = "too_long"
-
-_UIDS = 60000
-"""UIDs that are used before they begin anew."""
+_UIDS = 60000  # UIDs that are used before they begin anew
 
 
 class ActionToList(ListConnection[SourceT, TargetT]):
     """Has the goals of a ROS action executed by the list driver or spooler of a JAUS peer.
 
     A goal that comes while another one is executed takes its place, as it does at the servers of
-    Nav2; the other one is aborted.
-
-    Attributes:
-        speed: Metres per second that ExecuteList asks for.
-        timeout: Seconds in which the peer must answer.
+    Nav2; the other one is aborted. ExecuteList asks for the speed in m/s.
     """
 
     def __init__(
@@ -102,11 +96,7 @@ class ActionToList(ListConnection[SourceT, TargetT]):
             parameters.SPEED.of(self.speed, self.name), partial(setattr, self, "speed")
         )
         self._peers.open(
-            ends,
-            self.name,
-            join=lambda _: None,
-            leave=self._leave,
-            changed=self._control_changed,
+            ends, self.name, join=lambda _: None, leave=self._leave, changed=self._control_changed
         )
         if self._has_missions:
             ends.component.on_message(self._messages.report, self._heard)
@@ -164,11 +154,7 @@ class ActionToList(ListConnection[SourceT, TargetT]):
     def describe_peers(self) -> list[tuple[str, str]]:
         """The JAUS components, the state of their control, and how the last goal ended."""
         under_way = "none" if self._run is None else f"executed by {self._run.peer}"
-        return [
-            *self._peers.describe(),
-            ("goal", under_way),
-            ("last goal", self._result),
-        ]
+        return [*self._peers.describe(), ("goal", under_way), ("last goal", self._result)]
 
     # ------------------------------------------------------------------ peers
 

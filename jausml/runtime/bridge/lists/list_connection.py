@@ -6,9 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, TypeVar
 
 from ..connections.connection import Connection
-from ..connections.translations import Form, uses_ros_classes
 from ..ends.topics import Parameter
-from ..light_message import is_light
 from ..reports.diagnostics import FILTERED
 
 if TYPE_CHECKING:
@@ -27,14 +25,11 @@ class ListConnection(Connection[SourceT, TargetT]):
     """A connection whose messages are elements of lists, which pass together or not at all."""
 
     def __init__(
-        self,
-        name: str,
-        translate: Callable[[SourceT], TargetT | None],
-        *,
-        action: ListAction,
+        self, name: str, translate: Callable[[SourceT], TargetT | None], *, action: ListAction
     ) -> None:
         super().__init__(name, translate, is_command=True)
         self._action = action
+        self._type = action.element
 
     def declare(self, ends: Ends) -> None:
         """Declares the name of the action: lists have no silence, their latency is not measured."""
@@ -51,16 +46,10 @@ class ListConnection(Connection[SourceT, TargetT]):
         """Elements alone go nowhere."""
         return False
 
-    def classes(self) -> Form:
-        """Returns which classes of ROS the translation has to do with."""
-        is_real = uses_ros_classes(self._translate) or not is_light(self._action.element)
-        return Form.ROS_CLASSES if is_real else Form.LIGHT
-
     def note_stop(self, reason: StopReason) -> None:
         """Counts that a list was stopped."""
         self.stopped = reason
-        counts = self.statistics.stops
-        counts[reason] = counts.get(reason, 0) + 1
+        self.statistics.stops[reason] += 1
 
     def all_transcoded(self, elements: Iterable[bytes]) -> list[bytes] | None:
         """Returns the elements of a list, translated; None, counted, when one cannot be."""

@@ -33,14 +33,12 @@ if TYPE_CHECKING:
     from ..ends.list_driver import ListMessages
 
 
-RETRIES = 3
-"""Repetitions of a request without an answer; all of them fit into the timeout."""
+RETRIES = 3  # repetitions of a request without an answer; all of them fit into the timeout
 
 ASKED_AGAIN = 7
 """Repetitions of the question how it goes. Of eight, one comes through where a fifth is lost."""
 
-PATIENCE = 3
-"""Timeouts in which a peer must begin."""
+PATIENCE = 3  # timeouts in which a peer must begin
 
 
 class Settled(Protocol):
@@ -61,13 +59,9 @@ class RunWatcher(Protocol):
 
 
 class Run:
-    """Elements that a peer executes. All of it happens on the loop, or with its lock.
+    """Elements that a peer executes. All of it happens on the loop, or with its lock."""
 
-    Attributes:
-        noun: What the peer has of them, in words.
-    """
-
-    noun: str
+    noun: str  # what the peer has of them, in words
 
     def __init__(
         self,
@@ -77,11 +71,7 @@ class Run:
         timeout: float,
         stops: RepeatedStops,
     ) -> None:
-        """Sends nothing before `start`.
-
-        Args:
-            timeout: Seconds in which the peer must answer.
-        """
+        """Sends nothing before `start`; the peer must answer within the timeout in seconds."""
         self.peer = peer
         self._component = component
         self._watcher = watcher
@@ -116,11 +106,7 @@ class Run:
         return self.may_go_on
 
     def send_stop(self, on_settled: Settled | None = None) -> None:
-        """Has the peer stand, and not go on by itself.
-
-        Args:
-            on_settled: Told whether it is so, or how that was refused.
-        """
+        """Has the peer stand, and not go on by itself; tells whether it is so, or why not."""
         raise NotImplementedError
 
     def heard(self, report: Any) -> None:
@@ -232,11 +218,7 @@ class ListRun(Run):
         stops: RepeatedStops,
         former: Run | None = None,
     ) -> None:
-        """Sends nothing before `start`.
-
-        Args:
-            former: What the peer executed last, which this list replaces.
-        """
+        """Sends nothing before `start`, which replaces what the peer executed last."""
         super().__init__(component, peer, watcher, timeout, stops)
         self._messages = messages
         self._is_followed = former is not None and former.may_go_on
@@ -266,11 +248,7 @@ class ListRun(Run):
         return self._is_followed and not (self._stands and self._is_empty)
 
     def send_stop(self, on_settled: Settled | None = None) -> None:
-        """Makes the vehicle stand, and the list empty; some drivers know no speed.
-
-        Args:
-            on_settled: Told whether the list is empty, or how that was refused.
-        """
+        """Makes the vehicle stand, and the list empty; some drivers know no speed."""
         component, execute = self._component, self._messages.execute
         if "speed" in _fields_of(execute):
             stop: Any = execute
@@ -309,10 +287,7 @@ class ListRun(Run):
         component, messages = self._component, self._messages
         self._is_followed = True
         self._events = component.part(EventClient).subscribe(
-            self.peer,
-            messages.query(),
-            messages.report,
-            lambda report, _sender: self.heard(report),
+            self.peer, messages.query(), messages.report, lambda report, _sender: self.heard(report)
         )
         self._begun = component.loop.now()
         # A peer of core v1.0 knows no command events, and executes the plain command.

@@ -35,9 +35,7 @@ SourceT = TypeVar("SourceT", bound="Message")
 TargetT = TypeVar("TargetT")
 
 TOO_LONG = "too_long"
-
-NO_ANSWERS = ListAnswers()
-"""Nothing is told but the active element."""
+NO_ANSWERS = ListAnswers()  # nothing is told but the active element
 
 ANSWER_PERIOD = 0.1
 """Seconds between two looks at a goal that is not accepted: its server may just be starting."""

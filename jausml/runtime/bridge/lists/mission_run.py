@@ -26,22 +26,14 @@ if TYPE_CHECKING:
     from ..ends.mission_driver import MissionMessages
     from .list_run import RunWatcher, Settled
 
-_TASK = 1
-"""The one task of a mission: elements of a list have no tree."""
-
-_BLOCKING = 1
-"""Each message waits for the end of the one before, as elements of a list do."""
-
+_TASK = 1  # the one task of a mission: elements of a list have no tree
+_BLOCKING = 1  # each message waits for the end of the one before, as elements of a list do
 _UNDER_WAY = (State.RUNNING, State.BLOCKED)
 _OVER = (State.ABORTED, State.FINISHED)
 
 
 class MissionRun(Run):
-    """A mission that a peer executes; its number is the UID of its first message.
-
-    Attributes:
-        stored: Numbers of the missions of the bridge that the peer may have, former ones too.
-    """
+    """A mission that a peer executes; its number is the UID of its first message."""
 
     noun = "mission"
 
@@ -59,14 +51,14 @@ class MissionRun(Run):
     ) -> None:
         """Sends nothing before `start`.
 
-        Args:
-            former: The last mission of the peer, which is aborted first if it is there still.
-            pauses: Whether a stop leaves a mission that was begun paused, and does not abort it.
+        The former mission of the peer is aborted first if it is there still. One that pauses is
+        left paused by a stop, and not aborted.
         """
         super().__init__(component, peer, watcher, timeout, stops)
         self._messages = messages
         self._pauses = pauses
         self._number = 0
+        # Numbers of missions of the bridge that the peer may have.
         self.stored: set[int] = set(former.stored) if isinstance(former, MissionRun) else set()
         self._was_run = self._is_sent = self._rests = False
 

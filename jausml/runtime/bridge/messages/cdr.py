@@ -19,28 +19,14 @@ from ...wire.message import DecodeError, EncodeError
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-Append: TypeAlias = Callable[[bytes], object]
-"""Takes the next bytes of a message."""
-
-Reals: TypeAlias = MutableSequence[float]
-"""Array or sequence of real numbers."""
-
-Integers: TypeAlias = MutableSequence[int]
-"""Array or sequence of integers."""
-
-Truths: TypeAlias = MutableSequence[bool]
-"""Array or sequence of truth values."""
-
+Append: TypeAlias = Callable[[bytes], object]  # takes the next bytes of a message
+Reals: TypeAlias = MutableSequence[float]  # array or sequence of real numbers
+Integers: TypeAlias = MutableSequence[int]  # array or sequence of integers
+Truths: TypeAlias = MutableSequence[bool]  # array or sequence of truth values
 T = TypeVar("T")
-
-Messages: TypeAlias = MutableSequence[T]
-"""Array or sequence of messages."""
-
-HEADER = b"\0\1\0\0"
-"""What stands before a message in little-endian order."""
-
-LITTLE, BIG = 0, 8
-"""Byte orders, as they are added to an index of a run."""
+Messages: TypeAlias = MutableSequence[T]  # array or sequence of messages
+HEADER = b"\0\1\0\0"  # what stands before a message in little-endian order
+LITTLE, BIG = 0, 8  # byte orders, as they are added to an index of a run
 
 ORDERS = {b"\0\1": LITTLE, b"\0\0": BIG}
 """Byte orders by the two bytes that a serialized message begins with."""
@@ -95,14 +81,7 @@ def zeros(code: str, count: int) -> MutableSequence[Any]:
 
 
 def elements(code: str, raw: bytes, order: int) -> MutableSequence[Any]:
-    """Returns the elements of an array.
-
-    Args:
-        order: Their order.
-
-    Returns:
-        A bytearray for octets, a list for truth values, else an array.
-    """
+    """Returns the elements of an array: octets as a bytearray, truth values as a list."""
     if code == "B":
         return bytearray(raw)
     if code == "?":
@@ -116,11 +95,7 @@ def elements(code: str, raw: bytes, order: int) -> MutableSequence[Any]:
 def vector(
     data: bytes, offset: int, count: int, code: str, order: int
 ) -> tuple[MutableSequence[Any], int]:
-    """Returns the elements of a sequence of numbers, and the offset behind it.
-
-    Args:
-        order: Byte order.
-    """
+    """Returns the elements of a sequence of numbers, and the offset behind it."""
     if not count:
         return elements(code, b"", order), offset
     size = _SIZES[code]
@@ -155,11 +130,7 @@ def raw(code: str, values: Any, count: int | None = None) -> bytes:
 
 
 def put(append: Append, offset: int, octets: bytes, size: int) -> int:
-    """Appends the elements of a sequence of numbers.
-
-    Returns:
-        The offset behind them.
-    """
+    """Appends the elements of a sequence of numbers; returns the offset behind them."""
     if not octets:
         return offset
     padding = (len(HEADER) - offset) % size
@@ -187,23 +158,14 @@ def text(data: bytes, offset: int, length: int) -> tuple[str, int]:
 
 
 def encoded(value: str, most: int = 0) -> bytes:
-    """Returns the bytes of a text, with the zero at the end.
-
-    Args:
-        most: Largest number of characters; 0 for no limit.
-    """
+    """Returns the bytes of a text with the zero at its end; 0 characters are no limit."""
     if most and len(value) > most:
         raise EncodeError("string", f"{len(value)} characters, more than {most}")
     return value.encode() + b"\0"
 
 
 def wide_text(data: bytes, offset: int, count: int, order: int) -> tuple[str, int]:
-    """Returns a text of wide characters, each in four bytes, and the offset behind it.
-
-    Args:
-        count: Number of units of UTF-16.
-        order: Byte order.
-    """
+    """Returns a text of `count` units of UTF-16, each in four bytes, and the offset behind it."""
     units, end = vector(data, offset, count, "I", order)
     try:
         return array("H", units).tobytes().decode(_UTF_16, "replace"), end
@@ -215,11 +177,7 @@ _UTF_16 = f"utf-16-{sys.byteorder[0]}e"
 
 
 def wide(value: str, most: int = 0) -> bytes:
-    """Returns the bytes of a text of wide characters.
-
-    Args:
-        most: Largest number of characters; 0 for no limit.
-    """
+    """Returns the bytes of a text of wide characters, of which 0 are no limit."""
     if most and len(value) > most:
         raise EncodeError("wstring", f"{len(value)} characters, more than {most}")
     units = array("H", value.encode(_UTF_16))
@@ -230,11 +188,7 @@ _LENGTH = run("I")
 
 
 def texts(data: bytes, offset: int, count: int, order: int) -> tuple[list[str], int]:
-    """Returns texts that follow each other, and the offset behind them.
-
-    Args:
-        order: Byte order.
-    """
+    """Returns texts that follow each other, and the offset behind them."""
     return _several(data, offset, count, order, lambda at, length: text(data, at, length))
 
 
@@ -246,11 +200,7 @@ def wide_texts(data: bytes, offset: int, count: int, order: int) -> tuple[list[s
 
 
 def _several(
-    data: bytes,
-    offset: int,
-    count: int,
-    order: int,
-    read: Callable[[int, int], tuple[str, int]],
+    data: bytes, offset: int, count: int, order: int, read: Callable[[int, int], tuple[str, int]]
 ) -> tuple[list[str], int]:
     check_count(data, offset, count, 4)
     strings = []
@@ -263,11 +213,7 @@ def _several(
 
 
 def put_texts(values: Sequence[str], append: Append, offset: int, most: int = 0) -> int:
-    """Appends texts; returns the offset behind them.
-
-    Args:
-        most: Largest number of characters; 0 for no limit.
-    """
+    """Appends texts, for which 0 characters are no limit; returns the offset behind them."""
     for value in values:
         octets = encoded(value, most)
         layout = _LENGTH[offset & 7]

@@ -21,9 +21,7 @@ MethodT = TypeVar("MethodT", bound="Callable[..., Any]")
 Function: TypeAlias = "Callable[..., bytes | None]"
 """Makes bytes of bytes and of those of joins, or gives way with None."""
 
-LIBRARIES = "_core*.so"
-"""Names of the libraries beside the module of a bridge."""
-
+LIBRARIES = "_core*.so"  # names of the libraries beside the module of a bridge
 _DIGEST = "jausml_digest"
 _DIGEST_SIZE = 32
 
@@ -36,35 +34,19 @@ class NoCoreError(Exception):
 class Core:
     """The compiled core of a bridge package.
 
-    Attributes:
-        module: File of the module beside which its library stands.
-        digest: What the library must say of the text that it was made of.
+    Its library stands beside the file of the module, and must say the digest of the text that it
+    was made of.
     """
 
     module: str
     digest: str
 
-    def function(
-        self,
-        name: str,
-        *,
-        quantities: Sequence[str] = (),
-        texts: Sequence[str] = (),
-        joins: Sequence[str] = (),
-        needs_clock: bool = False,
-        unknown: Sequence[str] = (),
-    ) -> Callable[[MethodT], MethodT]:
+    def function(self, name: str, **fields: Any) -> Callable[[MethodT], MethodT]:
         """Returns a decorator: a method with a compiled form, which an override does not have.
 
-        Args:
-            quantities: Attributes of the bridge that are numbers, as the function is given them.
-            texts: Attributes of the bridge that are texts.
-            joins: Parameters that are joined messages.
-            needs_clock: Whether it is told the present time.
-            unknown: Paths of fields that it leaves out where their value is no number.
+        What it is given besides the message are fields of `Compiled`.
         """
-        live = tuple(quantities), tuple(texts), tuple(joins)
-        form = Compiled(self, name, *live, needs_clock, tuple(unknown))
+        form = Compiled(self, name, **fields)
 
         def mark(method: MethodT) -> MethodT:
             vars(method)["compiled"] = form
@@ -73,11 +55,7 @@ class Core:
         return mark
 
     def load(self) -> ctypes.CDLL:
-        """Returns the library.
-
-        Raises:
-            NoCoreError: There is none of this text, or it cannot be loaded.
-        """
+        """Returns the library; raises NoCoreError where none of this text can be loaded."""
         paths = sorted(Path(self.module).parent.glob(LIBRARIES))
         reason = "it is not built"
         for path in paths:
@@ -96,22 +74,18 @@ class Core:
 
 @dataclass(frozen=True)
 class Compiled:
-    """What a method has besides itself; `Core.function` says what its attributes are."""
+    """What a method has besides itself."""
 
     core: Core
     name: str
-    quantities: tuple[str, ...]
-    texts: tuple[str, ...]
-    joins: tuple[str, ...]
-    needs_clock: bool
-    unknown: tuple[str, ...]
+    quantities: tuple[str, ...] = ()  # attributes of the bridge that are numbers
+    texts: tuple[str, ...] = ()  # attributes of the bridge that are texts
+    joins: tuple[str, ...] = ()  # parameters that are joined messages
+    needs_clock: bool = False  # whether it is told the present time
+    unknown: tuple[str, ...] = ()  # fields that it leaves out where their value is no number
 
     def of(self, bridge: Any, library: ctypes.CDLL, note: Callable[[str], None]) -> Function:
-        """Returns the function of a bridge, from its library.
-
-        Args:
-            note: Counts a field that is left out, as its value is no number.
-        """
+        """Returns the function of a bridge; fields left out, as they are no number, are noted."""
         function = getattr(library, self.name)
         function.argtypes = (
             ctypes.c_char_p,

@@ -70,17 +70,13 @@ class AbsentFieldError(JausError):
 
 
 class OutOfRangeError(JausError):
-    """A value that the target field cannot carry, and that drops the message.
-
-    Attributes:
-        field: The field, as the model names it.
-        policy: What was to be done: `drop_message`, `error`, or `not_clampable` for a value that
-            should be clamped and has no nearest legal value.
-    """
+    """A value that the target field cannot carry, and that drops the message."""
 
     def __init__(self, field: str, reason: str, policy: str = "drop_message") -> None:
         super().__init__(f"{field}: {reason}")
-        self.field = field
+        self.field = field  # the field, as the model names it
+        # What was to be done: `drop_message`, `error`, or `not_clampable` for a value that should
+        # be clamped and has no nearest legal value.
         self.policy = policy
 
 
@@ -193,11 +189,7 @@ class Limit(Generic[Absent]):
         return self._outside(field, reason, None)
 
     def _outside(self, field: str, reason: str, nearest: T | None) -> T | Absent:
-        """Does with a value that does not fit what the policy says.
-
-        Args:
-            nearest: The nearest value that fits; None when there is none.
-        """
+        """Does with a value that does not fit what the policy says; None is no nearest value."""
         raise NotImplementedError
 
 
@@ -225,8 +217,7 @@ class DropField(Limit[None]):
         """Counts a value that is no number: ROS marks so what is unknown, in every message."""
         self._count(DROP_FIELD, field, "not a number")
 
-    def _outside(self, field: str, reason: str, nearest: T | None) -> None:
-        del nearest
+    def _outside(self, field: str, reason: str, nearest: T | None) -> None:  # noqa: ARG002
         self._count(DROP_FIELD, field, reason)
 
 
@@ -235,8 +226,7 @@ class DropMessage(Limit[NoReturn]):
 
     policy: ClassVar[str] = DROP_MESSAGE
 
-    def _outside(self, field: str, reason: str, nearest: T | None) -> NoReturn:
-        del nearest
+    def _outside(self, field: str, reason: str, nearest: T | None) -> NoReturn:  # noqa: ARG002
         raise OutOfRangeError(field, reason, self.policy)
 
 

@@ -31,12 +31,7 @@ class Table:
     def __init__(
         self, convert: Callable[[float], float], lower: int, upper: int, *, is_signed: bool
     ) -> None:
-        """Asks a conversion for the value of each octet.
-
-        Args:
-            convert: Gives the value for a number, or raises an error of the runtime.
-            is_signed: Whether the octets are numbers of -128 .. 127.
-        """
+        """Asks a conversion for the value of each octet; one may raise an error of the runtime."""
         values_by_octet: dict[int, int] = {}
         for octet in range(256):
             try:
@@ -103,8 +98,7 @@ def each(
 def reverse_rows(cells: Sequence[Any], columns: float) -> Sequence[Any]:
     """Returns the cells of a grid, row by row, with the rows in the opposite order.
 
-    Raises:
-        ConversionError: The cells do not fill rows of `columns` cells.
+    It raises ConversionError where they do not fill rows of `columns` cells.
     """
     if isinstance(cells, OctetRecords) and cells.octets is not None:
         return OctetRecords(cells.record, _reversed(cells.octets, len(cells), columns, 1))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections import deque
+from collections import Counter, deque
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -29,8 +29,7 @@ if TYPE_CHECKING:
 LOST_IN_QUEUE = "lost_in_queue"
 """Messages of a topic that the queue of its subscription had no room for."""
 
-MISSED = "missed"
-"""Messages of a topic that were published and never arrived."""
+MISSED = "missed"  # messages of a topic that were published and never arrived
 
 TOO_OLD = "too_old"
 """Messages that waited too long in the queue of their subscription, or came too late."""
@@ -38,14 +37,9 @@ TOO_OLD = "too_old"
 LOST_ON_THE_WAY = "lost_on_the_way"
 """Reports of an event that never arrived, by the gaps between sequence numbers."""
 
-OUT_OF_ORDER = "out_of_order"
-"""Reports of an event that arrived after newer ones, and were dropped."""
-
-UNHEARD = "unheard"
-"""Messages that were published while nobody subscribed to their topic."""
-
-THINNED = "thinned"
-"""Messages that gave way to others, because fewer were wanted."""
+OUT_OF_ORDER = "out_of_order"  # reports of an event that arrived after newer ones, and were dropped
+UNHEARD = "unheard"  # messages that were published while nobody subscribed to their topic
+THINNED = "thinned"  # messages that gave way to others, because fewer were wanted
 
 NOT_LOST = frozenset([UNHEARD, THINNED])
 """Counts that tell of no loss: of what nobody is there for, and of what nobody wants."""
@@ -59,57 +53,40 @@ _LEVELS = {Status.EMERGENCY: "warning", Status.FAILURE: "error"}
 
 @dataclass(slots=True)
 class Statistics:
-    """Counts of one connection. Times are those of a steady clock.
-
-    Attributes:
-        alone: Messages of those that passed that a compiled core has passed on alone.
-        thinned: Messages that gave way to others, as the model or parameters want it.
-        safe_values: Safe values sent because the source was lost.
-        out_of_range: Values that their target field could not carry, by policy and field.
-        failures: What was wrong with the first message of each reason that no message passes for.
-        withheld: Messages that were passed on to other peers, but not to one that did not obey.
-        last_arrival: Seconds, None before the first message.
-        heard: When the source last said something usable, or silence was last looked for.
-    """
+    """Counts of one connection. Times are those of a steady clock."""
 
     arrivals: int = 0
     passed: int = 0
-    alone: int = 0
-    thinned: int = 0
-    safe_values: int = 0
-    stops: dict[StopReason, int] = field(default_factory=dict)
+    alone: int = 0  # messages of those that passed that a compiled core has passed on alone
+    thinned: int = 0  # messages that gave way to others, as the model or parameters want it
+    safe_values: int = 0  # safe values sent because the source was lost
+    stops: Counter[StopReason] = field(default_factory=Counter)
     limited: int = 0
-    out_of_range: dict[tuple[str, str], int] = field(default_factory=dict)
+    # Values that their target field could not carry, by policy and field.
+    out_of_range: Counter[tuple[str, str]] = field(default_factory=Counter)
     errors: int = 0
-    drops: dict[str, int] = field(default_factory=dict)
+    drops: Counter[str] = field(default_factory=Counter)
+    # What was wrong with the first message of each reason that no message passes for.
     failures: dict[str, str] = field(default_factory=dict)
-    withheld: dict[JausAddress, int] = field(default_factory=dict)
-    last_arrival: float | None = None
-    heard: float = 0.0
+    # Messages that were passed on to other peers, but not to one that did not obey.
+    withheld: Counter[JausAddress] = field(default_factory=Counter)
+    last_arrival: float | None = None  # seconds, None before the first message
+    heard: float = 0.0  # when the source last said something usable, or silence was last looked for
 
 
 @dataclass(frozen=True, slots=True)
 class ConnectionStatus:
-    """State of a connection for `/diagnostics`.
-
-    Attributes:
-        level: `ok`, `warning`, `error` or `stale`.
-        values: Names and values in the order in which they are shown.
-    """
+    """State of a connection for `/diagnostics`."""
 
     name: str
-    level: str
+    level: str  # `ok`, `warning`, `error` or `stale`
     message: str
     hardware_id: str
     values: tuple[tuple[str, str], ...]
 
 
 def state_status(hardware_id: str, standing: Standing, controller: str) -> ConnectionStatus:
-    """Returns the status of the bridge itself.
-
-    Args:
-        controller: JAUS address of the controller; empty without one.
-    """
+    """Returns the status of the bridge itself; its controller is empty without one."""
     node, jaus = ("active" if standing.is_active else "inactive"), standing.status.name.lower()
     level = _LEVELS.get(standing.status, "ok" if standing.is_active else "stale")
     values = (("node", node), ("jaus", jaus), ("controller", controller or "none"))
@@ -156,8 +133,7 @@ def socket_status(drops: int, hardware_id: str, *, is_new: bool) -> ConnectionSt
     return ConnectionStatus("jaus socket", level, message, hardware_id, values)
 
 
-WINDOW = 1000
-"""Latest messages of which percentiles are told."""
+WINDOW = 1000  # latest messages of which percentiles are told
 
 
 class Latency:
@@ -168,12 +144,6 @@ class Latency:
     """
 
     def __init__(self, age: Age, clock: Callable[[], float]) -> None:
-        """Has measured nothing yet.
-
-        Args:
-            age: Returns the age in nanoseconds of a message that arrives now, of its bytes and
-                its origin; None when its source states no time.
-        """
         self._clock = clock
         self._age = age
         self._ages: deque[int] = deque(maxlen=WINDOW)
@@ -208,11 +178,7 @@ def _percentiles(name: str, nanoseconds: Sequence[int]) -> list[tuple[str, str]]
 
 
 def age_of_stamp(message: Message, now: int) -> int | None:
-    """Returns the age of a JAUS message in nanoseconds; None if it has no TimeStamp.
-
-    Args:
-        now: Time of day in nanoseconds since 1970.
-    """
+    """Returns the nanoseconds since a JAUS message was stamped; None if it has no TimeStamp."""
     stamp = getattr(message, "time_stamp", None)
     if stamp is None:
         return None
@@ -224,12 +190,7 @@ def age_of_stamp(message: Message, now: int) -> int | None:
 
 
 def age_of_time(nanoseconds: int, now: int) -> int | None:
-    """Returns the age of a ROS message in nanoseconds; None if it has no stamp.
-
-    Args:
-        nanoseconds: When its publisher has sent it, since 1970.
-        now: Time of day in nanoseconds since 1970.
-    """
+    """Returns the nanoseconds since a ROS message was published; None if nobody knows."""
     return now - nanoseconds if nanoseconds else None
 
 
@@ -264,42 +225,33 @@ FAILURES = frozenset([FAILED, *(reason for _, reason in _REASONS)])
 
 
 class Limiting:
-    """What translations call for values that may not fit, and what counts those that do not.
-
-    Attributes:
-        drop_field: Leaves fields out whose value is out of range.
-        drop_message: Drops messages with a value out of range.
-        error: Does the same, as an error.
-        filters: Whether `drop_message` is how messages are chosen, so that it is nothing to tell.
-    """
+    """What translations call for values that may not fit, and what counts those that do not."""
 
     name: str
     statistics: Statistics
     counters: Counters
+    # Whether `drop_message` is how messages are chosen, so that it is nothing to tell.
     filters: bool = False
 
     def __init__(self) -> None:
         """Counts in the statistics alone until the bridge is open."""
         self.clamp = limits.Clamp(self._note_out_of_range)
+        # Leaves fields out whose value is out of range.
         self.drop_field = limits.DropField(self._note_out_of_range)
+        # Drops messages with a value out of range.
         self.drop_message = limits.DropMessage(self._note_out_of_range)
-        self.error = limits.Error(self._note_out_of_range)
+        self.error = limits.Error(self._note_out_of_range)  # does the same, as an error
         self._is_open = False
 
     def by_name(
         self, names: Collection[str], keys: Sequence[str], values: Sequence[T], needed: str
     ) -> list[T | None]:
-        """Returns values in the order of names, all of which one message has to have.
-
-        Raises:
-            AbsentFieldError: One is missing.
-        """
+        """Returns values in the order of names; one that is missing is an AbsentFieldError."""
         return limits.by_name(names, keys, values, needed)
 
     def drop(self, reason: str, detail: str = "", error: Exception | None = None) -> None:
         """Counts a message that is not passed on."""
-        drops = self.statistics.drops
-        drops[reason] = drops.get(reason, 0) + 1
+        self.statistics.drops[reason] += 1
         self.counters.count(f"bridge.{self.name}.{reason}", detail, error=error)
 
     def refuse(self, reason: str, detail: str = "") -> None:
@@ -314,8 +266,7 @@ class Limiting:
         JAUS field carries. One that is clamped stands for another one, of which the log tells once
         and the end of the process again. What is dropped goes into the log.
         """
-        counts = self.statistics.out_of_range
-        counts[policy, field] = counts.get((policy, field), 0) + 1
+        self.statistics.out_of_range[policy, field] += 1
         self.statistics.limited += policy == limits.CLAMP
         if not self._is_open:  # a translation that is tried
             return
@@ -335,9 +286,9 @@ class Limiting:
         """Counts a message that is not passed on because of one of its values."""
         drops = self.statistics.drops
         if self.filters and error.policy == limits.DROP_MESSAGE:
-            drops[FILTERED] = drops.get(FILTERED, 0) + 1
+            drops[FILTERED] += 1
             return
-        drops[OUT_OF_RANGE] = drops.get(OUT_OF_RANGE, 0) + 1
+        drops[OUT_OF_RANGE] += 1
         self.statistics.errors += error.policy == limits.ERROR
         self._note_out_of_range(error.policy, error.field, str(error))
 

@@ -43,16 +43,12 @@ _HALTS = {
 
 @dataclass(frozen=True)
 class Standing:
-    """What the JAUS side of a bridge may do.
-
-    Attributes:
-        has_lapsed: Whether nobody controls the bridge since its controller let control lapse.
-    """
+    """What the JAUS side of a bridge may do."""
 
     status: Status
     controller: JausAddress | None
     is_active: bool = True
-    has_lapsed: bool = False
+    has_lapsed: bool = False  # nobody controls the bridge since its controller let control lapse
 
     @property
     def halt(self) -> StopReason | None:
@@ -89,17 +85,12 @@ class Standing:
 class ConnectionPhase(Enum):
     """How it stands with a connection; the value is what diagnostics and logs say."""
 
-    WAITING = "waiting"
-    """Nothing came yet, or the other end is not there."""
+    WAITING = "waiting"  # nothing came yet, or the other end is not there
     ACTIVE = "active"
-    DEGRADED = "degraded"
-    """Messages pass, but not as they should."""
-    SILENT = "silent"
-    """The source says nothing usable any more; its stop stands, if it has one."""
-    REFUSED = "refused"
-    """It may not pass anything on, or nobody obeys."""
-    FAILED = "failed"
-    """What comes cannot be passed on."""
+    DEGRADED = "degraded"  # messages pass, but not as they should
+    SILENT = "silent"  # the source says nothing usable any more; its stop stands, if it has one
+    REFUSED = "refused"  # it may not pass anything on, or nobody obeys
+    FAILED = "failed"  # what comes cannot be passed on
 
 
 LEVELS = {
@@ -117,29 +108,17 @@ _SILENCES = (StopReason.SILENCE, StopReason.CLOCK)
 
 @dataclass(frozen=True, slots=True)
 class Facts:
-    """What is known of a connection. Texts are empty for what is well.
+    """What is known of a connection. Texts are empty for what is well."""
 
-    Attributes:
-        error: What is wrong with the values that it is given.
-        fault: What is wrong with its topics.
-        lacking: Which other end is not there.
-        failing: Why none of the latest messages could be passed on.
-        stopped: Why no messages of the source stand.
-        forbidden: Why nothing may be passed on now.
-        is_heard: Whether a message ever came.
-        refusal: Why nobody at the other end obeys.
-        complaint: What is not as it should be, though messages pass.
-    """
-
-    error: str = ""
-    fault: str = ""
-    lacking: str = ""
-    failing: str = ""
-    stopped: StopReason | None = None
-    forbidden: str = ""
-    is_heard: bool = True
-    refusal: str = ""
-    complaint: str = ""
+    error: str = ""  # what is wrong with the values that it is given
+    fault: str = ""  # what is wrong with its topics
+    lacking: str = ""  # which other end is not there
+    failing: str = ""  # why none of the latest messages could be passed on
+    stopped: StopReason | None = None  # why no messages of the source stand
+    forbidden: str = ""  # why nothing may be passed on now
+    is_heard: bool = True  # whether a message ever came
+    refusal: str = ""  # why nobody at the other end obeys
+    complaint: str = ""  # what is not as it should be, though messages pass
 
 
 class Judgement(NamedTuple):
@@ -188,8 +167,7 @@ def _stopped(facts: Facts, reason: StopReason) -> Judgement:
     return Judgement(ConnectionPhase.WAITING, f"no message since the stop: {reason.value}")
 
 
-INTERVAL = 10.0
-"""Least seconds between two lines about one connection: its state may come and go."""
+INTERVAL = 10.0  # least seconds between two lines about one connection: its state may come and go
 
 PATIENCE = 3.0
 """Seconds after which the log tells for whom a connection waits that has had no message yet."""

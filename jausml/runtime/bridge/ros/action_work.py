@@ -23,14 +23,13 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from ...base.loop import Loop
-    from ...guardian.ward import Ward
     from ..ends.actions import ListAction
 
 
 class ActionWork:
     """What the actions of one node have done, in order, and the goals that are under way."""
 
-    def __init__(self, node: Any, executor: Any, loop: Loop, ward: Ward | None) -> None:
+    def __init__(self, node: Any, executor: Any, loop: Loop, ward: Any) -> None:
         self.loop = loop
         self.ward = ward
         self.node = node
@@ -132,11 +131,7 @@ class ActionMessages:
         return feedback
 
     def progress(self, feedback: Any, distances: Sequence[float]) -> int | None:
-        """Returns how far a feedback says that the list is; None when it does not.
-
-        Args:
-            distances: Those of the goal.
-        """
+        """Returns how far a feedback says that the list is; None when it does not."""
         if not self._action.progress:
             return None
         number: float = attrgetter(self._action.progress)(feedback)

@@ -22,7 +22,6 @@ from rclpy.qos import qos_profile_action_status_default
 
 from ...base.counters import LOGGER
 from ..ends.actions import Outcome
-from ..ends.guarding import type_library
 from ..ends.topics import TopicFault
 from .action_work import ActionMessages, ActionWork
 from .introspection import introspection
@@ -102,12 +101,7 @@ NO_SERVER = "no_action_server"
 
 
 class NodeActionClient:
-    """Sends goals of one action.
-
-    Attributes:
-        cancelling: Full name of the service that cancels its goals.
-        former: Goals of a former life, which are cancelled.
-    """
+    """Sends goals of one action."""
 
     def __init__(self, work: ActionWork, messages: ActionMessages, name: str) -> None:
         """Use `NodeActions.action_client` instead."""
@@ -116,14 +110,12 @@ class NodeActionClient:
         self.name = name
         with as_parameter_error(f"action {name!a}: "):
             self.handle = ActionClient(work.node, messages.type, name)
+        # Full name of the service that cancels its goals.
         self.cancelling = work.node.resolve_service_name(f"{name}/_action/cancel_goal")
         self.former = FormerGoals(work, name, self.cancelling)
 
     def send(
-        self,
-        elements: Sequence[bytes],
-        fill: Callable[[Any], object] | None,
-        watcher: GoalWatcher,
+        self, elements: Sequence[bytes], fill: Callable[[Any], object] | None, watcher: GoalWatcher
     ) -> NodeGoal:
         """Sends a goal; see `ActionClient` of ends/actions.py."""
         goal = NodeGoal(self, watcher)
@@ -204,8 +196,7 @@ class NodeGoal:
         """Hands the goal to the guardian before it is sent: none is unknown to it."""
         work = self._client.work
         if work.ward is not None:
-            library = type_library("action_msgs")
-            work.ward.open_goal(self._id, self._client.cancelling, library)
+            work.ward.guard_goal(self._id, self._client.cancelling)
 
     def _guarded(self, callback: Callable[[Any], None]) -> Callable[[Any], None]:
         return partial(self._client.work.guarded, callback)

@@ -9,11 +9,8 @@ from pathlib import Path
 from ...base.counters import LOGGER
 from ...base.process import configure_log
 
-LARGEST_DOMAIN = 232
-"""Largest ROS_DOMAIN_ID: the ports of greater ones would be above 65535."""
-
-LARGEST_SAFE_DOMAIN = 101
-"""Largest ROS_DOMAIN_ID whose ports Linux does not give away."""
+LARGEST_DOMAIN = 232  # largest ROS_DOMAIN_ID: the ports of greater ones would be above 65535
+LARGEST_SAFE_DOMAIN = 101  # largest ROS_DOMAIN_ID whose ports Linux does not give away
 
 
 def domain_fault() -> tuple[str, str] | None:
@@ -27,9 +24,7 @@ def domain_fault() -> tuple[str, str] | None:
 def middleware_fault(name: str, distribution: str) -> tuple[str, str] | None:
     """Returns why a middleware cannot be had, and the cure; None where it can.
 
-    Args:
-        name: Its name, such as `rmw_fastrtps_cpp`.
-        distribution: Release of ROS 2 whose package is named, such as `jazzy`.
+    Its package is named by the release of ROS 2, such as `jazzy`.
     """
     if find_spec(name) is not None:
         return None

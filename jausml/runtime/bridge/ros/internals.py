@@ -23,9 +23,7 @@ from ..light_message import installed, installed_class, is_light
 from ..messages.limits import RosLostError
 from .values import checked
 
-internals: Any = rclpy_implementation
-"""The extension module of rclpy."""
-
+internals: Any = rclpy_implementation  # the extension module of rclpy
 _HANDLE = ("destroy_when_not_in_use", "pointer")
 
 NEEDED: dict[str, tuple[str, ...]] = {
@@ -48,11 +46,7 @@ _EXECUTOR = ("_make_handler", "_spin_once_impl", "_take_waitable", "wait_for_rea
 
 
 def require_internals(node: Any) -> None:
-    """Refuses a rclpy that has not all that the bridge uses.
-
-    Raises:
-        RosLostError: Something is missing.
-    """
+    """Raises RosLostError for a rclpy that has not all that the bridge uses."""
     needed = [(getattr(internals, name, None), name, parts) for name, parts in NEEDED.items()]
     needed += [
         (Duration, "Duration", ("get_c_duration",)),
@@ -72,15 +66,10 @@ def require_internals(node: Any) -> None:
 
 
 def message_class(ros_type: type[Any]) -> type[Any]:
-    """Returns the class of rclpy for a ROS type.
+    """Returns the class of rclpy for a ROS type: that class itself, or a light class.
 
-    Args:
-        ros_type: That class itself, or a light class, whose `TYPE` names the type, e.g.
-            `nav_msgs/msg/Odometry`.
-
-    Raises:
-        ImportError: ROS has no such package here.
-        RosTypeError: The installed type is not that of the light class.
+    It raises ImportError where ROS has no such package, and RosTypeError where the installed type
+    is another one.
     """
     if is_light(ros_type):
         real: type[Any] = installed_class(ros_type)
@@ -105,12 +94,7 @@ class Codec:
         return deserialize_message(data, self.message_class)
 
     def encode(self, message: Any) -> bytes:
-        """Returns the serialized form of an object, whose values are checked first.
-
-        Raises:
-            TypeError: It is of another class.
-            EncodeError: A value does not fit its field.
-        """
+        """Returns the serialized form of an object, whose class and values are checked first."""
         if not isinstance(message, self.message_class):
             raise TypeError(f"{self.message_class.__name__} expected, not {type(message).__name__}")
         data: bytes = serialize_message(checked(message))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from contextlib import suppress
 from functools import partial
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from rcl_interfaces.msg import SetParametersResult
 from rcl_interfaces.srv import SetParameters, SetParametersAtomically
@@ -25,44 +25,21 @@ if TYPE_CHECKING:
 # mypy: disable-error-code="import-not-found, import-untyped, no-untyped-call, misc"
 
 
-class Managed(Protocol):
-    """What transitions act on; each method raises what keeps it from the next state."""
-
-    def configure(self) -> None:
-        """From unconfigured to inactive."""
-
-    def activate(self) -> None:
-        """From inactive to active."""
-
-    def deactivate(self) -> None:
-        """From active to inactive."""
-
-    def cleanup(self) -> None:
-        """From inactive to unconfigured; no effect there."""
-
-    def shut_down(self) -> None:
-        """From any state to finalized."""
-
-
 class ManagedNode(LazyParameters, LifecycleNode):
     """A node whose transitions bring something up and down."""
 
     def __init__(self, name: str, **options: Any) -> None:
         super().__init__(name, **options)
-        self._managed: Managed | None = None
+        self._managed: Any = None
         self._error: BaseException | None = None
         self._is_asked = True  # by a service, whose answer says no more than that it failed
 
-    def manage(self, managed: Managed) -> None:
-        """Has transitions act on something from now on."""
+    def manage(self, managed: Any) -> None:
+        """Has transitions call methods of something, each named as its transition."""
         self._managed = managed
 
     def bring_up(self) -> None:
-        """Goes from unconfigured to active at once.
-
-        Raises:
-            BaseException: What configuring or activating raised.
-        """
+        """Goes from unconfigured to active at once; raises what keeps it from that."""
         self._is_asked = False
         for trigger in (self.trigger_configure, self.trigger_activate):
             self._error = None
@@ -81,32 +58,27 @@ class ManagedNode(LazyParameters, LifecycleNode):
         name: str = self._state_machine.current_state[1]
         return name
 
-    def on_configure(self, state: Any) -> TransitionCallbackReturn:
+    def on_configure(self, state: Any) -> TransitionCallbackReturn:  # noqa: ARG002
         """Makes topics and the JAUS component."""
-        del state
         return self._done(lambda managed: managed.configure())
 
-    def on_activate(self, state: Any) -> TransitionCallbackReturn:
+    def on_activate(self, state: Any) -> TransitionCallbackReturn:  # noqa: ARG002
         """Lets messages pass."""
-        del state
         return self._done(lambda managed: managed.activate())
 
-    def on_deactivate(self, state: Any) -> TransitionCallbackReturn:
+    def on_deactivate(self, state: Any) -> TransitionCallbackReturn:  # noqa: ARG002
         """Lets nothing pass."""
-        del state
         return self._done(lambda managed: managed.deactivate())
 
-    def on_cleanup(self, state: Any) -> TransitionCallbackReturn:
+    def on_cleanup(self, state: Any) -> TransitionCallbackReturn:  # noqa: ARG002
         """Ends the JAUS component and gives topics back."""
-        del state
         return self._done(lambda managed: managed.cleanup())
 
-    def on_shutdown(self, state: Any) -> TransitionCallbackReturn:
+    def on_shutdown(self, state: Any) -> TransitionCallbackReturn:  # noqa: ARG002
         """Does the same for good, from any state."""
-        del state
         return self._done(lambda managed: managed.shut_down())
 
-    def _done(self, act: Callable[[Managed], None]) -> TransitionCallbackReturn:
+    def _done(self, act: Callable[[Any], None]) -> TransitionCallbackReturn:
         """Acts; a failure stays in the state before."""
         if self._managed is None:
             return TransitionCallbackReturn.SUCCESS
@@ -138,11 +110,7 @@ class EndableExecutor(SingleThreadedExecutor):
         self._is_ended = False
 
     def spin(self) -> None:
-        """Runs callbacks until `end`, or until ROS is shut down.
-
-        Raises:
-            ExternalShutdownException: ROS was shut down while it waited.
-        """
+        """Runs callbacks until `end`, or an ExternalShutdownException of ROS."""
         while self.context.ok() and not self._is_ended:
             # By another condition it would forget what is ready, and serve the first ones alone.
             self._spin_once_impl(None, self._has_ended)
@@ -240,11 +208,7 @@ def _refused(request: Any, response: Any, reason: str) -> Any:
 
 
 def without_ros_arguments(line: Sequence[str]) -> list[str]:
-    """Returns a command line, without the program's name, without what is meant for ROS.
-
-    Raises:
-        ParameterError: What stands behind `--ros-args` is nothing that ROS knows.
-    """
+    """Returns a command line without what is meant for ROS, where wrong a ParameterError."""
     with as_parameter_error():
         own: list[str] = remove_ros_args(["", *line])[1:]
     return own

@@ -35,7 +35,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from ...base.loop import Loop
-    from ...guardian.ward import Ward
     from .topics import WaitingName
 
 PartT = TypeVar("PartT")
@@ -74,8 +73,7 @@ class NodePart:
         """Leaves ROS; on the thread of the executor, or when it is over."""
 
 
-LAST_WORDS = 1.0
-"""Longest time in seconds that a node which ends waits for slow subscribers."""
+LAST_WORDS = 1.0  # longest time in seconds that a node which ends waits for slow subscribers
 
 
 class RosNode:
@@ -97,12 +95,7 @@ class RosNode:
         arguments: Sequence[str] | None = None,
         waiting: WaitingName = "automatic",
     ) -> None:
-        """Joins ROS.
-
-        Args:
-            name: Node name, which `-r __node:=` changes.
-            arguments: Command line with `--ros-args`; None means none.
-        """
+        """Joins ROS; arguments are a command line with `--ros-args`, which may change the name."""
         self._context = Context()
         # Signals are left to the process: ROS must outlive the release of JAUS control.
         with as_parameter_error():
@@ -118,7 +111,7 @@ class RosNode:
         self._thread: threading.Thread | None = None
         self._fail: Callable[[BaseException], None] | None = None
         self._is_closing = False
-        self.ward: Ward | None = None
+        self.ward: Any = None
         self._log = RosLogHandler(self.node)
         self._diagnostics = self.node.create_publisher(DiagnosticArray, "/diagnostics", 10)
         self._waiting_name = waiting
@@ -165,11 +158,7 @@ class RosNode:
         self.subscribe(Clock, Topic("/clock", Qos(reliability="best_effort", depth=1)), hear)
 
     def codec(self, ros_type: type[Any]) -> Codec:
-        """Returns what makes objects of serialized messages, and the reverse.
-
-        Raises:
-            ImportError: ROS has no such type here.
-        """
+        """Returns what makes objects of messages, and the reverse; ImportError without the type."""
         return Codec(ros_type)
 
     # ------------------------------------------------------------------ endpoints
@@ -201,9 +190,7 @@ class RosNode:
     def start(self, fail: Callable[[BaseException], None]) -> None:
         """Starts to wait for messages and parameters, and to log through ROS.
 
-        Args:
-            fail: Told, on the thread concerned, why nobody waits any more, unless the node is
-                closed.
+        Unless the node is closed, `fail` is told on the thread concerned why nobody waits any more.
         """
         LOGGER.addHandler(self._log)
         LOGGER.propagate = False

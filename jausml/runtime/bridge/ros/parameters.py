@@ -45,10 +45,7 @@ class LazyParameters(Node):
     """A node that declares a parameter when somebody asks for it.
 
     A declaration of rclpy makes four messages and publishes one, eight times for each connection,
-    and nobody ever asks for most of them.
-
-    Attributes:
-        offered: What declares the parameters that nobody asked for yet, by name.
+    and nobody ever asks for most of them: they are offered by name.
     """
 
     def __init__(self, *arguments: Any, **options: Any) -> None:
@@ -107,19 +104,10 @@ class LazyParameters(Node):
 
 
 class NodeParameters:
-    """The parameters of one node.
-
-    Attributes:
-        given: Parameters that the command line and parameter files give, by name.
-    """
+    """The parameters of one node, and what command line and files give of them."""
 
     def __init__(self, node: Any, line: Sequence[str] = ()) -> None:
-        """Follows changes from now on.
-
-        Args:
-            node: One of `LazyParameters`.
-            line: The command line that it was made with.
-        """
+        """Follows changes of a node from now on, which a command line was given to."""
         self.given = {**_overrides(node), **_outvoted(node, line)}
         self._node = node
         self._checks: dict[str, Callable[[Any], object]] = {}
@@ -166,11 +154,7 @@ class NodeParameters:
         return declare()
 
     def check(self) -> None:
-        """Tells which values do not do.
-
-        Raises:
-            ParameterError: There are some; its text has a line for each.
-        """
+        """Raises ParameterError with a line for each value that does not do, if there are any."""
         if self._problems:
             raise ParameterError("\n".join(self._problems))
 
@@ -203,11 +187,7 @@ class NodeParameters:
 
 
 def tell_unknown(node: Any, possible: Iterable[str] = ()) -> None:
-    """Warns of parameters that nobody declared: they are misspelt, or of something else.
-
-    Args:
-        possible: Names of parameters that it would have declared, had they been given.
-    """
+    """Warns of parameters that nobody declares: they are misspelt, or of something else."""
     unknown = [name for name in _overrides(node) if not node.has_parameter(name)]
     known = [*node.list_parameters([], 0).names, *possible] if unknown else []
     for name in unknown:
@@ -277,8 +257,7 @@ Fast DDS keeps as many. Then each `publish` waits a tenth of a second for that r
 with it: one reader that stands still would hold up all topics.
 """
 
-_UNLIMITED = 2**63 - 1
-"""Nanoseconds that ROS reports for a time that nobody limits."""
+_UNLIMITED = 2**63 - 1  # nanoseconds that ROS reports for a time that nobody limits
 
 
 def overridden(
@@ -316,11 +295,7 @@ def never_waiting(qos: Qos) -> Qos:
 
 
 def profile_of(qos: Qos) -> QoSProfile:
-    """Returns the rclpy profile; its policies have the names that the model uses.
-
-    Raises:
-        RuntimeError: There is no such policy, or the profile is none for rclpy.
-    """
+    """Returns the rclpy profile of policies with the words of the model, or a RuntimeError."""
     profile = QoSProfile(
         reliability=_policy(ReliabilityPolicy, "reliability", qos.reliability),
         durability=_policy(DurabilityPolicy, "durability", qos.durability),

@@ -51,11 +51,7 @@ class NodeServices(NodePart):
         self._clients: list[Any] = []
 
     def serve(self, service: RosService, take: TakeRequest) -> None:
-        """Serves a service.
-
-        Args:
-            take: Is given each serialized request and what replies to it, on the loop.
-        """
+        """Serves a service; takes each serialized request and what replies to it, on the loop."""
         kind = _installed(service)
         with as_parameter_error(f"service {service.name!a}: "), self._node.handle:
             profile = _PROFILE.get_c_qos_profile()
@@ -97,14 +93,7 @@ class NodeClient:
         return bool(self._client.service_is_ready())
 
     def call(self, request: bytes, answered: Answered) -> Callable[[], None]:
-        """Calls the service.
-
-        Args:
-            answered: Is given the serialized response on the loop.
-
-        Returns:
-            What forgets the call.
-        """
+        """Calls the service, whose response is given on the loop; returns what forgets the call."""
         future = self._client.call_async(deserialize_message(request, self._kind.Request))
         future.add_done_callback(partial(self._done, answered))
         return partial(self._client.remove_pending_request, future)

@@ -24,19 +24,11 @@ if TYPE_CHECKING:
 # ROS is typed in parts; whoever checks generated code reads this module too.
 # mypy: disable-error-code="import-not-found, import-untyped, no-untyped-call"
 
-WAKE_UP_PERIOD = 1.0
-"""Longest time in seconds until a node that spins notices a shutdown."""
+WAKE_UP_PERIOD = 1.0  # longest time in seconds until a node that spins notices a shutdown
 
 
 def spin(factory: Callable[[], Any], arguments: Sequence[str] | None) -> None:
-    """Spins a node until SIGINT or SIGTERM.
-
-    Args:
-        arguments: Command line without the program's name; that of the process when None.
-
-    Raises:
-        ParameterError: A parameter has a value with which the node cannot be made.
-    """
+    """Spins a node until SIGINT or SIGTERM; a wrong parameter is a ParameterError."""
     atexit.register(ignore_signals)
     # ROS itself ends on a signal; Python's KeyboardInterrupt would strike anywhere, even in
     # clean-up. What comes before ROS has begun is not forgotten.

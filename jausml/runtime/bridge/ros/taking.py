@@ -13,14 +13,13 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ...base.standstill import Standstill
-    from ..ends.ros_side import FastSubscriber
     from ..ends.topics import TopicCounts
+    from ..fastpath.side import FastSubscriber
 
 AT_ONCE = 16
 """Messages of a topic that are taken in one turn of the loop, so that others have theirs."""
 
-_NOT_TOLD = -1
-"""Stands for the next number of a middleware that does not number messages."""
+_NOT_TOLD = -1  # stands for the next number of a middleware that does not number messages
 
 _KEPT_BY_ALL = 5000
 """Messages that a subscription with the history `keep_all` is taken to have kept."""
@@ -28,21 +27,16 @@ _KEPT_BY_ALL = 5000
 
 @dataclass(frozen=True)
 class Subscription:
-    """A subscription and what takes its messages.
-
-    Attributes:
-        depth: Messages that it keeps; 0 means all.
-        take: Is given each serialized message, and the time in nanoseconds at which it was
-            published, by the clock of its publisher.
-        age_limit: Nanoseconds after which a message that waits is too old; 0 means never.
-    """
+    """A subscription and what takes its messages."""
 
     handle: Any
     matched: Any
     message_class: type[Any]
-    depth: int
+    depth: int  # messages that it keeps; 0 means all
+    # Is given each serialized message, and the time in nanoseconds at which it was published, by
+    # the clock of its publisher.
     take: Callable[[bytes, int], None]
-    age_limit: int
+    age_limit: int  # nanoseconds after which a message that waits is too old; 0 means never
     counts: TopicCounts
 
 

@@ -132,11 +132,7 @@ def _incompatible(health: EndpointHealth) -> Told:
 
 
 class NodePublisher:
-    """A publisher for serialized messages.
-
-    Attributes:
-        publish: Publishes a serialized message, from any thread: the function of rclpy itself.
-    """
+    """A publisher for serialized messages, which the function of rclpy itself publishes."""
 
     __slots__ = ("handle", "matched", "publish", "published", "unmatched")
 
@@ -169,11 +165,7 @@ class NodeTopics:
         parameters: NodeParameters,
         age_limit: int,
     ) -> None:
-        """Has none yet.
-
-        Args:
-            age_limit: Nanoseconds that a message may wait in the queue of a topic; 0 means forever.
-        """
+        """Has none yet; its queues keep messages for an age in nanoseconds, or 0 for ever."""
         self._node = node
         self._parameters = parameters
         self._age_limit = age_limit
@@ -185,16 +177,9 @@ class NodeTopics:
         self._waiting = self._chosen(waiting, context, loop)
 
     def publisher(
-        self,
-        ros_type: type[Any],
-        topic: Topic,
-        greet: Callable[[], None] | None = None,
+        self, ros_type: type[Any], topic: Topic, greet: Callable[[], None] | None = None
     ) -> NodePublisher:
-        """Makes a publisher.
-
-        Args:
-            ros_type: A class of rclpy, or a light class, whose `TYPE` names the type.
-        """
+        """Makes a publisher of a class of rclpy, or of a light one, whose `TYPE` names the type."""
         rclpy_class = message_class(ros_type)
         health = self._watched(topic, topic.qos, publishes=True)
         health.qos = never_waiting(health.qos)
@@ -304,11 +289,7 @@ class NodeTopics:
         self._waiting.start(fail)
 
     def wait(self, deadline: float) -> None:
-        """Waits until subscribers have what was published, at most to a time of the steady clock.
-
-        Args:
-            deadline: The time.
-        """
+        """Waits until subscribers have what was published, at most to a steady time."""
         for publisher in self._publishers:
             left = Duration(seconds=max(deadline - time.monotonic(), 0.0))
             publisher.wait_for_all_acked(left.get_c_duration())

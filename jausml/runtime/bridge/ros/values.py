@@ -40,10 +40,7 @@ def checked(message: Any) -> Any:
     """Returns an object of rclpy with the values that its serialized form will have.
 
     What light classes take for a field is made what the field carries, in the object itself: an
-    integer becomes a real number.
-
-    Raises:
-        EncodeError: A value does not fit its field, whose path is named.
+    integer becomes a real number. Of a value that does not fit, an EncodeError names the path.
     """
     kind: Any = type(message)
     for name, check in _checks(kind):

@@ -46,11 +46,7 @@ class WaitSets:
         self._events.add(event, read)
 
     def start(self, fail: Callable[[BaseException], None]) -> None:
-        """Begins to wait.
-
-        Args:
-            fail: Told on a thread why nobody waits any more, unless this was closed.
-        """
+        """Begins to wait; told on a thread is why nobody waits any more, unless this was closed."""
         self._topics.start(fail)
         self._events.start(fail)
 
@@ -203,13 +199,8 @@ class Listener:
         self._events.append(read)
         self._listen(self._on_event, event, self._events_number)
 
-    def start(self, fail: Callable[[BaseException], None]) -> None:
-        """Begins to serve what was registered so far.
-
-        Args:
-            fail: Not needed: what fails on the loop is counted there.
-        """
-        del fail
+    def start(self, fail: Callable[[BaseException], None]) -> None:  # noqa: ARG002
+        """Begins to serve what was registered so far; the loop counts what fails there."""
         self._is_started = True
         with self._loop.lock:
             for number, read in self._ready.items():

@@ -22,8 +22,7 @@ SPAN = 4096
 """Numbers by which a sender may go on between two messages that arrive, and within which a late one
 is told from the first of a new life."""
 
-NEAR = 2.0
-"""Seconds between two packets in which no sender numbers ``SPAN`` of them."""
+NEAR = 2.0  # seconds between two packets in which no sender numbers ``SPAN`` of them
 
 # How far before the first packet that came others of the same life may still come.
 _EARLY = 64
@@ -45,21 +44,16 @@ class Account:
     numbers beyond its last looks as if so many were lost. Where the sender counts for all it talks
     to, and not for each component, what it sent to others looks lost: ``lost`` is an upper bound
     then.
-
-    Attributes:
-        late: Those of them that came after newer ones.
-        doubled: Packets that came again soon, and were dropped as duplicates.
-        repeated: Packets that came again, too late to be known as duplicates.
-        is_exact: Whether the sender surely does not number for all that it talks to: its numbers
-            of packets to wildcards, which a single count would have taken among these, are others.
-            Where this is not known, what was lost is an upper bound.
     """
 
     came: int = 0
-    late: int = 0
-    doubled: int = 0
-    repeated: int = 0
+    late: int = 0  # those of them that came after newer ones
+    doubled: int = 0  # packets that came again soon, and were dropped as duplicates
+    repeated: int = 0  # packets that came again, too late to be known as duplicates
     restarts: int = 0
+    # Whether the sender surely does not number for all that it talks to: its numbers of packets to
+    # wildcards, which a single count would have taken among these, are others. Where this is not
+    # known, what was lost is an upper bound.
     is_exact: bool = False
     _counted: int = 0  # of the numbers that are remembered, the oldest of which are counted
     _compared: float = -math.inf  # time of the packet to a wildcard that was looked at last
@@ -80,11 +74,7 @@ class Account:
         return self.came + self.lost
 
     def look(self, numbers: Numbers) -> None:
-        """Count the packets that came since the last look.
-
-        Args:
-            numbers: Those that are remembered, in the order of arrival.
-        """
+        """Count the packets that came since the last look, by numbers in the order of arrival."""
         # From the newest back to those that are counted, as the memory is long.
         fresh = list(islice(reversed(numbers), len(numbers) - self._counted))
         for number in reversed(fresh):
@@ -95,9 +85,6 @@ class Account:
         """Learn from the latest packet to a wildcard whether what was lost is exact.
 
         Nothing is learnt where no packet came near it in time.
-
-        Args:
-            numbers: Those that are remembered, with their times, in the order of arrival.
         """
         number = next(reversed(others), None)
         if number is None or others[number][0] <= self._compared:
@@ -222,11 +209,6 @@ class DuplicateWindow:
         sources: int = 256,
         changed: Callable[[], None] = lambda: None,
     ) -> None:
-        """Remember nothing yet.
-
-        Args:
-            changed: Told when a pair is forgotten.
-        """
         self.seconds = seconds
         self.history = history
         self.capacity = history + max(1, history // 2)
@@ -236,15 +218,10 @@ class DuplicateWindow:
         self._changed = changed
 
     def __len__(self) -> int:
-        """Return how many packets are remembered."""
         return sum(map(len, self.seen.values()))
 
     def is_duplicate(self, packet: Packet, now: float) -> bool:
-        """Return whether the packet was seen before, and remember it.
-
-        Args:
-            packet: The packet; its flags may differ in a repetition.
-        """
+        """Return whether the packet was seen before, maybe with other flags, and remember it."""
         source, destination = packet.source, packet.destination
         # A sender may number what goes to a wildcard by a count of its own.
         pair = pair_of(source, 0 if destination.is_wildcard else destination)

@@ -10,7 +10,7 @@ from ...base.clocks import Alarm, HostClock
 from ...base.counters import LOGGER
 from ...base.quirks import Quirk
 from ...base.settings import MAX_FRAGMENT_SIZE
-from ..delivery import MESSAGE_CODE_SIZE, Arrival, Double, Origin, ReceivedMessage
+from ..delivery import MESSAGE_CODE_SIZE, Arrival, Double, Origin
 from .duplicates import DuplicateWindow
 from .packet import AckNak, Broadcast, DataFlags, Packet, Priority
 from .reassembly import Reassembly
@@ -22,9 +22,9 @@ if TYPE_CHECKING:
     from ...base.loop import Loop
     from ...base.quirks import Quirks
     from ...base.settings import TransportSettings
-    from ..delivery import Carrier, Receive, Take
+    from ..delivery import Carrier, Take
 
-    Receivers = list[tuple[JausAddress, Receive]]
+    Receivers = list[tuple[JausAddress, Take]]
 
 
 _MAX_SOURCES = 256
@@ -42,11 +42,7 @@ class FlaglessMessages:
     """
 
     def __init__(self, seconds: float) -> None:
-        """Start with no sources in doubt.
-
-        Args:
-            seconds: How long a full packet casts doubt on the short ones of its source.
-        """
+        """Doubt the short packets of a source for so many seconds after a full one."""
         self._seconds = seconds
         self._fragmenting: OrderedDict[JausAddress, float] = OrderedDict()
 
@@ -94,9 +90,8 @@ class Inbox(Generic[Origin]):
     ) -> None:
         """Start with no components.
 
-        Args:
-            acknowledged: Told of an acknowledgement to whom and for which sequence number it is,
-                and who sent it; returns whether a packet waited for it.
+        Who was acknowledged, which number and by whom is told; the answer is whether a packet
+        waited.
         """
         self._loop = loop
         self._counters = loop.counters
@@ -113,34 +108,26 @@ class Inbox(Generic[Origin]):
             settings.reassembly_timeout, settings.reassembly_limit, loop.counters
         )
         self._flagless = FlaglessMessages(settings.reassembly_timeout)
-        self._expiry = Alarm(loop)
-        """Set while incomplete messages are watched."""
+        self._expiry = Alarm(loop)  # set while incomplete messages are watched
         self._doubles: dict[JausAddress, Double] = {}
-        self.receivers: dict[JausAddress, Receive] = {}
+        self.receivers: dict[JausAddress, Take] = {}
         """Components of this process; replaced when it changes, so any thread may read it."""
-        self.takers: dict[int, Take] = {}
-        """Those of them that want payload and sender alone."""
         self.proves: Callable[[int, int], bool] = lambda _by, _sequence: False
         """Told of an acknowledgement that no packet waits for; returns whether it proves who is
         where."""
 
-    def attach(self, address: JausAddress, receive: Receive, take: Take | None = None) -> None:
+    def attach(self, address: JausAddress, take: Take) -> None:
         """Receive messages for a component from now on."""
         if not address.is_concrete:
             raise ValueError(f"{address} does not name one component")
         if address in self.receivers:
             raise ValueError(f"{address} is attached already")
-        self.receivers = {**self.receivers, address: receive}
-        if take is not None:
-            self.takers[address] = take
+        self.receivers = {**self.receivers, address: take}
         self._loop.revision.changed()
 
     def detach(self, address: JausAddress) -> None:
         """Stop to receive messages for a component; no effect when it is unknown."""
-        self.receivers = {
-            known: receive for known, receive in self.receivers.items() if known != address
-        }
-        self.takers.pop(address, None)
+        self.receivers = {known: take for known, take in self.receivers.items() if known != address}
         self._loop.revision.changed()
 
     def close(self) -> None:
@@ -195,38 +182,25 @@ class Inbox(Generic[Origin]):
     def receivers_of(self, packet: Packet) -> Receivers:
         """Return the components of this process that a packet is meant for."""
         destination, source = packet.destination, packet.source
-        receive = self.receivers.get(destination)
-        if receive is not None:
-            return [(destination, receive)]
+        take = self.receivers.get(destination)
+        if take is not None:
+            return [(destination, take)]
         if not destination.is_wildcard:
             return []
         return [
-            (address, receive)
-            for address, receive in self.receivers.items()
+            (address, take)
+            for address, take in self.receivers.items()
             if destination.matches(address) and address != source
         ]
 
     def deliver(self, packet: Packet, receivers: Receivers) -> None:
         """Hand a whole message to components."""
-        message = None
         # What goes to a wildcard may be numbered apart from the rest.
         self.arrival.number = None if packet.destination.is_wildcard else packet.sequence
         self.arrival.is_sure = bool(packet.acknowledge)
-        for address, receive in receivers:
-            take = self.takers.get(address)
+        for address, take in receivers:
             try:
-                if take is not None:
-                    take(packet.payload, packet.source)
-                    continue
-                # Made when the first one wants it, and shared.
-                message = message or ReceivedMessage(
-                    packet.source,
-                    packet.destination,
-                    packet.payload,
-                    packet.priority,
-                    packet.sequence,
-                )
-                receive(message)
+                take(packet.payload, packet.source)
             except Exception as error:  # one component must not silence the others
                 detail = f"{address}: {error!r}"
                 self._counters.count("transport.receiver_failed", detail, error=error)

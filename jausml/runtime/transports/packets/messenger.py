@@ -25,12 +25,8 @@ if TYPE_CHECKING:
     from ..delivery import OnResult
 
 
-AT_ONCE = 10
-"""Packets that a receiver takes in one go."""
-
-PER_SECOND = 8000
-"""Packets that it takes in a second."""
-
+AT_ONCE = 10  # packets that a receiver takes in one go
+PER_SECOND = 8000  # packets that it takes in a second
 _MAX_DESTINATIONS = 256
 
 
@@ -57,8 +53,7 @@ class Bursts:
         return True
 
 
-HELD_BY_PEERS = 50
-"""Packets of an unfinished message that Junior and the JAUS Tool Set hold."""
+HELD_BY_PEERS = 50  # packets of an unfinished message that Junior and the JAUS Tool Set hold
 
 
 OFTEN_ANEW = 2
@@ -127,35 +122,34 @@ class Messenger(Generic[Origin]):
             raise ValueError("a payload begins with a message code of two bytes")
         # A copy: the caller may change a bytearray while the message waits.
         payload = bytes(payload)
+        is_here = destination in self.inbox.receivers
         # First what nearly all messages are.
-        if (
-            len(payload) <= self._longest
-            and destination.is_concrete
-            and destination not in self.inbox.receivers
-        ):
-            asks = acknowledge and not self._is_reliable
-            self._send_one(source, destination, payload, priority, asks, on_result, supersedes)
-            return
-        refusal = self.packetizer.refusal(destination, len(payload))
-        if refusal:
+        if len(payload) <= self._longest and destination.is_concrete and not is_here:
+            asks, count = acknowledge and not self._is_reliable, 1
+            number = next(self.packetizer.numbers(source, destination)) & 0xFFFF
+            wanted = AckNak.REQUESTED if asks else AckNak.NONE
+            none, single = Broadcast.NONE, DataFlags.SINGLE
+            packets = [Packet(destination, source, payload, number, priority, none, wanted, single)]
+        elif refusal := self.packetizer.refusal(destination, len(payload)):
             detail = f"{len(payload)} bytes from {source} to {destination} are not sent"
             if destination.is_wildcard:
                 detail += f"; a broadcast goes in one packet, of {MAX_FRAGMENT_SIZE} bytes at most"
             self._loop.counters.count(refusal, detail)
             report(self._loop, on_result, success=False)
             return
-        if destination in self.inbox.receivers:
+        elif is_here:
             number = self.packetizer.reserve(source, destination, 1)
             self._send_here(Packet(destination, source, payload, number, priority), on_result)
             return
-        count = self.packetizer.count(destination, len(payload))
-        asks = not self._is_reliable and (acknowledge or not self._can_take(destination, count))
-        wanted = AckNak.REQUESTED if asks else AckNak.NONE
-        packets = self.packetizer.packets(source, destination, payload, priority, wanted)
-        if destination.is_wildcard and self.inbox.receivers_of(packets[0]):
-            self._send_here(packets[0], on_result)
-            # Told once: those of this process have it for certain.
-            on_result = None
+        else:
+            count = self.packetizer.count(destination, len(payload))
+            asks = not self._is_reliable and (acknowledge or not self._can_take(destination, count))
+            wanted = AckNak.REQUESTED if asks else AckNak.NONE
+            packets = self.packetizer.packets(source, destination, payload, priority, wanted)
+            if destination.is_wildcard and self.inbox.receivers_of(packets[0]):
+                self._send_here(packets[0], on_result)
+                # Told once: those of this process have it for certain.
+                on_result = None
         if asks:
             self.outbox.send(packets, on_result, best_effort=not acknowledge, supersedes=supersedes)
         else:
@@ -199,27 +193,6 @@ class Messenger(Generic[Origin]):
                 is_exact=account.is_exact,
             )
         return list(traffic_by_pair.values())
-
-    def _send_one(
-        self,
-        source: JausAddress,
-        destination: JausAddress,
-        payload: bytes,
-        priority: Priority,
-        asks: bool,  # noqa: FBT001 - one caller
-        on_result: OnResult | None,
-        supersedes: bool,  # noqa: FBT001 - one caller
-    ) -> None:
-        """Send what most messages are: one packet to one component of another process."""
-        number = next(self.packetizer.numbers(source, destination)) & 0xFFFF
-        wanted = AckNak.REQUESTED if asks else AckNak.NONE
-        packet = Packet(
-            destination, source, payload, number, priority, Broadcast.NONE, wanted, DataFlags.SINGLE
-        )
-        if asks:
-            self.outbox.send([packet], on_result, supersedes=supersedes)
-        else:
-            self._send_all([packet], on_result)
 
     def _send_here(self, packet: Packet, on_result: OnResult | None) -> None:
         """Deliver to components of this process, in the next round of the loop."""

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import threading
 from dataclasses import dataclass
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from ...base.address import address_of
 from ...base.quirks import Quirk
-from ..delivery import MESSAGE_CODE_SIZE
+from ..delivery import MESSAGE_CODE_SIZE, report
 from .outgoing import Flight, Lane, Message, key_of
 
 if TYPE_CHECKING:
@@ -51,39 +50,28 @@ class Outcome:
 class Outbox:
     """Repeats packets until they are acknowledged (AS5669A, acknowledge and retry).
 
-    A packet is repeated with its sequence number after ``acknowledge_timeout`` and given up
-    after ``acknowledge_retries`` repetitions, of which the last one also searches by multicast;
-    one of several packets of a message is given more of them while its destination lives.
-    With it goes all that waits for a destination of which nothing was heard meanwhile. The lane
-    of each destination says which packets are under way at once. What is given up though its
-    destination lives is watched for a while: over a long way the acknowledgement is late, and the
-    message is not lost. An answer is as good as an acknowledgement, which may be on its way as
-    well: instead of being repeated when its time has come, what was answered is done. Callable from
-    any thread; results are reported on the loop's thread.
-
-    Attributes:
-        outcomes: What became of messages, by source and destination, of 4,096 pairs at most.
+    A packet is repeated with its sequence number after ``acknowledge_timeout`` and given up after
+    ``acknowledge_retries`` repetitions, of which the last one also searches by multicast; one of
+    several packets of a message is given more of them while its destination lives. With it goes all
+    that waits for a destination of which nothing was heard meanwhile. The lane of each destination
+    says which packets are under way at once. What is given up though its destination lives is
+    watched for a while: over a long way the acknowledgement is late, and the message is not lost.
+    An answer is as good as an acknowledgement, which may be on its way as well: instead of being
+    repeated when its time has come, what was answered is done. Callable from any thread; results
+    are reported on the loop's thread.
     """
 
     def __init__(
-        self,
-        settings: TransportSettings,
-        loop: Loop,
-        carrier: Carrier[Any],
-        quirks: Quirks,
+        self, settings: TransportSettings, loop: Loop, carrier: Carrier[Any], quirks: Quirks
     ) -> None:
-        """Start with nothing to wait for.
-
-        Args:
-            carrier: Puts packets on the network; told the destination before the last repetition,
-                which may thus search for it.
-        """
+        """Start with nothing to wait for; the carrier may search for a destination in the end."""
         self._timeout = settings.acknowledge_timeout
         self._retries = settings.acknowledge_retries
         self._patience = PATIENCE * (self._retries + 1) * self._timeout
         self._loop = loop
         self._carrier = carrier
         self._quirks = quirks
+        # By source and destination, of 4,096 pairs at most.
         self.outcomes: dict[tuple[int, int], Outcome] = {}
         self._lock = threading.Lock()
         self._lanes: dict[JausAddress, Lane] = {}
@@ -95,7 +83,6 @@ class Outbox:
         self._size = 0
 
     def __len__(self) -> int:
-        """Return how many messages wait or are under way."""
         return len(self._messages)
 
     def has_large(self, destination: JausAddress) -> bool:
@@ -132,7 +119,7 @@ class Outbox:
             ready = self._put(message, destination) if is_taken else []
         if not is_taken:
             self._loop.counters.count("transport.too_many_unacknowledged", str(destination))
-            self._report(message, acknowledged=False)
+            report(self._loop, message.on_result, success=False)
         self._transmit(ready)
 
     def acknowledged(self, component: int, sequence: int, by: int) -> bool:
@@ -156,19 +143,14 @@ class Outbox:
                 self._forget(message, lane)
                 lane.arrived(message)
                 self._outcome_of(message).acknowledged += 1
-            ready = self._take_off(lane, destination) if lane.waits else ()
-        if is_done and message.on_result is not None:
-            self._report(message, acknowledged=True)
-        for packet in ready:
-            self._carrier.transmit(packet)
+            ready = self._take_off(lane, destination) if lane.waits else []
+        if is_done:
+            report(self._loop, message.on_result, success=True)
+        self._transmit(ready)
         return True
 
     def answered(self, source: JausAddress, peer: JausAddress, start: bytes) -> None:
-        """Learn that a message was answered; no effect when it does not wait.
-
-        Args:
-            start: What its payload begins with.
-        """
+        """Learn that a message that begins so was answered; no effect when it does not wait."""
         with self._lock:
             for flight in self._flights.values():
                 packet = flight.packet
@@ -180,11 +162,7 @@ class Outbox:
                     flight.is_answered = True
 
     def withdraw(self, source: JausAddress, peer: JausAddress, start: bytes) -> None:
-        """Give up messages now: they are not repeated, and those that wait are not sent.
-
-        Args:
-            start: What their payloads begin with.
-        """
+        """Give up messages that begin so: none is repeated, and those that wait are not sent."""
         now = self._loop.now()
         withdrawn: list[tuple[Message, Flight | None]] = []
         ready: list[Packet] = []
@@ -223,7 +201,7 @@ class Outbox:
         for message in overdue:
             self._count_unacknowledged(message)
         for message in abandoned:
-            self._report(message, acknowledged=False)
+            report(self._loop, message.on_result, success=False)
 
     def _has_room_for(self, message: Message) -> bool:
         """Whether a message may wait; one alone may be of any size."""
@@ -265,7 +243,7 @@ class Outbox:
         for message in lane.give_up_late(now):
             self._drop(message)
             self._loop.counters.count("transport.too_late", f"a message to {destination}")
-            self._report(message, acknowledged=False)
+            report(self._loop, message.on_result, success=False)
 
     def _land(self, flight: Flight) -> None:
         del self._flights[flight.key]
@@ -322,7 +300,7 @@ class Outbox:
                 given_up = self._give_up(flight)
                 ready = self._take_off(self._lanes[packet.destination], packet.destination)
         if flight.is_answered:
-            self._report(flight.message, acknowledged=True)
+            report(self._loop, flight.message.on_result, success=True)
         elif flight.repetitions == self._retries and not is_patient:
             self._carrier.suspect(packet.destination, flight.since)
         for message in given_up:
@@ -347,7 +325,7 @@ class Outbox:
         """Report a message that was given up; one that was under way is watched."""
         if flight is None or not self._watch(message, flight, now):
             self._count_unacknowledged(message)
-        self._report(message, acknowledged=False)
+        report(self._loop, message.on_result, success=False)
 
     def _watch(self, message: Message, flight: Flight, now: float) -> bool:
         """Wait on for the acknowledgement of a message that was given up, if it may come."""
@@ -425,7 +403,3 @@ class Outbox:
         """Put packets on the network; without the lock, since the loop may be waiting for it."""
         for packet in packets:
             self._carrier.transmit(packet)
-
-    def _report(self, message: Message, *, acknowledged: bool) -> None:
-        if message.on_result is not None:
-            self._loop.call_soon(partial(message.on_result, acknowledged))

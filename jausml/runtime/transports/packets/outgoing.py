@@ -22,11 +22,7 @@ if TYPE_CHECKING:
 
 _MAX_FRAGMENTS = 32768
 _MOST_PAIRS = 4096
-_PLACES = tuple(DataFlags)
-# Shifted to where they stand in the flags (bits 6-7).
-_FIRST, _MIDDLE, _LAST = (place << 6 for place in _PLACES[1:])
-MOST_SMALL_FRAGMENTS = 40
-"""Packets of a message from which on they are larger than wished for."""
+MOST_SMALL_FRAGMENTS = 40  # packets of a message from which on they are larger than wished for
 
 FIRST_WINDOW = 8
 """Packets of a large message that are under way at once to a peer of which nothing is known."""
@@ -84,36 +80,25 @@ class Packetizer:
         acknowledge: AckNak,
     ) -> list[Packet]:
         """Return the packets of a message with their sequence numbers."""
-        none = Broadcast.NONE
-        if len(payload) <= self._step(destination, len(payload)):
-            number = self.reserve(source, destination, 1)
-            return [Packet(destination, source, payload, number, priority, none, acknowledge)]
+        step, count = self._step(destination, len(payload)), self.count(destination, len(payload))
+        first, none = self.reserve(source, destination, count), Broadcast.NONE
+        places = [DataFlags.SINGLE]
+        if count > 1:
+            places = [DataFlags.FIRST, *[DataFlags.MIDDLE] * (count - 2), DataFlags.LAST]
+        numbers, starts = range(first, first + count), range(0, len(payload), step)
         return [
             Packet(
-                destination, source, part, number, priority, none, acknowledge, _PLACES[place >> 6]
+                destination,
+                source,
+                payload[start : start + step],
+                number & 0xFFFF,
+                priority,
+                none,
+                acknowledge,
+                place,
             )
-            for part, place, number in self.cut(source, destination, payload)
+            for number, start, place in zip(numbers, starts, places, strict=True)
         ]
-
-    def cut(
-        self, source: JausAddress, destination: JausAddress, payload: bytes
-    ) -> list[tuple[bytes, int, int]]:
-        """Return the parts of a message of several packets, and take numbers for them.
-
-        Returns:
-            Each part with the bits of its place (AS5669A, data flags) and its sequence number.
-        """
-        size = len(payload)
-        step = self._step(destination, size)
-        count = -(-size // step)
-        first = self.reserve(source, destination, count)
-        parts = [
-            (payload[start : start + step], _MIDDLE, first + index & 0xFFFF)
-            for index, start in enumerate(range(0, size, step))
-        ]
-        parts[0] = (parts[0][0], _FIRST, first)
-        parts[-1] = (parts[-1][0], _LAST, parts[-1][2])
-        return parts
 
     def _step(self, destination: JausAddress, size: int) -> int:
         if size <= self._fragment_size:
@@ -156,11 +141,7 @@ class Packetizer:
         return known.first + known.used & 0xFFFF
 
     def sent(self, source: JausAddress) -> dict[JausAddress, int]:
-        """Return how many packets a component was given numbers for, by destination.
-
-        Args:
-            source: A component of this process. What it sends to wildcards is left out.
-        """
+        """Return how many packets a component has sent to each destination but wildcards."""
         return {
             address_of(destination): numbers.used
             for (sender, destination), numbers in list(self._numbers.items())
@@ -185,31 +166,22 @@ _SINGLES_UNDER_WAY = 32
 
 @dataclass(slots=True, eq=False)
 class Message:
-    """A message whose packets are sent, each until it is acknowledged.
-
-    Attributes:
-        on_result: Told once whether all packets were acknowledged.
-        latest: Time until which it is worth to begin with it.
-        is_best_effort: Whether its packets go as many at once as the receiver takes; others one
-            after the other, as Junior sends them.
-        is_urgent: Whether it is sent at once, however much is under way.
-        is_repeated: Whether a packet of it had to be repeated.
-        under_way: How many of these are not acknowledged yet.
-    """
+    """A message whose packets are sent, each until it is acknowledged."""
 
     packets: list[Packet]
-    on_result: OnResult | None
+    on_result: OnResult | None  # told once whether all packets were acknowledged
+    # Whether its packets go as many at once as the receiver takes; others one after the other, as
+    # Junior sends them.
     is_best_effort: bool = False
-    is_urgent: bool = False
-    is_repeated: bool = False
-    latest: float = math.inf
+    is_urgent: bool = False  # whether it is sent at once, however much is under way
+    is_repeated: bool = False  # whether a packet of it had to be repeated
+    latest: float = math.inf  # time until which it is worth to begin with it
     sent: int = 0
-    under_way: int = 0
+    under_way: int = 0  # how many of these are not acknowledged yet
     size: int = field(init=False)
     is_large: bool = field(init=False)
 
     def __post_init__(self) -> None:
-        """Finds out what its packets say."""
         self.size = sum([len(packet.payload) for packet in self.packets])
         self.is_large = len(self.packets) > 1
         self.is_urgent = self.is_urgent or self.packets[0].priority > Priority.STANDARD

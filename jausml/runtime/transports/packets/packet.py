@@ -11,14 +11,12 @@ from ...base.address import JausAddress, address_of
 if TYPE_CHECKING:
     from ...base.counters import Counters
 
-JUDP_VERSION = 2
-"""First byte of every datagram (AS5669A)."""
+JUDP_VERSION = 2  # first byte of every datagram (AS5669A)
 
 PLACE_MASK = 0xC0
 """Bits of the flags that tell the place of a packet in a message of several packets."""
 
-EMPTY_MESSAGE_SIZE = 14
-"""Bytes of a message without payload: header 12, sequence number 2."""
+EMPTY_MESSAGE_SIZE = 14  # bytes of a message without payload: header 12, sequence number 2
 
 MAX_PAYLOAD = 65507 - 1 - EMPTY_MESSAGE_SIZE
 """Payload bytes of the largest message that one UDP datagram carries."""
@@ -64,23 +62,17 @@ class DataFlags(IntEnum):
 
 
 class Packet(NamedTuple):
-    """One message of the transport: a whole JAUS message, a fragment, or an acknowledgement.
-
-    Attributes:
-        payload: Message code and body, a part of them, or nothing in an acknowledgement.
-        sequence: Number of the packet among those of its source, modulo 65536.
-        message_type: 0 for a JAUS message; others are reserved.
-    """
+    """One message of the transport: a whole JAUS message, a fragment, or an acknowledgement."""
 
     destination: JausAddress
     source: JausAddress
-    payload: bytes = b""
-    sequence: int = 0
+    payload: bytes = b""  # message code and body, a part of them, or nothing in an acknowledgement
+    sequence: int = 0  # number of the packet among those of its source, modulo 65536
     priority: Priority = Priority.STANDARD
     broadcast: Broadcast = Broadcast.NONE
     acknowledge: AckNak = AckNak.NONE
     data_flags: DataFlags = DataFlags.SINGLE
-    message_type: int = 0
+    message_type: int = 0  # 0 for a JAUS message; others are reserved
 
     @property
     def flags(self) -> int:
@@ -88,11 +80,7 @@ class Packet(NamedTuple):
         return self.priority | self.broadcast << 2 | self.acknowledge << 4 | self.data_flags << 6
 
     def encode(self) -> bytes:
-        """Return the datagram with this message alone, as every peer can read it.
-
-        Raises:
-            ValueError: A field does not fit the wire.
-        """
+        """Return the datagram of this message alone; ValueError where a field does not fit."""
         if len(self.payload) > MAX_PAYLOAD:
             raise ValueError(f"{len(self.payload)} bytes of payload do not fit one datagram")
         if not (0 <= self.sequence <= 0xFFFF and 0 <= self.message_type <= 0x3F):
@@ -119,12 +107,7 @@ _COMPRESSED = 3
 _TYPE_MASK = 0x3F
 # Worked out once: to make four enumerations for each packet is slow.
 FLAGS = tuple(
-    (
-        Priority(flags & 3),
-        Broadcast(flags >> 2 & 3),
-        AckNak(flags >> 4 & 3),
-        DataFlags(flags >> 6),
-    )
+    (Priority(flags & 3), Broadcast(flags >> 2 & 3), AckNak(flags >> 4 & 3), DataFlags(flags >> 6))
     for flags in range(256)
 )
 """By value of the flags what they say: priority, broadcast, acknowledge, data flags."""
@@ -179,13 +162,10 @@ def message_size(data: bytes | bytearray, offset: int) -> int:
 
 
 def parse_message(data: bytes, offset: int, size: int, counters: Counters) -> Packet | None:
-    """Return one message without the version byte of its datagram; never raises.
+    """Return one message of at least 14 bytes without the version of its datagram; never raises.
 
     What cannot be read is counted: ``transport.bad_message_type``, reserved by the standard;
     ``transport.compressed``; ``transport.bad_size``.
-
-    Args:
-        size: Its size in bytes, at least 14, all of them there.
     """
     kind, _, flags, destination, source = _HEADER.unpack_from(data, offset)
     start, end = offset + _HEADER_SIZE, offset + size

@@ -12,11 +12,8 @@ from .packet import FLAGS, PLACE_MASK, DataFlags, Packet
 if TYPE_CHECKING:
     from ...base.counters import Counters
 
-    Way = tuple[int, int]
-    """Source and destination."""
-
-    Whole = tuple[bytes, int, int]
-    """Payload of a message, and number and flags of its first packet."""
+    Way = tuple[int, int]  # source and destination
+    Whole = tuple[bytes, int, int]  # payload of a message, and number and flags of its first packet
 
 _FIRST, _MIDDLE, _LAST = (place << 6 for place in list(DataFlags)[1:])
 # Counted for each fragment: a flood of tiny ones takes memory beyond its payload.
@@ -129,19 +126,10 @@ class Reassembly:
     ``transport.reassembly_stale``, others of a number that came again. Of the fragments taken,
     ``transport.fragments``, each is held, or among ``transport.fragments_assembled`` or
     ``transport.fragments_discarded``.
-
-    Attributes:
-        limit: Bytes kept for one way, with bookkeeping.
-        size: Bytes held for incomplete messages, with bookkeeping.
     """
 
     def __init__(self, timeout: float, limit: int, counters: Counters) -> None:
-        """Start with no fragments.
-
-        Args:
-            timeout: Seconds without progress after which fragments are discarded.
-            limit: Bytes kept for one way (with bookkeeping); four times as many in total.
-        """
+        """Discard what makes no progress for so many seconds, or is of too many bytes."""
         self._timeout = timeout
         self.limit = limit
         self._counters = counters
@@ -158,7 +146,6 @@ class Reassembly:
         self._finished.count += 1
 
     def __len__(self) -> int:
-        """Return how many fragments are held."""
         return sum(map(len, self._held.values()))
 
     def add(self, packet: Packet, now: float) -> Packet | None:

@@ -20,14 +20,11 @@ if TYPE_CHECKING:
     from ...base.loop import Loop
     from ...base.settings import Endpoint, TransportSettings
     from ..address_book import Entry
-    from ..delivery import Receive, Take
+    from ..delivery import Take
     from .sender import Port
 
-LOOPBACK = "127."
-"""What the addresses of this host alone begin with."""
-
-_TIME_TO_ANSWER = 2.0
-"""Seconds that a component has to answer the first message after a silence."""
+LOOPBACK = "127."  # what the addresses of this host alone begin with
+_TIME_TO_ANSWER = 2.0  # seconds that a component has to answer the first message after a silence
 
 
 class DatagramTransport(Transport):
@@ -37,10 +34,6 @@ class DatagramTransport(Transport):
     process, except the sender. A component of this process is reached without the network. An
     unknown destination is multicast with a request for acknowledgement, as Junior does; the
     acknowledgement teaches its endpoint. Whatever arrives and cannot be used is counted.
-
-    Attributes:
-        inbox: What receives for the components of this process.
-        address_book: Where components are.
     """
 
     def __init__(
@@ -66,10 +59,7 @@ class DatagramTransport(Transport):
         self.inbox.proves = self._sender.prover.acknowledged
 
     def sender(
-        self,
-        source: JausAddress,
-        destination: JausAddress,
-        priority: Priority = Priority.STANDARD,
+        self, source: JausAddress, destination: JausAddress, priority: Priority = Priority.STANDARD
     ) -> Callable[[bytes], None]:
         """Return what sends one payload after the other; see ``Transport.sender``."""
         messenger = self._messenger
@@ -147,8 +137,8 @@ class DatagramTransport(Transport):
             or endpoint[0].startswith(LOOPBACK)
         )
 
-    def _attach(self, address: JausAddress, receive: Receive, take: Take | None) -> None:
-        self.inbox.attach(address, receive, take)
+    def _attach(self, address: JausAddress, take: Take) -> None:
+        self.inbox.attach(address, take)
 
     def _detach(self, address: JausAddress) -> None:
         self.inbox.detach(address)

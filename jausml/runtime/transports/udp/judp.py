@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import socket
+import struct
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -21,19 +23,105 @@ from ..ports import (
     read_present,
 )
 from .datagrams import DatagramTransport
-from .reading import KernelDrops, reader
 
 if TYPE_CHECKING:
-    import socket
     from collections.abc import Callable
 
     from ...base.address import JausAddress
+    from ...base.counters import Counters
     from ...base.loop import Loop
     from ...base.settings import Endpoint, TransportSettings
     from ...base.standstill import Watch
-    from ..delivery import Receive, Take
+    from ..delivery import Take
     from ..packets.packet import Priority
-    from .reading import Receiver
+
+    Receiver = Callable[[int], tuple[bytes, Endpoint]]
+    """Receives a datagram of at most so many bytes; tells where it came from."""
+
+
+# An option of Linux that the socket module does not name: how its memory stands. Of nine numbers
+# (SK_MEMINFO) the last one counts the drops.
+_SO_MEMINFO = 55
+_MEMINFO = struct.Struct("9I")
+_DROPS = 8
+
+
+class KernelDrops:
+    """Counts what the kernel drops at the sockets of one process, as ``judp.kernel_dropped``.
+
+    To have it told with each datagram costs 5 us after a pause; so the kernel is asked now and
+    then, where it answers (Linux).
+    """
+
+    def __init__(self, counters: Counters) -> None:
+        self._counters = counters
+        self._known: dict[socket.socket, int] = {}
+
+    def watch(self, sock: socket.socket) -> None:
+        """Count the drops of a socket from now on."""
+        self._known.setdefault(sock, 0)
+
+    def look(self) -> None:
+        """Count what was dropped since the last time; sockets that do not tell are forgotten."""
+        for sock, known in list(self._known.items()):
+            try:
+                memory_info = sock.getsockopt(socket.SOL_SOCKET, _SO_MEMINFO, _MEMINFO.size)
+                self._known[sock] = total = _MEMINFO.unpack(memory_info)[_DROPS]
+            except (OSError, struct.error):
+                del self._known[sock]
+                continue
+            # The kernel counts in 32 bits, and begins again at 0.
+            amount = total - known & 0xFFFFFFFF
+            if amount:
+                self._counters.count(
+                    "judp.kernel_dropped",
+                    f"{amount} datagrams; the receive buffer was full: this process stood "
+                    "still or too much comes at once; the kernel allows no larger buffer "
+                    "than net.core.rmem_max",
+                    amount=amount,
+                )
+
+
+_LARGEST_DATAGRAM = 65535
+_DATAGRAMS_PER_TURN = 32
+_PAUSE_S = 0.0002  # after which what comes has likely come alone
+
+
+def reader(
+    receive: Receiver, loop: Loop, take: Callable[[bytes, Endpoint], None]
+) -> Callable[[], None]:
+    """Return what reads the datagrams that have arrived at a socket, a few at a time."""
+    counters = loop.counters
+    received = counters.tally("judp.received")
+    most, latest = 1, loop.now()
+
+    def read() -> None:
+        nonlocal most, latest
+        now = loop.now()
+        if now - latest > _PAUSE_S:
+            # To ask the socket again and find nothing costs 30 us, more than a datagram: after a
+            # pause one is read, and more in a turn only while one follows the other.
+            most = 1
+            # The process may have stood still, and what waited meanwhile is thrown away unread.
+            if now > loop.standstill.due:
+                loop.standstill.end()
+        latest = now
+        for _ in range(most):
+            try:
+                data, origin = receive(_LARGEST_DATAGRAM)
+            except BlockingIOError:
+                most = 1
+                return
+            except OSError as error:
+                counters.count("judp.receive_failed", str(error))
+                return
+            received.count += 1
+            take(data, origin)
+        # Others of the loop have their turn now and then, however much comes.
+        most = min(2 * most, _DATAGRAMS_PER_TURN)
+
+    return read
+
 
 _MANAGER_INTERVAL_S = 5.0
 _DROPS_INTERVAL_S = 1.0
@@ -109,8 +197,8 @@ class JudpTransport(DatagramTransport):
         """Return the number of the next packet; see ``Transport.next_number``."""
         return self._messenger.packetizer.next_number(source, destination)
 
-    def _attach(self, address: JausAddress, receive: Receive, take: Take | None) -> None:
-        super()._attach(address, receive, take)
+    def _attach(self, address: JausAddress, take: Take) -> None:
+        super()._attach(address, take)
         self._announce()
 
     def _watch(self, sock: socket.socket | None) -> None:
@@ -118,12 +206,7 @@ class JudpTransport(DatagramTransport):
             self.loop.register(sock, self._reader(sock, by_multicast=sock is self._port.multicast))
 
     def receive_by(self, make: Callable[[socket.socket, bool], Receiver] | None) -> None:
-        """Receive by other means, or by the sockets again.
-
-        Args:
-            make: Returns what receives from a socket what is to be taken here; it is told whether
-                that is the one of the multicast group.
-        """
+        """Receive by what is made of a socket and whether it is the group's, or by the sockets."""
         with self.loop.lock:
             self._receive_by = make
             for sock in (self._port.multicast, self._port.unicast):
@@ -141,11 +224,7 @@ class JudpTransport(DatagramTransport):
     def receive_datagram(
         self, data: bytes, sender: Endpoint, *, by_multicast: bool = False
     ) -> None:
-        """Take a datagram as if a socket had read it, on the loop's thread; never raises.
-
-        Args:
-            by_multicast: Whether it came to the multicast group.
-        """
+        """Take a datagram, maybe of the group, as if read on the loop's thread; never raises."""
         if sender in self._port.endpoints:
             self.counters.add("judp.own_multicast")
             return

@@ -30,17 +30,13 @@ if TYPE_CHECKING:
     from ..packets.inbox import Inbox
     from ..packets.packet import Priority
 
-PROVED = "transport.address_proved"
-"""Components that have acknowledged a question."""
-
-HELD = "transport.unproved_held"
-"""Datagrams that wait for the proof of their destination."""
+PROVED = "transport.address_proved"  # components that have acknowledged a question
+HELD = "transport.unproved_held"  # datagrams that wait for the proof of their destination
 
 DROPPED = "transport.unproved_dropped"
 """Datagrams to a component without proof that nothing was left for."""
 
-NEVER = "transport.never_acknowledges"
-"""Questions to a component that has left many unanswered."""
+NEVER = "transport.never_acknowledges"  # questions to a component that has left many unanswered
 
 _QUESTION = b"\x02\x42"
 """ReportHeartbeatPulse (AS5710): asks for an acknowledgement, and for nothing else."""
@@ -58,17 +54,9 @@ class Prover:
     """Asks for the proofs of one process, and keeps what goes to an endpoint within its credit."""
 
     def __init__(
-        self,
-        book: AddressBook,
-        loop: Loop,
-        limit: int,
-        put: Callable[[bytes, Endpoint], bool],
+        self, book: AddressBook, loop: Loop, limit: int, put: Callable[[bytes, Endpoint], bool]
     ) -> None:
-        """Begin without claims.
-
-        Args:
-            limit: Bytes that go to an endpoint without proof for each byte from it.
-        """
+        """Send to an endpoint without proof at most `limit` bytes for each byte from it."""
         self._book = book
         self._loop = loop
         self._limit = limit
@@ -79,11 +67,7 @@ class Prover:
         self.listeners: list[Callable[[JausAddress], None]] = []
 
     def heard(self, entry: Entry, packet: Packet, asker: JausAddress | None) -> None:
-        """Note that a packet came from a component without proof, and ask for one.
-
-        Args:
-            asker: Component of this process that can ask; None where none is meant.
-        """
+        """Note that a packet came without proof; who is meant here, if anybody, asks for one."""
         claim = entry.claim
         if claim is None:
             return
@@ -268,11 +252,7 @@ class Sender(Carrier[Endpoint]):
         longest: int,
         inbox: Inbox[Endpoint],
     ) -> Outlet:
-        """Return how a core sends what needs no acknowledgement.
-
-        Args:
-            longest: Bytes of payload that one packet carries.
-        """
+        """Return how a core sends single packets that need no acknowledgement."""
         learnt, counters = self._book.learnt, self._loop.counters
 
         def place() -> tuple[int, Endpoint, float] | None:

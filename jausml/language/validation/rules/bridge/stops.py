@@ -252,20 +252,6 @@ _TIMED = ("periodicEvent", "query")
 _FLOW = ("name", "map", "direction", "exchange", "peers", "search", "topics")
 
 
-def _is_guarded(owner: bridge.Bridge) -> bool:
-    """Tells whether a bridge commands what a guardian could stop."""
-    connections = [
-        bridge_connection
-        for bridge_connection in owner.bridgeConnections
-        if bridge_connection.map and bridge_connection.map.message
-    ]
-    goals = [action for action in owner.actionConnections if action.direction.name == "jausToRos"]
-    return bool(goals) or any(
-        stops.carries_commands(connection) and stops.has_stop(connection)
-        for connection in connections
-    )
-
-
 @rule("JML463", "feature without effect", severity=Severity.WARNING, kinds=bridge.Bridge)
 def features_used(_: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
     """What is stated has an effect: rate, priority and acknowledgement, and a bridge's guardian.
@@ -279,7 +265,7 @@ def features_used(_: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
 
     Good: `exchange="periodicEvent" rate="5.0"`
     """
-    if not owner.guardian and not _is_guarded(owner):
+    if not owner.guardian and not stops.has_stops(owner):
         message = f"guardian has no effect: '{owner.name}' commands nothing that has a stop"
         yield Finding(owner, message, "guardian")
 
