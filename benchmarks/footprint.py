@@ -68,10 +68,7 @@ def measure(scale: Scale, folder: Path) -> dict[str, Any]:
             message = sample(system.model, "point")
             lines, size = system.lines(name)
             code = {"lines": lines, "bytes": size, "build_s": rounded(system.compile())}
-            figures[str(count)] = {
-                **_of(scale, folder, system, name, message, ros),
-                "code": code,
-            }
+            figures[str(count)] = {**_of(scale, folder, system, name, message, ros), "code": code}
             print(f"  {count} connections: {figures[str(count)]}", flush=True)
     return figures
 

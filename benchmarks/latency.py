@@ -74,12 +74,7 @@ def measure(scale: Scale, folder: Path) -> dict[str, Any]:
 
 
 def side_by_side(
-    scale: Scale,
-    folder: Path,
-    system: System,
-    bridge: str,
-    message: Sample,
-    ros: RosEnd,
+    scale: Scale, folder: Path, system: System, bridge: str, message: Sample, ros: RosEnd
 ) -> dict[str, Any]:
     """Measures the variants of one bridge; returns figures by rate, way and variant."""
     with Children(system.environment(), folder / "processes.log") as children:

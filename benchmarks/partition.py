@@ -46,11 +46,7 @@ _START = 10.0
 _START_OF_EACH = 3.0
 """Seconds until all have found each other, and for each bridge besides."""
 
-FORMS = {
-    "one bridge": (),
-    "proposed, 6 at most": ("--most", "6"),
-    "one for each": ("--most", "1"),
-}
+FORMS = {"one bridge": (), "proposed, 6 at most": ("--most", "6"), "one for each": ("--most", "1")}
 
 
 def model() -> str:

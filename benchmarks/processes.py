@@ -28,10 +28,7 @@ class Child:
     """
 
     def __init__(
-        self,
-        arguments: Sequence[str | Path],
-        environment: Mapping[str, str],
-        log: Path,
+        self, arguments: Sequence[str | Path], environment: Mapping[str, str], log: Path
     ) -> None:
         """Starts it.
 

@@ -216,11 +216,7 @@ def _fixed_field(element: Element, facts: Facts) -> None:
 def _bit_field(element: Element, facts: Facts) -> None:
     _numeric(element, "type", facts["type"], "uint8")
     for sub in facts["sub_fields"]:
-        attributes = {
-            "name": sub["name"],
-            "lowBit": str(sub["from"]),
-            "highBit": str(sub["to"]),
-        }
+        attributes = {"name": sub["name"], "lowBit": str(sub["from"]), "highBit": str(sub["to"])}
         child = Element("subFields", attributes)
         _values(child, sub)
         element.children.append(child)
@@ -392,10 +388,7 @@ def message_element(tag: str, service: str, facts: Facts) -> Element:
 
 
 def service_element(
-    facts: Facts,
-    places: Mapping[tuple[str, str], str],
-    file: str,
-    owners: Mapping[str, str],
+    facts: Facts, places: Mapping[tuple[str, str], str], file: str, owners: Mapping[str, str]
 ) -> Element:
     """Returns a service as an element.
 
@@ -406,12 +399,7 @@ def service_element(
         owners: Ids of the messages of its set by their names.
     """
     name = facts["name"]
-    attributes = {
-        "xmi:id": name,
-        "name": name,
-        "urn": facts["urn"],
-        "version": facts["version"],
-    }
+    attributes = {"xmi:id": name, "name": name, "urn": facts["urn"], "version": facts["version"]}
     element = Element("services", attributes)
     inherits = facts.get("inherits")
     if inherits:

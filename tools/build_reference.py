@@ -163,13 +163,7 @@ def _feature(feature: FeatureTable) -> tuple[str, ...]:
     upper = "*" if feature.upper < 0 else str(feature.upper)
     number = str(feature.lower) if str(feature.lower) == upper else f"{feature.lower}..{upper}"
     default = feature.feature.defaultValueLiteral or ""
-    return (
-        f"`{feature.name}`",
-        feature.type_name,
-        number,
-        default,
-        documentation(feature.feature),
-    )
+    return (f"`{feature.name}`", feature.type_name, number, default, documentation(feature.feature))
 
 
 def _data_types(package: PackageTable) -> list[str]:
@@ -325,11 +319,7 @@ def command_line_page() -> str:
     """Returns the page of the command line: what each verb's --help prints."""
     lines = [_COMMAND_LINE]
     root = click.Context(
-        command_line,
-        info_name="jausml",
-        terminal_width=96,
-        max_content_width=96,
-        show_default=True,
+        command_line, info_name="jausml", terminal_width=96, max_content_width=96, show_default=True
     )
     for context in _contexts(root):
         text = context.command.get_help(context)

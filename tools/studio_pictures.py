@@ -55,11 +55,7 @@ HIGHER = 10
 """Steps by which the lower panel grows, so that both messages are seen."""
 
 JAUSML = (sys.executable, "-u", "-m", "jausml")
-ENVIRONMENT = {
-    "ROS_DOMAIN_ID": "86",
-    **os.environ,
-    "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
-}
+ENVIRONMENT = {"ROS_DOMAIN_ID": "86", **os.environ, "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
 
 
 def main() -> None:

@@ -40,11 +40,7 @@ def latencies(hops: Mapping[str, Mapping[str, Sequence[float]]]) -> Figure:
     Raises:
         ValueError: No message was measured.
     """
-    from matplotlib.ticker import (  # noqa: PLC0415 - as in style
-        LogLocator,
-        NullFormatter,
-        StrMethodFormatter,
-    )
+    from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter  # noqa: PLC0415 - as in style
 
     shown = {
         hop: {system: times for system, times in systems.items() if times}
@@ -147,10 +143,7 @@ def _dots(axes: Axes, place: int, values: Sequence[float], colour: str) -> None:
     )
 
 
-def gaps(
-    first: Sequence[Sequence[Sample]],
-    second: Sequence[Sequence[Sample]],
-) -> Figure:
+def gaps(first: Sequence[Sequence[Sample]], second: Sequence[Sequence[Sample]]) -> Figure:
     """Returns how far two drives are apart over time: J from J beside R from J.
 
     Args:

@@ -18,14 +18,7 @@ from catvehicle.parameters import VehicleParameters
 
 from experiments.right_turn import judging
 from experiments.right_turn.pictures import moved
-from experiments.right_turn.results import (
-    FORMAT,
-    by_system,
-    machine,
-    of_system,
-    runs_of,
-    summaries,
-)
+from experiments.right_turn.results import FORMAT, by_system, machine, of_system, runs_of, summaries
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence

@@ -115,8 +115,7 @@ def _incomplete(data: Mapping[str, Any]) -> Iterator[str]:
 def _claims(data: Mapping[str, Any]) -> Iterator[str]:
     yield "## In short\n"
     yield markdown_table(
-        ("claim", "holds"),
-        [(claim["text"], answer(claim)) for claim in data["claims"]],
+        ("claim", "holds"), [(claim["text"], answer(claim)) for claim in data["claims"]]
     )
     yield (
         "`make experiment` fails when one of these claims does not hold. Some of them require that "

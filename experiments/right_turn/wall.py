@@ -60,12 +60,7 @@ def run(folder: Path, plan: Plan, tell: Callable[[str], None]) -> list[Run]:
         for driven_run in drive(drives, folder / "logs"):
             driven_run.write(driven_run.place(folder))
             runs.append(driven_run)
-    summary: dict[str, Any] = {
-        "pairs": count,
-        "at_once": PAIRS_AT_ONCE,
-        "load": load,
-        "claims": [],
-    }
+    summary: dict[str, Any] = {"pairs": count, "at_once": PAIRS_AT_ONCE, "load": load, "claims": []}
     if not plan.quick:
         tell("positive controls")
         good = [finished_run for finished_run in runs if finished_run.system == JAUS_ALONE.name]

@@ -19,11 +19,7 @@ from jausml.language.attributes.guards import (
 )
 from jausml.language.metamodel.classes import jaus
 from jausml.language.semantics.jaus.commands import needs_control
-from jausml.language.semantics.jaus.inherited_machines import (
-    Machine,
-    event_name,
-    is_core_trigger,
-)
+from jausml.language.semantics.jaus.inherited_machines import Machine, event_name, is_core_trigger
 from jausml.model_checking.runtime_machines import (
     EMERGENCY,
     FINAL,

@@ -90,10 +90,7 @@ def _model(model: Model, trip: RoundTrip) -> Model:
 
 
 _LONGEST = 600.0
-_FASTER = (
-    "-pthread",
-    *(("-march=native",) if platform.machine() in {"x86_64", "AMD64"} else ()),
-)
+_FASTER = ("-pthread", *(("-march=native",) if platform.machine() in {"x86_64", "AMD64"} else ()))
 """Billions of values are worth it. Without contractions the bits are those of bridges."""
 
 _WITHOUT_LOOP = {"fastpath.hpp": '#pragma once\n#include "core.hpp"\n'}

@@ -21,10 +21,7 @@ VERDICTS = json.loads((HERE / "verdicts.json").read_text(encoding="utf-8"))
 RESAVED = sorted((HERE / "resaved").rglob("*.xmi"))
 # The others are documents that a system of the same folder refers to.
 SYSTEMS = [path for path in RESAVED if "<system:System" in path.read_text(encoding="utf-8")]
-JUDGED = [
-    *sorted((ROOT / "metamodels").glob("*.ecore")),
-    *sorted((ROOT / "models").rglob("*.xmi")),
-]
+JUDGED = [*sorted((ROOT / "metamodels").glob("*.ecore")), *sorted((ROOT / "models").rglob("*.xmi"))]
 
 
 @for_each("path", JUDGED, ids=lambda path: path.relative_to(ROOT).as_posix())

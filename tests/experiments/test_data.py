@@ -32,13 +32,7 @@ def test_a_hop_is_summarised_where_messages_took_it(tmp_path):
     latency = json.loads((tmp_path / "run.json").read_text(encoding="utf-8"))["latency"]
 
     assert set(latency) == {"sense_act", "to_vehicle"}
-    assert latency["sense_act"] == {
-        "count": 2,
-        "p50": 0.1,
-        "p95": 0.2,
-        "p99": 0.2,
-        "maximum": 0.2,
-    }
+    assert latency["sense_act"] == {"count": 2, "p50": 0.1, "p95": 0.2, "p99": 0.2, "maximum": 0.2}
 
 
 def test_a_metric_that_is_not_finite_is_no_number_in_the_file(tmp_path):

@@ -6,13 +6,7 @@ from experiments.processes import ExperimentError, wait_until
 from experiments.right_turn import wall
 from experiments.right_turn.data import HOPS, Plan, read_all
 from experiments.right_turn.drives import Drive, drive
-from experiments.right_turn.systems import (
-    JAUS_ALONE,
-    Running,
-    Setting,
-    System,
-    generate,
-)
+from experiments.right_turn.systems import JAUS_ALONE, Running, Setting, System, generate
 
 pytestmark = [pytest.mark.live, pytest.mark.slow, pytest.mark.timeout(150)]
 

@@ -90,11 +90,7 @@ def test_sigterm_from_exec_on(path, tmp_path, rounds):
 
 
 @pytest.mark.parametrize(
-    "rounds",
-    [
-        5,
-        pytest.param(100, marks=[pytest.mark.faults, pytest.mark.timeout(600)]),
-    ],
+    "rounds", [5, pytest.param(100, marks=[pytest.mark.faults, pytest.mark.timeout(600)])]
 )
 def test_signals_at_any_moment(path, tmp_path, rounds):
     chance, before = random.Random(rounds), fast_dds()

@@ -33,10 +33,7 @@ TCP = [
     Fault("TCP, held for 10 s", partial(network, hold=1), 10, ALL, marks=LONG),
     *kills("TCP"),
 ]
-MANAGER = [
-    Fault("node manager killed", partial(network, cut=1), 3, ALL),
-    *kills("node manager"),
-]
+MANAGER = [Fault("node manager killed", partial(network, cut=1), 3, ALL), *kills("node manager")]
 
 
 @pytest.fixture(scope="module")

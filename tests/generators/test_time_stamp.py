@@ -5,15 +5,7 @@ from dataclasses import replace
 from typing import Any
 
 import pytest
-from codec_support import (
-    LIBRARY,
-    LIBRARY_FILES,
-    ROOT,
-    library,
-    load,
-    render,
-    shipped_sets,
-)
+from codec_support import LIBRARY, LIBRARY_FILES, ROOT, library, load, render, shipped_sets
 from for_each import for_each
 from hypothesis import given
 from hypothesis import strategies as st

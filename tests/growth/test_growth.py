@@ -146,12 +146,7 @@ VERBS = {
     # Tests that are generated for a machine walk to each of its states, up to a number of steps:
     # up to there each walk is longer.
     Grown.generation: [one for one in LIVING if one is not grown.states],
-    Grown.report: (
-        grown.connections,
-        grown.service_connections,
-        grown.components,
-        grown.nodes,
-    ),
+    Grown.report: (grown.connections, grown.service_connections, grown.components, grown.nodes),
     Grown.a_letter_in_an_editor: ALL,
 }
 SMALL = 15
@@ -176,8 +171,7 @@ def assert_growth(cost):
 @pytest.mark.parametrize(
     "dimension",
     sweep(
-        [*ALL, grown.ends_of_a_topic, grown.doubling_ros_types],
-        every=lambda one: one in GUARDING,
+        [*ALL, grown.ends_of_a_topic, grown.doubling_ros_types], every=lambda one: one in GUARDING
     ),
     ids=lambda one: one.__name__,
 )

@@ -23,12 +23,7 @@ from jausml.live.peers.network import DEFAULT_GROUP, make_network
 from jausml.live.peers.query_client import NoAnswer, Refused
 from jausml.live.recording.mcap_reading import McapRecording
 from jausml.live.serving.server import MOST_SOCKETS
-from jausml.runtime import (
-    ComponentSettings,
-    HandoffAnswer,
-    JausComponent,
-    ServiceIdentity,
-)
+from jausml.runtime import ComponentSettings, HandoffAnswer, JausComponent, ServiceIdentity
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.settings import TransportSettings
 from jausml.runtime.component.process import running_transport

@@ -29,9 +29,7 @@ from jausml.live.peers.query_client import NoAnswer, Refused
 from jausml.live.serving.rpc import Request, RpcError, parsed
 from jausml.live.serving.server import MOST_SOCKETS
 from jausml.live.serving.subscribers import Subscribers
-from jausml.runtime import (
-    ControlState,
-)
+from jausml.runtime import ControlState
 from jausml.runtime.base.address import JausAddress
 
 pytestmark = pytest.mark.ports

@@ -2,12 +2,7 @@
 
 import pytest
 
-from jausml.authoring.proposals.topics import (
-    described_joints,
-    frame_role,
-    is_worth_reading,
-    says,
-)
+from jausml.authoring.proposals.topics import described_joints, frame_role, is_worth_reading, says
 
 
 @pytest.mark.parametrize(

@@ -31,11 +31,7 @@ def test_ends_that_meet(offered, requested):
 @pytest.mark.parametrize(
     ("offered", "requested", "expected"),
     [
-        (
-            Qos(reliability="best_effort"),
-            Qos(),
-            Conflict("reliability", "best_effort", "reliable"),
-        ),
+        (Qos(reliability="best_effort"), Qos(), Conflict("reliability", "best_effort", "reliable")),
         (
             Qos(),
             Qos(durability="transient_local"),

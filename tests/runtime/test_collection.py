@@ -7,12 +7,7 @@ import weakref
 import pytest
 
 from jausml.runtime.base.loop import Loop
-from jausml.runtime.bridge.process import (
-    LONGEST_DELAY,
-    PERIOD,
-    QuietCollection,
-    without_collection,
-)
+from jausml.runtime.bridge.process import LONGEST_DELAY, PERIOD, QuietCollection, without_collection
 
 
 class Knot:

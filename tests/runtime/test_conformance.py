@@ -108,11 +108,7 @@ RECEIVED = [
         counted={"judp.truncated": 1},
     ),
     Row(
-        "datagram: version 3",
-        "dropped",
-        [b"\x03" + message()],
-        [],
-        counted={"judp.bad_version": 1},
+        "datagram: version 3", "dropped", [b"\x03" + message()], [], counted={"judp.bad_version": 1}
     ),
     Row(
         "message type 1",

@@ -44,8 +44,7 @@ def test_covariance_to_rms():
 
 
 @pytest.mark.parametrize(
-    "variances",
-    [(0.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (1.0, -1.0, 1.0), (1.0, 1.0, math.nan)],
+    "variances", [(0.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (1.0, -1.0, 1.0), (1.0, 1.0, math.nan)]
 )
 def test_unknown_variances_have_no_rms(variances):
     assert math.isnan(c.covariance_to_rms(*variances))
@@ -278,8 +277,7 @@ def test_absolute_angles_of_a_body():
 
 
 @pytest.mark.parametrize(
-    ("heading", "forward_axis"),
-    [(0, NORTH), (QUARTER, EAST), (math.pi, SOUTH), (-QUARTER, WEST)],
+    ("heading", "forward_axis"), [(0, NORTH), (QUARTER, EAST), (math.pi, SOUTH), (-QUARTER, WEST)]
 )
 def test_a_heading_alone_is_a_level_body(heading, forward_axis):
     orientation = c.ned_heading_to_enu_quaternion(heading)
@@ -381,12 +379,7 @@ def test_vertical_attitudes(pitch, yaw):
     ],
 )
 @pytest.mark.parametrize(
-    "parts",
-    [
-        (0.0, 0.0, 0.0, 0.0),
-        (math.nan, 0.0, 0.0, 1.0),
-        (0.0, 0.0, 0.0, math.inf),
-    ],
+    "parts", [(0.0, 0.0, 0.0, 0.0), (math.nan, 0.0, 0.0, 1.0), (0.0, 0.0, 0.0, math.inf)]
 )
 def test_what_is_no_orientation_has_no_angles(function, parts):
     """Not a number goes to the policy of the target field."""

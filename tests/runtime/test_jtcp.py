@@ -670,8 +670,7 @@ class TestThreads:
 
 
 MESSAGES = st.lists(
-    st.builds(from_peer, st.binary(max_size=40), st.integers(0, 65535)),
-    max_size=6,
+    st.builds(from_peer, st.binary(max_size=40), st.integers(0, 65535)), max_size=6
 ).map(b"".join)
 
 

@@ -77,10 +77,7 @@ def started(host, *states, extends=""):
 
 def test_start_enters_the_initial_states_from_outside_in(host):
     machine = started(
-        host,
-        state(host, "A"),
-        state(host, "B", initial=True),
-        state(host, "B.C", initial=True),
+        host, state(host, "A"), state(host, "B", initial=True), state(host, "B.C", initial=True)
     )
     assert machine.state == "B.C"
     assert host.take() == ["+B", "+B.C"]
@@ -157,10 +154,7 @@ def test_actions_find_the_state_from_which_the_transition_goes(host):
             State(
                 "A",
                 initial=True,
-                transitions=(
-                    On("e", target="A.B", do=(look,)),
-                    On("go", target="D.E", do=(look,)),
-                ),
+                transitions=(On("e", target="A.B", do=(look,)), On("go", target="D.E", do=(look,))),
             ),
             State("A.B", initial=True, entry=(look,), exit=(look,)),
             State("D", entry=(look,), exit=(look,)),
@@ -270,12 +264,7 @@ def test_pushes_without_end_forget_the_oldest_state(host):
     machine = started(
         host,
         state(host, "A", On("push", target="B", kind=Kind.PUSH), initial=True),
-        state(
-            host,
-            "B",
-            On("push", target="B", kind=Kind.PUSH),
-            On("pop", kind=Kind.POP),
-        ),
+        state(host, "B", On("push", target="B", kind=Kind.PUSH), On("pop", kind=Kind.POP)),
     )
     host.take()
     for _ in range(REMEMBERED_STATES + 1):

@@ -233,9 +233,7 @@ class TestAcknowledge:
         self, station, peer, wait_until
     ):
         driver = station().attach(DRIVER)
-        peer.multicast_out(
-            from_peer(acknowledge=AckNak.REQUESTED, broadcast=Broadcast.GLOBAL),
-        )
+        peer.multicast_out(from_peer(acknowledge=AckNak.REQUESTED, broadcast=Broadcast.GLOBAL))
         assert peer.receive().source == DRIVER
         wait_until(lambda: driver.payloads == [STATUS])
 

@@ -167,11 +167,7 @@ class TestBadDatagrams:
                 st.binary(max_size=60).map(lambda data: b"\x00" + data),
                 st.builds(
                     lambda source, payload, sequence, flags, broadcast: Packet(
-                        broadcast,
-                        JausAddress(source, 1, 1),
-                        payload,
-                        sequence,
-                        data_flags=flags,
+                        broadcast, JausAddress(source, 1, 1), payload, sequence, data_flags=flags
                     ).encode(),
                     st.integers(0, 65535),
                     st.binary(max_size=50),

@@ -73,11 +73,7 @@ def listed(values, row):
 def test_a_connection_is_told_at_its_row_and_at_each_of_its_edges(model, places, silent):
     row = places.rows["/loop_bridge", "odometry"]
     values = live_values(fold_statuses(silent, [status()], 7.0), places)
-    assert values["edges"][row] == {
-        "level": "ok",
-        "gone": False,
-        "text": "19.5 of 20 Hz",
-    }
+    assert values["edges"][row] == {"level": "ok", "gone": False, "text": "19.5 of 20 Hz"}
     edges = edges_of(model, row)
     assert len(edges) == 3
     told = listed(values, row)
@@ -106,10 +102,7 @@ def test_silence_and_failure_are_told_in_a_word(places, silent):
     failed = status("drive", 2, message="nobody obeys")
     values = live_values(fold_statuses(silent, [stale, failed], 1.0), places)
     told = [values["edges"][places.rows["/loop_bridge", name]] for name in ("odometry", "drive")]
-    assert [(edge["level"], edge["text"]) for edge in told] == [
-        ("stale", "s"),
-        ("error", "error"),
-    ]
+    assert [(edge["level"], edge["text"]) for edge in told] == [("stale", "s"), ("error", "error")]
 
 
 def test_control_is_told_at_its_edge_and_in_the_box(places, silent):
@@ -284,10 +277,7 @@ def test_states_are_told_at_their_boxes_in_the_view_of_the_machine(winch):
         "gone": False,
         "text": "2.5 s; 25% of the time; entered 1×",
     }
-    assert (told[IDLE]["level"], told[IDLE]["text"]) == (
-        "left",
-        "75% of the time; entered 2×",
-    )
+    assert (told[IDLE]["level"], told[IDLE]["text"]) == ("left", "75% of the time; entered 2×")
     around = told[f"{WINCH_READY}.Moving"]
     assert (around["level"], around["text"]) == ("around", "25% of the time")
     assert f"{WINCH_READY}.Locked" not in told

@@ -152,9 +152,7 @@ def scaled(spent: Mapping[str, float], own_seconds: float) -> dict[str, float]:
 
 
 def differences(
-    listed: Mapping[str, int],
-    guarding: Mapping[str, float],
-    spent: Mapping[str, float] | None,
+    listed: Mapping[str, int], guarding: Mapping[str, float], spent: Mapping[str, float] | None
 ) -> list[str]:
     """Returns a line for each file that a table leaves out, or whose figure is far off.
 

@@ -154,10 +154,7 @@ def begun(path: Path, page: Path, *options: str, verb: str = "studio") -> subpro
 
 @contextmanager
 def serving(
-    path: Path,
-    page: Path,
-    *options: str,
-    start: Callable[..., subprocess.Popen[str]] = begun,
+    path: Path, page: Path, *options: str, start: Callable[..., subprocess.Popen[str]] = begun
 ) -> Iterator[Server]:
     """Serves a folder as long as the context lasts."""
     process = start(path, page, *options)

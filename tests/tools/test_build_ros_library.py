@@ -46,12 +46,7 @@ def test_units_axes_and_ranges_reach_the_library():
     root = etree.parse(LIBRARY / "sensor_msgs.xmi").getroot()
     (latitude,) = root.xpath("messages[@name='NavSatFix']/fields[@name='latitude']")
     stated = {name: latitude.get(name) for name in ("units", "frame", "minimum", "maximum")}
-    assert stated == {
-        "units": "degree",
-        "frame": "geodetic",
-        "minimum": "-90.0",
-        "maximum": "90.0",
-    }
+    assert stated == {"units": "degree", "frame": "geodetic", "minimum": "-90.0", "maximum": "90.0"}
 
 
 def test_library_holds_no_words_of_others():

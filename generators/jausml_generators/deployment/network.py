@@ -15,9 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
     from jausml.language.metamodel.classes import jaus
-    from jausml.language.metamodel.classes.bridge import (
-        Bridge,
-    )
+    from jausml.language.metamodel.classes.bridge import Bridge
     from jausml.language.metamodel.classes.system import Host, System
     from jausml.language.model.model import Model
     from jausml_generators.bringup.processes import ProcessView

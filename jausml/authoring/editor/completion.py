@@ -46,15 +46,7 @@ _MAP_WORDS = ("JAUS", "ROS", "JAUS->ROS", "ROS->JAUS", "table", "vector")
 
 
 Kind: TypeAlias = Literal[
-    "Keyword",
-    "Property",
-    "File",
-    "Class",
-    "Field",
-    "Reference",
-    "Function",
-    "Unit",
-    "EnumMember",
+    "Keyword", "Property", "File", "Class", "Field", "Reference", "Function", "Unit", "EnumMember"
 ]
 """What a completion is, as the Language Server Protocol 3.17 calls it (`CompletionItemKind`)."""
 
@@ -138,11 +130,7 @@ def _jaus_type(bench: Workbench, path: Path, context: Context) -> Iterator[Compl
         detail = f"{element.code} {service}".strip()
         name = written_word(element.name or "")
         yield Completion(
-            name,
-            "Class",
-            detail,
-            element.documentation or "",
-            module=bench.file_of(path, element),
+            name, "Class", detail, element.documentation or "", module=bench.file_of(path, element)
         )
 
 
@@ -152,11 +140,7 @@ def _ros_type(bench: Workbench, path: Path, context: Context) -> Iterator[Comple
         if package and element.name:
             name = written_word(f"{package}/{element.name}")
             yield Completion(
-                name,
-                "Class",
-                "",
-                element.documentation or "",
-                module=bench.file_of(path, element),
+                name, "Class", "", element.documentation or "", module=bench.file_of(path, element)
             )
 
 

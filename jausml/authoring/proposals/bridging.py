@@ -345,11 +345,7 @@ def copied(
 
 
 def fitting(
-    scope: Scope,
-    message: jaus.MessageDef,
-    kind: ros.MessageType | None,
-    *,
-    to_ros: bool,
+    scope: Scope, message: jaus.MessageDef, kind: ros.MessageType | None, *, to_ros: bool
 ) -> list[bridge.AttributeMap]:
     """Returns the maps between a message and a type that have assignments for a direction.
 

@@ -6,12 +6,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from jausml.authoring.editing.commands import NEW, Add, Command, Set
-from jausml.authoring.proposals.calls import (
-    member_named,
-    members_of,
-    own_copy,
-    peers_of,
-)
+from jausml.authoring.proposals.calls import member_named, members_of, own_copy, peers_of
 from jausml.authoring.proposals.elements import Scope
 from jausml.authoring.proposals.named_elements import are_examples
 from jausml.authoring.proposals.new_elements import OpenPoint, open_decisions, pending

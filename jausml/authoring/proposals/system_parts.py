@@ -236,10 +236,7 @@ def new_service(
     if isinstance(whole, jaus.ServiceSet):
         return Add(scope.ref(whole), "services", "jaus.Service", values, children)
     service = Child("services", "jaus.Service", values, children)
-    own = {
-        "name": (free_name(name, map(name_of, whole.serviceSets)),),
-        "version": (_VERSION,),
-    }
+    own = {"name": (free_name(name, map(name_of, whole.serviceSets)),), "version": (_VERSION,)}
     return Add(scope.ref(whole), "serviceSets", "jaus.ServiceSet", own, (service,))
 
 

@@ -268,8 +268,7 @@ def joins_of(crossing: Crossing, topics: Sequence[TopicEnd], taken: set[str]) ->
         fitting = [end for end in free if feeds(end, join)]
         # Of several of a type, one whose name says so.
         if best := next(
-            (end for end in fitting if TopicName(end.name).feeds(join)),
-            next(iter(fitting), None),
+            (end for end in fitting if TopicName(end.name).feeds(join)), next(iter(fitting), None)
         ):
             topics_by_join[name_of(join)] = best.name
             taken.add(best.name)

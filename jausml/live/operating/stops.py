@@ -90,9 +90,7 @@ class Stops:
     """The stops of one start: what is edited later changes no stop."""
 
     def __init__(
-        self,
-        of_model: Mapping[tuple[str, str], Declarations],
-        stated_stops: Iterable[DeclaredStop],
+        self, of_model: Mapping[tuple[str, str], Declarations], stated_stops: Iterable[DeclaredStop]
     ) -> None:
         """Takes what is declared."""
         self._by_message = {stop.message: stop for stop in stated_stops}

@@ -48,11 +48,7 @@ CODECS = {
     if isinstance(member, type) and issubclass(member, Message) and hasattr(member, "CODE")
 }
 FINAL = (Status.FAILURE, Status.SHUTDOWN)
-FAILURES = (
-    "component.handler_failed",
-    "component.report_not_encodable",
-    "loop.callback_failed",
-)
+FAILURES = ("component.handler_failed", "component.report_not_encodable", "loop.callback_failed")
 """Counters of what must not happen, whatever peers say."""
 
 
@@ -130,10 +126,7 @@ class Network:
         return 0.0
 
     def sender(
-        self,
-        source: JausAddress,
-        destination: JausAddress,
-        priority: Priority = Priority.STANDARD,
+        self, source: JausAddress, destination: JausAddress, priority: Priority = Priority.STANDARD
     ) -> Callable[[bytes], None]:
         """Returns what does the same for one way."""
         return partial(self.send, source, destination, priority=priority)

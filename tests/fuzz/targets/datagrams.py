@@ -10,12 +10,7 @@ from jausml.runtime.base.counters import Counters
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.settings import MAX_FRAGMENT_SIZE, Endpoint, TransportSettings
 from jausml.runtime.transports.packets.packet import AckNak, DataFlags, Packet, parse_datagram
-from jausml.runtime.transports.ports import (
-    FRAME,
-    present_frame,
-    read_forwarded,
-    read_present,
-)
+from jausml.runtime.transports.ports import FRAME, present_frame, read_forwarded, read_present
 from jausml.runtime.transports.udp.judp import JudpTransport
 
 SETTINGS = TransportSettings(reassembly_limit=1 << 16, duplicate_history=64)

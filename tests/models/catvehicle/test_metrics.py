@@ -13,14 +13,7 @@ from catvehicle import (
     read_log,
     write_log,
 )
-from catvehicle.metrics import (
-    closeness,
-    comfort,
-    gap,
-    latency_summary,
-    path_error,
-    total_variation,
-)
+from catvehicle.metrics import closeness, comfort, gap, latency_summary, path_error, total_variation
 from hypothesis import given
 from hypothesis import strategies as st
 

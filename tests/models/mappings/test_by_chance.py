@@ -11,11 +11,7 @@ from by_chance import by_bytes, cdr, outcome, ros_value
 from for_each import for_each
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from mapping_support import (
-    FILES,
-    is_of_call,
-    ready_maps,
-)
+from mapping_support import FILES, is_of_call, ready_maps
 
 GUARDS = ("models/library/mappings",)
 

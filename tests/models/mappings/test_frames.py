@@ -115,12 +115,7 @@ def test_odometry_has_the_pose_in_odom_and_the_twist_in_the_axes_of_the_vehicle(
     maps = translator("odometry")
     pose = maps.messages.ReportLocalPose(x=5.0, y=2.0, z=-1.0, roll=roll, pitch=pitch, yaw=yaw)
     velocity = maps.messages.ReportVelocityState(
-        velocity_x=3.0,
-        velocity_y=1.0,
-        velocity_z=-0.5,
-        roll_rate=0.1,
-        pitch_rate=0.2,
-        yaw_rate=0.3,
+        velocity_x=3.0, velocity_y=1.0, velocity_z=-0.5, roll_rate=0.1, pitch_rate=0.2, yaw_rate=0.3
     )
     made = maps.to_ros("odometry", pose, velocity=velocity)
     assert (made.header.frame_id, made.child_frame_id) == ("odom", "base_link")
@@ -242,8 +237,7 @@ def test_efforts_and_brakes(translator):
     ahead = maps.to_ros("wrench_effort", wrench(propulsive_linear_effort_x=75.0))
     assert ahead.linear.x == near(1.5)
     braked = maps.to_ros(
-        "wrench_effort",
-        wrench(propulsive_linear_effort_x=75.0, resistive_linear_effort_x=20.0),
+        "wrench_effort", wrench(propulsive_linear_effort_x=75.0, resistive_linear_effort_x=20.0)
     )
     assert braked.linear.x == near(1.2)
     right = maps.to_ros("wrench_effort", wrench(propulsive_rotational_effort_z=50.0))

@@ -54,10 +54,7 @@ def jaus_centres(report: Any, size: float) -> dict[int, tuple[float, float]]:
     z axis, which points down.
     """
     pose = report.cost_map2d_pose_var
-    columns, rows = (
-        report.cost_map2d_rec.number_of_columns,
-        report.cost_map2d_rec.number_of_rows,
-    )
+    columns, rows = (report.cost_map2d_rec.number_of_columns, report.cost_map2d_rec.number_of_rows)
     found = {}
     for index, cell in enumerate(report.cost_map2d_data_var.cost_data_list):
         row, column = divmod(index, columns)

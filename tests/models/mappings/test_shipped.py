@@ -107,10 +107,7 @@ def test_the_vectors_of_each_file_hold(workspace, part):
     tests = [str(package / "test") for package in packages]
     succeeded(
         [sys.executable, "-m", "pytest", "-q", "--assert=plain", *tests],
-        env={
-            **os.environ,
-            "PYTHONPATH": os.pathsep.join(map(str, paths)),
-        },
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(map(str, paths))},
         cwd=workspace,
         timeout=120,
     )

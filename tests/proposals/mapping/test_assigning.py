@@ -151,8 +151,7 @@ def test_partners_of_a_member_are_told(velocity):
 
 
 @pytest.mark.parametrize(
-    "name",
-    sweep((file_name for file_name in SHIPPED if not file_name.endswith(".xmi")), every=6),
+    "name", sweep((file_name for file_name in SHIPPED if not file_name.endswith(".xmi")), every=6)
 )
 def test_what_authors_wrote_is_among_what_is_proposed(name):
     scope = scope_of(name)

@@ -323,12 +323,7 @@ def message_connection(
 ):
     options.setdefault("is_command", options.get("when", Guard.ANY) is not Guard.ANY)
     return MessageToTopics(
-        "times",
-        translate,
-        message=SetTime,
-        type=Number,
-        topics=[Topic("times")],
-        **options,
+        "times", translate, message=SetTime, type=Number, topics=[Topic("times")], **options
     )
 
 

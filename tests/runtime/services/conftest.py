@@ -21,14 +21,7 @@ from .bridge_support import Setting
 
 CORE_SERVICES = tuple(
     ServiceIdentity(f"urn:jaus:jss:core:{name}", 1, 1)
-    for name in (
-        "Transport",
-        "Events",
-        "AccessControl",
-        "Management",
-        "Liveness",
-        "Discovery",
-    )
+    for name in ("Transport", "Events", "AccessControl", "Management", "Liveness", "Discovery")
 )
 
 CLASSES = {
@@ -143,10 +136,7 @@ class World:
             self.loop.call_soon(lambda: on_result(success))
 
     def sender(
-        self,
-        source: JausAddress,
-        destination: JausAddress,
-        priority: Priority = Priority.STANDARD,
+        self, source: JausAddress, destination: JausAddress, priority: Priority = Priority.STANDARD
     ) -> Callable[[bytes], None]:
         return partial(self.send, source, destination, priority=priority)
 

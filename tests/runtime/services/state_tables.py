@@ -109,11 +109,7 @@ class Stage:
         self.component = world.component("1.1.1", services=services, **arguments, **row.settings)
         self.peers = {
             name: world.probe(address)
-            for name, address in (
-                ("client", "2.1.1"),
-                ("rival", "3.1.1"),
-                ("bystander", "4.1.1"),
-            )
+            for name, address in (("client", "2.1.1"), ("rival", "3.1.1"), ("bystander", "4.1.1"))
         }
         self.component.start()
 

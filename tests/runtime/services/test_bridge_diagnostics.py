@@ -419,10 +419,7 @@ def test_each_peer_has_an_account(world, setting):
     world.exchanged = [PeerTraffic(OWN, PEER, 40, acknowledged=3, came=70, lost=30)]
     world.run(1.1)
     status = setting.ros.statuses[-1]["account of 1.1.1"]
-    assert (status.level, status.message) == (
-        "ok",
-        "30.0 % were lost on the way lately, at most",
-    )
+    assert (status.level, status.message) == ("ok", "30.0 % were lost on the way lately, at most")
     assert values(status)["sent by it"] == "100"
     assert values(status)["lost on the way, at most"] == "30"
     assert values(status)["acknowledged"] == "3"

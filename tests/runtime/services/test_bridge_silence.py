@@ -7,13 +7,7 @@ from jausml.runtime.base.quirks import Quirk
 from jausml.runtime.bridge.connections.to_reports import TopicsToReport
 from jausml.runtime.bridge.ends.topics import Topic
 from jausml.runtime.bridge.reports.states import StopReason
-from jausml.runtime.messages import (
-    CreateEvent,
-    Event,
-    QueryTime,
-    ReportTime,
-    SetTime,
-)
+from jausml.runtime.messages import CreateEvent, Event, QueryTime, ReportTime, SetTime
 
 from .bridge_support import CORE, OTHER, OWN, PEER, Number, command, event, minutes, safe
 
@@ -54,9 +48,7 @@ def test_peer_that_was_away_gets_the_safe_value_when_it_is_ready(world, setting)
     for address in (PEER, OTHER):
         tested = world.component(str(address), services=CORE)
         tested.handle(
-            SetTime,
-            lambda message, _, to=address: received.append((to, message)),
-            when=Guard.READY,
+            SetTime, lambda message, _, to=address: received.append((to, message)), when=Guard.READY
         )
         tested.start()
         world.run(10.0)

@@ -327,11 +327,7 @@ def test_a_report_that_another_connection_takes_is_not_called_unasked(world, set
     peer = world.probe(str(PEER), strict=False)
     asking = asking_for_time()
     taking = MessageToTopics(
-        "taking",
-        reported_number,
-        message=ReportTime,
-        type=Number,
-        topics=[Topic("taken")],
+        "taking", reported_number, message=ReportTime, type=Number, topics=[Topic("taken")]
     )
     setting.open(asking, taking)
     peer.send(reported(5), OWN)

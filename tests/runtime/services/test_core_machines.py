@@ -187,20 +187,13 @@ STATUS = QueryStatus().encode()
 
 def create(query=STATUS, rate=0.0):
     return CreateEvent(
-        request_id=7,
-        event_type=0 if rate else 1,
-        requested_periodic_rate=rate,
-        query_message=query,
+        request_id=7, event_type=0 if rate else 1, requested_periodic_rate=rate, query_message=query
     )
 
 
 def update(event, query=STATUS):
     return UpdateEvent(
-        request_id=8,
-        event_type=1,
-        requested_periodic_rate=0.0,
-        event_id=event,
-        query_message=query,
+        request_id=8, event_type=1, requested_periodic_rate=0.0, event_id=event, query_message=query
     )
 
 

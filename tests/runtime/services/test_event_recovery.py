@@ -262,8 +262,7 @@ class TestSequence:
         probe.take()
 
     @pytest.mark.parametrize(
-        ("numbers", "missing"),
-        [([5, 6, 7], 0), ([254, 255, 0, 1], 0), ([1, 3], 1), ([250, 4], 9)],
+        ("numbers", "missing"), [([5, 6, 7], 0), ([254, 255, 0, 1], 0), ([1, 3], 1), ([250, 4], 9)]
     )
     def test_gaps_are_counted(self, world, client, probe, numbers, missing):
         inbox = Inbox()

@@ -3,10 +3,7 @@
 import pytest
 
 from jausml.runtime.base.address import JausAddress
-from jausml.runtime.messages import (
-    QueryStatus,
-    ReportStatus,
-)
+from jausml.runtime.messages import QueryStatus, ReportStatus
 
 TARGET = JausAddress(1, 1, 1)
 

@@ -6,13 +6,7 @@ import pytest
 
 from jausml.runtime import Guard
 from jausml.runtime.base.address import JausAddress
-from jausml.runtime.messages import (
-    CreateCommandEvent,
-    QueryTime,
-    ReportStatus,
-    ReportTime,
-    SetTime,
-)
+from jausml.runtime.messages import CreateCommandEvent, QueryTime, ReportStatus, ReportTime, SetTime
 from jausml.runtime.wire.message import DecodeError, Message
 
 NOON = ReportTime(
@@ -58,10 +52,7 @@ class TestListening:
         component.start()
         world.probe("2.1.1").send(NOON, component)
         world.settle()
-        assert world.counters.drops() == {
-            "component.bad_message": 1,
-            "component.handler_failed": 1,
-        }
+        assert world.counters.drops() == {"component.bad_message": 1, "component.handler_failed": 1}
         assert len(taken) == 1
 
 

@@ -4,12 +4,7 @@ import pytest
 
 from jausml.runtime import Completion, ControlState, Guard, JausComponent, Status
 from jausml.runtime.base.address import JausAddress
-from jausml.runtime.messages import (
-    ClearEmergency,
-    RequestControl,
-    SetAuthority,
-    SetEmergency,
-)
+from jausml.runtime.messages import ClearEmergency, RequestControl, SetAuthority, SetEmergency
 from jausml.runtime.services.management import MAX_EMERGENCY_CLIENTS
 
 ROBOT = JausAddress(1, 1, 1)

@@ -112,10 +112,7 @@ def services(catalog, query=None):
 
 
 JOINED = registers(MEMBER, SENSOR)
-OCU = (
-    "client",
-    ReportIdentification(query_type=SUBSYSTEM, type_=20001, identification="ocu"),
-)
+OCU = ("client", ReportIdentification(query_type=SUBSYSTEM, type_=20001, identification="ocu"))
 
 IDENTIFICATION = tuple(
     row(
@@ -177,9 +174,7 @@ CATALOG = (
         then=subsystems(OWN),
     ),
     row(
-        "QuerySubsystemList, scope NODE: silence",
-        when=("client", QuerySubsystemList()),
-        scope=NODE,
+        "QuerySubsystemList, scope NODE: silence", when=("client", QuerySubsystemList()), scope=NODE
     ),
     row(
         "QueryServices 255/255: all",

@@ -147,13 +147,7 @@ def test_command(world, row):
 
 
 @rows(
-    *(
-        Row(
-            f"Query; {situation}: answered",
-            given,
-        )
-        for situation, (given, _) in SITUATIONS.items()
-    )
+    *(Row(f"Query; {situation}: answered", given) for situation, (given, _) in SITUATIONS.items())
 )
 def test_query(world, row):
     stage = play(world, row, Robot)

@@ -313,12 +313,7 @@ QUERIES = (
         when=asks(QueryEvents.EventIDRec(event_id=200)),
         then={"rival": [ReportEvents()]},
     ),
-    row(
-        "QueryEvents for all",
-        *BOTH,
-        when=asks(QueryEvents.AllEventsRec()),
-        then={"rival": [ALL]},
-    ),
+    row("QueryEvents for all", *BOTH, when=asks(QueryEvents.AllEventsRec()), then={"rival": [ALL]}),
     row(
         "QueryEvents for all, none: an empty list",
         when=asks(QueryEvents.AllEventsRec()),

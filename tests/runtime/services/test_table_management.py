@@ -192,11 +192,7 @@ LIFE = (
 )
 
 EMERGENCIES = (
-    row(
-        "Standby, SetEmergency of anyone: Emergency",
-        when=EMERGENCY,
-        status=Status.EMERGENCY,
-    ),
+    row("Standby, SetEmergency of anyone: Emergency", when=EMERGENCY, status=Status.EMERGENCY),
     row(
         "Ready, SetEmergency of anyone: Emergency, Reject 1 to the controller",
         *ready(),
@@ -222,12 +218,7 @@ EMERGENCIES = (
         then={"client": [REJECTED]},
         status=Status.EMERGENCY,
     ),
-    row(
-        "Failure, SetEmergency: Emergency",
-        fails,
-        when=EMERGENCY,
-        status=Status.EMERGENCY,
-    ),
+    row("Failure, SetEmergency: Emergency", fails, when=EMERGENCY, status=Status.EMERGENCY),
     row(
         "Shutdown, SetEmergency: Emergency",
         *ready(),

@@ -71,10 +71,7 @@ PULSE = ReportHeartbeatPulse()
         )
         for version in ((1, 1), V1_0)
     ),
-    Row(
-        "no heartbeat unasked by default",
-        when=after(100.0),
-    ),
+    Row("no heartbeat unasked by default", when=after(100.0)),
 )
 def test_liveness(world, row):
     play(world, row)
@@ -207,11 +204,7 @@ def bits(milliseconds=0, seconds=0, minutes=0, hour=0, day=1):
 FIRST_OF_MAY = 1 | 5 << 5 | 26 << 9
 
 TIME_REFUSALS = (
-    Row(
-        "SetTime without control: ignored",
-        when=set_time(date=(1, 1, 30)),
-        counted=REFUSED,
-    ),
+    Row("SetTime without control: ignored", when=set_time(date=(1, 1, 30)), counted=REFUSED),
     Row(
         "SetTime of another: ignored",
         controlled(),
@@ -392,10 +385,7 @@ LISTS = [
         links=[(5, 0, 10), (10, 5, 20), (20, 10, 30), (30, 20, 5)],
     ),
     taken(
-        "SetElement, the circle is opened",
-        CIRCLE,
-        when=sets(element(30, 20, 0)),
-        links=LINE_LINKS,
+        "SetElement, the circle is opened", CIRCLE, when=sets(element(30, 20, 0)), links=LINE_LINKS
     ),
     taken(
         "DeleteElement in the middle: the neighbours are joined",

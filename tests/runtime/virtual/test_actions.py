@@ -75,11 +75,7 @@ def test_a_goal_goes_to_its_server_and_its_result_comes_back(world, node, client
     world.run_for(0.2)
     goal.end(Outcome.SUCCEEDED)
     world.run_for(1)
-    assert client.told == [
-        (0.2, "accepted"),
-        (0.35, 1),
-        (0.55, Outcome.SUCCEEDED, ""),
-    ]
+    assert client.told == [(0.2, "accepted"), (0.35, 1), (0.55, Outcome.SUCCEEDED, "")]
 
 
 def test_a_goal_that_is_refused(world, node, client, server):

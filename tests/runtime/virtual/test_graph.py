@@ -201,10 +201,7 @@ class TestNode:
         class Named:
             name = "/arm"
 
-        for refused in (
-            lambda: node.serve(Named, None),
-            lambda: node.client(Named),
-        ):
+        for refused in (lambda: node.serve(Named, None), lambda: node.client(Named)):
             with pytest.raises(NotImplementedError, match="/arm: in virtual time there are topics"):
                 refused()
 

@@ -18,11 +18,7 @@ from jausml import Component, decode
 
 from .conftest import Studio
 
-pytestmark = [
-    pytest.mark.needs("chromium", "page"),
-    pytest.mark.ports,
-    pytest.mark.timeout(300),
-]
+pytestmark = [pytest.mark.needs("chromium", "page"), pytest.mark.ports, pytest.mark.timeout(300)]
 
 LEASE, TIMEOUT = 5, 1.0
 OPERATE = (sys.executable, "-m", "jausml", "operate")

@@ -71,10 +71,7 @@ def test_the_page_breaks_no_rule_of_axe(open_shared, size):
         desk.tab(tab)
         assert broken(desk.page) == {}, tab
     desk.tab("Diagram")
-    dialogs = (
-        ("New model…", "New model"),
-        ("Keys", "Keys"),
-    )
+    dialogs = (("New model…", "New model"), ("Keys", "Keys"))
     for button, dialog in (*dialogs, ("Connect…", "Connect to…")):
         desk.title("vehicle").click()
         desk.page.get_by_role("button", name=button).click()

@@ -113,10 +113,7 @@ def test_what_moves_comes_before_what_every_component_has_and_new_before_old():
     assert newest < oldest
     assert [
         palette_item.note for palette_item in palette(scope_of(CAR), "Discovery", ["components"], 2)
-    ] == [
-        "provides it, core 1.1",
-        "provides it, core 1.0",
-    ]
+    ] == ["provides it, core 1.1", "provides it, core 1.0"]
     assert labels(palette(scope_of(CAR), "", ["elements"]))[:2] == ["component", "node"]
 
 

@@ -10,12 +10,7 @@ from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.semantics.assignments.frames import is_coordinate
-from jausml.language.semantics.paths.scopes import (
-    place,
-    source_paths,
-    spelled_out,
-    used_maps,
-)
+from jausml.language.semantics.paths.scopes import place, source_paths, spelled_out, used_maps
 from jausml_generators.bridge.checks.check import NO_STEP, Chain, quantities_of, store
 from jausml_generators.bridge.checks.filling import PRESENT, JausMessage, RosMessage
 from jausml_generators.bridge.ends import ReportJoinView

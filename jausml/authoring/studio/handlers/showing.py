@@ -116,11 +116,7 @@ def _drawn(context: StudioContext, file: str, view: str, opened: tuple[str, ...]
     elif view != SYSTEM or len(participants(result.model)) <= MOST_SHOWN:
         verdict = context.verdicts.of(file)
     if verdict is not None:
-        revision, result, freshness = (
-            verdict.revision,
-            verdict.result,
-            context.freshness(verdict),
-        )
+        revision, result, freshness = (verdict.revision, verdict.result, context.freshness(verdict))
     # Nobody waits for the verdict on a large system: its page asks again when it is there.
     diagnostics = tuple(verdict.report.diagnostics) if verdict is not None else ()
     of = revision, diagnostics
@@ -238,12 +234,7 @@ def _source(context: StudioContext, element: str) -> dict[str, Any]:
     location = source(scope, element)
     # A file that cannot be read as it is was shown as it was, where places are others.
     start, end = (0, 0) if _is_stale(context, file) else (location.start, location.end)
-    return {
-        "file": location.file,
-        "notation": location.notation,
-        "start": start,
-        "end": end,
-    }
+    return {"file": location.file, "notation": location.notation, "start": start, "end": end}
 
 
 def _is_stale(context: StudioContext, file: str) -> bool:

@@ -28,11 +28,7 @@ _MOST_STEPS = 1000
 
 
 def _step(
-    context: StudioContext,
-    file: str,
-    view: str,
-    path: tuple[Chosen, ...],
-    said: Mapping[str, bool],
+    context: StudioContext, file: str, view: str, path: tuple[Chosen, ...], said: Mapping[str, bool]
 ) -> dict[str, Any]:
     """Returns where a path leads, and what can happen there when conditions say something."""
     model, machine = _machine(context, file, view, path)
@@ -98,8 +94,5 @@ def _machine(
     return scope.model, machine
 
 
-METHODS: Mapping[str, Callable[..., object]] = {
-    "step": _step,
-    "step.test": _test,
-}
+METHODS: Mapping[str, Callable[..., object]] = {"step": _step, "step.test": _test}
 """What answers questions, by their names."""

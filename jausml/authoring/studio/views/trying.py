@@ -207,11 +207,7 @@ class Trials:
 
 
 def _code(
-    scope: Scope,
-    map_: bridge.AttributeMap,
-    users: Sequence[bridge.Connection],
-    *,
-    to_ros: bool,
+    scope: Scope, map_: bridge.AttributeMap, users: Sequence[bridge.Connection], *, to_ros: bool
 ) -> tuple[BridgeCode, dict[str, str]]:
     """Returns the generated code of a direction of a map, as the first who uses it has it.
 

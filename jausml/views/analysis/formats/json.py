@@ -30,10 +30,7 @@ _KEYS = {
         "ip": "ip_bytes_per_s",
         "ethernet": "ethernet_bytes_per_s",
     },
-    Load: {
-        "messages_sent": "messages_sent_per_s",
-        "messages_received": "messages_received_per_s",
-    },
+    Load: {"messages_sent": "messages_sent_per_s", "messages_received": "messages_received_per_s"},
     Flow: {"size": "bytes", "hertz": "rate_hz", "basis": "rate_basis"},
     ConnectionReport: {"share": "processor_share"},
     ComponentReport: {"share": "processor_share"},

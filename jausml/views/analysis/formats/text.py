@@ -8,12 +8,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from jausml.views.analysis.budgets import Budget
-    from jausml.views.analysis.report import (
-        CallReport,
-        ComponentReport,
-        ConnectionReport,
-        Report,
-    )
+    from jausml.views.analysis.report import CallReport, ComponentReport, ConnectionReport, Report
     from jausml.views.analysis.sizes import Assumptions, Size
 
 CASES = {

@@ -16,12 +16,7 @@ from jausml.language.semantics.connections.reports import joined_reports
 from jausml.language.semantics.connections.topics import endpoints
 from jausml.language.semantics.hosts import host_of
 from jausml.language.semantics.paths.scopes import carriers_of, maps_of
-from jausml.views.analysis.partition.ties import (
-    commands,
-    full_name,
-    serves,
-    tied,
-)
+from jausml.views.analysis.partition.ties import commands, full_name, serves, tied
 from jausml.views.analysis.report import connection_report, seconds_of_message
 from jausml.views.analysis.sizes import runtime_constants
 from jausml.views.analysis.streams import is_to_ros, on_wire

@@ -101,9 +101,7 @@ def settle(
 
 
 def frames_around(
-    sheet: Sheet,
-    boxes: Mapping[str, Point],
-    more: Mapping[str, Iterable[Area]] | None = None,
+    sheet: Sheet, boxes: Mapping[str, Point], more: Mapping[str, Iterable[Area]] | None = None
 ) -> dict[str, Area]:
     """Returns what frames cover, given where boxes stand; those around nothing are left out.
 
@@ -167,10 +165,7 @@ class _Ground:
         """Returns where the lines of a box end at boxes that stand."""
         ends = []
         for line in self._sheet.lines:
-            for (own, _), (other, row) in (
-                (line.source, line.target),
-                (line.target, line.source),
-            ):
+            for (own, _), (other, row) in ((line.source, line.target), (line.target, line.source)):
                 if own == box.id != other and other in self.corners:
                     ends.append(_End(self._boxes[other], self._row(self._boxes[other], row)))
         return ends

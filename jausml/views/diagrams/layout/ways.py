@@ -10,12 +10,7 @@ from functools import reduce
 from typing import TYPE_CHECKING
 
 from jausml.views.diagrams.layout.parallel import parted
-from jausml.views.diagrams.layout.settling import (
-    Area,
-    area_of,
-    covered,
-    surrounding,
-)
+from jausml.views.diagrams.layout.settling import Area, area_of, covered, surrounding
 
 if TYPE_CHECKING:
     from jausml.views.diagrams.layout.sheet import Places, Point, Sheet
@@ -53,9 +48,7 @@ def fitted(sheet: Sheet, places: Places) -> Places:
     areas += [area for line in sheet.lines for area in covered(line, places.lines[line.id])]
     whole = reduce(Area.around, areas) if areas else Area(0, 0, 0, 0)
     size = replace(
-        places,
-        width=round(whole.right - whole.left, 1),
-        height=round(whole.bottom - whole.top, 1),
+        places, width=round(whole.right - whole.left, 1), height=round(whole.bottom - whole.top, 1)
     )
     return size.moved(-whole.left, -whole.top)
 

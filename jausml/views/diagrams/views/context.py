@@ -29,11 +29,7 @@ class Context:
     """
 
     def __init__(
-        self,
-        model: Model,
-        view: str,
-        diagnostics: Iterable[Diagnostic],
-        root: Path | None = None,
+        self, model: Model, view: str, diagnostics: Iterable[Diagnostic], root: Path | None = None
     ) -> None:
         self.model = model
         self.view = view

@@ -119,12 +119,7 @@ def box_of(node: Node) -> Box:
     widest = max(_widths(node))
     rows = tuple(Row(port.id, ROW_HEIGHT) for port in node.ports)
     return Box(
-        node.id,
-        math.ceil(widest) + 2 * PADDING,
-        head_height(node),
-        rows,
-        node.group,
-        node.column,
+        node.id, math.ceil(widest) + 2 * PADDING, head_height(node), rows, node.group, node.column
     )
 
 
@@ -222,13 +217,7 @@ def _advance(sign: str, widths: Sequence[int]) -> int:
     return _WIDE if is_wide else _OTHER
 
 
-SIDES = {
-    "component": "jaus",
-    "message": "jaus",
-    "bridge": "bridge",
-    "node": "ros",
-    "type": "ros",
-}
+SIDES = {"component": "jaus", "message": "jaus", "bridge": "bridge", "node": "ros", "type": "ros"}
 """What kinds of boxes belong to; others have the colour of lines."""
 
 _LIGHT = {

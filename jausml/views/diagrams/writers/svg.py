@@ -91,10 +91,7 @@ def _lines(graph: Graph, theme: str, keys: Keys, *, is_bundled: bool) -> Iterato
     notes = _notes(graph)
     least = max(width(title, 16, bold=True), *(width(note, shapes.SMALL) for note, _ in notes))
     top = TOP + shapes.LINE_HEIGHT * (len(notes) - 1)
-    size = (
-        round(max(places.width, least) + 2 * MARGIN, 1),
-        round(places.height + top + MARGIN, 1),
-    )
+    size = (round(max(places.width, least) + 2 * MARGIN, 1), round(places.height + top + MARGIN, 1))
     yield from opening(size, title, style(theme, compares=graph.compares), {"arrow": "head"})
     for index, (text, kind) in enumerate(notes):
         down = 41 + shapes.LINE_HEIGHT * index

@@ -19,10 +19,7 @@ from jausml.views.diagrams.layout import graphviz
 from jausml.views.diagrams.layout.columns import corners_in_columns
 from jausml.views.diagrams.layout.labels import anchored
 from jausml.views.diagrams.layout.settling import area_of, label_area, settle, surrounding
-from jausml.views.diagrams.layout.sheet import (  # noqa: TC001 - `Standing` is read with its types
-    Point,
-    Route,
-)
+from jausml.views.diagrams.layout.sheet import Point, Route  # noqa: TC001 - `Standing` is read with its types
 from jausml.views.diagrams.ordering import ordered
 from jausml.views.diagrams.writers import shapes
 from jausml.views.diagrams.writers.shapes import cut

@@ -11,9 +11,7 @@ from jausml.language.model.library import LIBRARY_URI
 
 @pytest.fixture(scope="package")
 def folder(
-    tmp_path_factory: pytest.TempPathFactory,
-    new_project: Callable[[Path], Path],
-    models: Path,
+    tmp_path_factory: pytest.TempPathFactory, new_project: Callable[[Path], Path], models: Path
 ) -> Path:
     """A project and a service beside it, whose edits are undone after each test."""
     root = new_project(tmp_path_factory.mktemp("shared"))

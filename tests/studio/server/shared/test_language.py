@@ -42,9 +42,7 @@ def test_a_text_is_judged(editor, folder):
 def test_what_can_be_written_is_offered(editor, folder):
     uri = opened(editor, folder / "maps.ros2jaus", "")
     found = editor.ask(
-        "textDocument/completion",
-        textDocument={"uri": uri},
-        position={"line": 0, "character": 0},
+        "textDocument/completion", textDocument={"uri": uri}, position={"line": 0, "character": 0}
     )
     assert found["items"]
 

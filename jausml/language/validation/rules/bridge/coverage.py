@@ -12,12 +12,7 @@ from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.connections.stops import with_constants
 from jausml.language.semantics.paths.attributes import JausPart
 from jausml.language.semantics.paths.jaus_paths import JausPlace
-from jausml.language.semantics.paths.scopes import (
-    Direction,
-    Placed,
-    parse_path,
-    target_paths,
-)
+from jausml.language.semantics.paths.scopes import Direction, Placed, parse_path, target_paths
 from jausml.language.semantics.paths.wholes import PathPlace
 from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rule import Finding, Note, rule

@@ -23,12 +23,7 @@ from jausml.language.semantics.conversions.conversion import DOWN, ENU, NED, UP
 from jausml.language.semantics.conversions.numbers import Negate
 from jausml.language.semantics.paths.attributes import Attribute, Found
 from jausml.language.semantics.paths.ros_paths import ros_name
-from jausml.language.semantics.paths.scopes import (
-    Direction,
-    Placed,
-    parse_path,
-    target_paths,
-)
+from jausml.language.semantics.paths.scopes import Direction, Placed, parse_path, target_paths
 from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rule import Finding, Note, rule
 

@@ -19,11 +19,7 @@ from jausml.language.semantics.paths.attributes import (
     Attribute,
     Found,
 )
-from jausml.language.semantics.paths.scopes import (
-    Direction,
-    Placed,
-    direction_of,
-)
+from jausml.language.semantics.paths.scopes import Direction, Placed, direction_of
 from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rule import Finding, Note, rule
 

@@ -12,11 +12,7 @@ from jausml.language.semantics.assignments.units import sent_through, source_ran
 from jausml.language.semantics.conversions import Effect, NoValueError, UnitEffect, conversion_of
 from jausml.language.semantics.conversions.numbers import Square, SquareRoot
 from jausml.language.semantics.paths.attributes import NUMBER, Attribute, Found
-from jausml.language.semantics.paths.scopes import (
-    Direction,
-    Placed,
-    directions_of,
-)
+from jausml.language.semantics.paths.scopes import Direction, Placed, directions_of
 from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rule import Finding, Note, rule
 
