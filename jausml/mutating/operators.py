@@ -85,11 +85,11 @@ def _negated_both_ways(site: Site) -> Iterator[Together]:
 
 def _one_that_drives(site: Site) -> Iterator[Any]:
     """Yields a stop that sends 1 in the first number that its map fills and it says nothing of."""
-    used = site.element.eContainer()
+    map_ = site.element.eContainer()
     to_ros = site.element.eContainmentFeature().name == "stopRos"
-    scope = outer_scope(used, to_ros=to_ros)
+    scope = outer_scope(map_, to_ros=to_ros)
     said = {str(value.target) for value in site.value}
-    for placed in flattened(used.toRos if to_ros else used.toJaus, scope):
+    for placed in flattened(map_.toRos if to_ros else map_.toJaus, scope):
         for path, target in () if placed.scope.is_nested else placed.targets:
             is_number = isinstance(target, Attribute) and target.kind == NUMBER
             if is_number and has_source(placed.assignment) and path not in said:

@@ -73,14 +73,14 @@ class Hazard:
 def carried_maps(element: object) -> list[bridge.AttributeMap]:
     """Returns the maps of a connection, none of other elements."""
     carriers = (bridge.Connection, bridge.RosServiceConnection, bridge.RosActionConnection)
-    return [used for used, _ in _map_directions(element)] if isinstance(element, carriers) else []
+    return [map_ for map_, _ in _map_directions(element)] if isinstance(element, carriers) else []
 
 
 def _map_directions(carrier: Carrier) -> list[tuple[bridge.AttributeMap, bool]]:
     if isinstance(carrier, bridge.RosServiceConnection):
         return [(half.map, half.to_ros) for half in calls.halves(carrier)]
-    used = carrier.map if isinstance(carrier, bridge.Connection) else carrier.element
-    return [(used, _is_to_ros(carrier))]
+    map_ = carrier.map if isinstance(carrier, bridge.Connection) else carrier.element
+    return [(map_, _is_to_ros(carrier))]
 
 
 def _is_to_ros(carrier: Carrier) -> bool:
@@ -192,7 +192,7 @@ def _loss_told(connection: bridge.Connection) -> Answer | None:
 
 def _unknown(carrier: Carrier) -> dict[str, str]:
     """Returns the targets that nothing can judge, each with what rules lack."""
-    directions = (unknown_targets(used, to_ros=to_ros) for used, to_ros in _map_directions(carrier))
+    directions = (unknown_targets(map_, to_ros=to_ros) for map_, to_ros in _map_directions(carrier))
     return {target: lack for pairs in directions for target, lack in pairs}
 
 

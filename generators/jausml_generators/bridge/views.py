@@ -369,7 +369,7 @@ def _types_of_calls(
     for connection in connections:
         yield from calls.types(connection)
         for half in calls.halves(connection):
-            yield from (used.type for used in used_maps(half.map, to_ros=half.to_ros))
+            yield from (map_.type for map_ in used_maps(half.map, to_ros=half.to_ros))
 
 
 def _stub(view: ConnectionView) -> str:

@@ -88,11 +88,11 @@ def stop(
 ) -> Body:
     """Returns the steps that make `target`, of either side, without a source."""
     body = Body(owner, connection.outOfRange.name)
-    used = connection.map
+    map_ = connection.map
     if connection.direction.name == "jausToRos":
-        translation = _translation_to_ros(body, used, message, {}, surroundings)
+        translation = _translation_to_ros(body, map_, message, {}, surroundings)
     else:
-        translation = _translation_to_jaus(body, used, message, {}, surroundings)
+        translation = _translation_to_jaus(body, map_, message, {}, surroundings)
         class_name = message.class_name
     body.add(Write(TARGET, New(class_name)))
     translation.add(stop_assignments(connection))

@@ -331,13 +331,13 @@ class _Translator:
 
     def connection(self, connection: bridge.Connection, name: str, ros_name: str) -> Translated:
         """Translates a connection."""
-        uses, used = self.uses, connection.map
-        message = uses.view_of(used.message)
+        uses, map_ = self.uses, connection.map
+        message = uses.view_of(map_.message)
         is_to_ros = connection.direction.name == "jausToRos"
         joins = _joins(connection, uses)
 
         parameters = [join.name for join in joins]
-        function = f"{snake_case(used.name)}_to_{'ros' if is_to_ros else 'jaus'}"
+        function = f"{snake_case(map_.name)}_to_{'ros' if is_to_ros else 'jaus'}"
         reports = {
             str(join.name): (translated_join.name, uses.view_of(join.message))
             for translated_join in joins
@@ -349,7 +349,7 @@ class _Translator:
             if isinstance(join := translated_join.join, bridge.Join)
         }
         ends = Ends(
-            message, used.type, {**dict(reports.values()), **dict(types.values())}, is_to_ros
+            message, map_.type, {**dict(reports.values()), **dict(types.values())}, is_to_ros
         )
 
         def make_steps(
@@ -363,14 +363,14 @@ class _Translator:
 
         print_steps = partial(printed, parameters=parameters)
         compile_steps = partial(self.core.add, function, ends=ends)
-        alike = (self.maps.first(used), is_to_ros, connection.outOfRange.name)
-        if any(attribute_map is not used for attribute_map in used_maps(used, to_ros=is_to_ros)):
+        alike = (self.maps.first(map_), is_to_ros, connection.outOfRange.name)
+        if any(attribute_map is not map_ for attribute_map in used_maps(map_, to_ros=is_to_ros)):
             # Each connection has its own methods for the messages inside its message.
             steps = make_steps(name, message, uses)
             lines, compiled = print_steps(steps), compile_steps(steps)
         else:
             request = _TranslationRequest(
-                name, message, used, make_steps, print_steps, compile_steps
+                name, message, map_, make_steps, print_steps, compile_steps
             )
             lines, compiled = self.shared.translation(alike, request)
         safe_lines: tuple[str, ...] = ()
@@ -383,12 +383,12 @@ class _Translator:
 
 def _joins(connection: bridge.Connection, uses: Surroundings) -> tuple[TranslatedJoin, ...]:
     """Returns what is joined to the message that a connection takes."""
-    scope, used = Scope(OWN_NAMES), connection.map
+    scope, map_ = Scope(OWN_NAMES), connection.map
     typed: list[tuple[bridge.Join | bridge.ReportJoin, str]]
     if connection.direction.name == "jausToRos":
-        typed = [(join, uses.view_of(join.message).class_name) for join in used.reportJoins]
+        typed = [(join, uses.view_of(join.message).class_name) for join in map_.reportJoins]
     else:
-        typed = [(join, uses.type_name(join.type)) for join in used.joins]
+        typed = [(join, uses.type_name(join.type)) for join in map_.joins]
     return tuple(
         TranslatedJoin(join, scope.claim(snake_case(join.name)), name) for join, name in typed
     )

@@ -37,7 +37,7 @@ from jausml.language.semantics.paths.scopes import (
 from jausml.language.semantics.paths.wholes import FoundPlace
 
 
-def unknown_targets(used: bridge.AttributeMap, *, to_ros: bool) -> Iterator[tuple[str, str]]:
+def unknown_targets(map_: bridge.AttributeMap, *, to_ros: bool) -> Iterator[tuple[str, str]]:
     """Yields the targets of a map whose meaning no rule can judge and no test vector expects.
 
     A vector of one use of a table says what the table means for all.
@@ -46,12 +46,12 @@ def unknown_targets(used: bridge.AttributeMap, *, to_ros: bool) -> Iterator[tupl
         Paths of targets, each with what is not known of it.
     """
     way = "jausToRos" if to_ros else "rosToJaus"
-    vectors = [vector for vector in used.vectors if vector.direction.name == way]
+    vectors = [vector for vector in map_.vectors if vector.direction.name == way]
     expected = [_steps(value.path) for vector in vectors for value in vector.expected if value.path]
     placed = [
         (Placed(entry.assignment, entry.scope), target_paths(entry.assignment))
         for entry in flattened(
-            used.toRos if to_ros else used.toJaus, outer_scope(used, to_ros=to_ros)
+            map_.toRos if to_ros else map_.toJaus, outer_scope(map_, to_ros=to_ros)
         )
         if isinstance(entry.assignment, bridge.FieldAssignment)
     ]

@@ -33,14 +33,14 @@ def named_by(path: str | None) -> int | None:
     return next((place for array, place in _places(path) if array in _KEYS), None)
 
 
-def named_places(used: bridge.AttributeMap) -> NamedPlaces | None:
+def named_places(map_: bridge.AttributeMap) -> NamedPlaces | None:
     """Returns how a map calls the elements that it takes by place; None where it names none.
 
     What it writes with names, it reads by them: the elements of a message may stand in any order.
     """
     names: dict[int, str] = {}
     keys = ""
-    for assignment in used.toRos:
+    for assignment in map_.toRos:
         place = named_by(assignment.target)
         if place is not None and isinstance(assignment, bridge.ConstantAssignment):
             keys = str(assignment.target).partition("[")[0].strip()
@@ -50,7 +50,7 @@ def named_places(used: bridge.AttributeMap) -> NamedPlaces | None:
         return None
     read = (
         array
-        for assignment in used.toJaus
+        for assignment in map_.toJaus
         for array, _ in _places(getattr(assignment, "source", ""))
     )
     arrays = tuple(dict.fromkeys(read))

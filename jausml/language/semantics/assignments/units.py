@@ -208,12 +208,12 @@ def _unit(text: str) -> Unit | None:
 _WITHOUT_NUMBERS = (attributes.BOOL, attributes.TEXT, attributes.TIME, attributes.TIME_STAMP)
 
 
-def fills_rates_alone(used: bridge.AttributeMap, *, to_ros: bool) -> bool:
+def fills_rates_alone(map_: bridge.AttributeMap, *, to_ros: bool) -> bool:
     """Tells whether each number that a map fills is a rate, so that zeros stop what it commands.
 
     A map that fills a number of unknown unit, or none, does not.
     """
-    units = list(_units(used, to_ros=to_ros))
+    units = list(_units(map_, to_ros=to_ros))
     return bool(units) and all(unit is not None and is_rate(unit) for unit in units)
 
 
@@ -222,13 +222,13 @@ def is_rate(unit: Unit) -> bool:
     return dict(unit.dimension).get("s") == Fraction(-1)
 
 
-def _units(used: bridge.AttributeMap, *, to_ros: bool) -> Iterator[Unit | None]:
+def _units(map_: bridge.AttributeMap, *, to_ros: bool) -> Iterator[Unit | None]:
     """Yields the unit of each number that is filled: that of the target, else of its source.
 
     Of lists, and of wholes of numbers such as an orientation, it is none.
     """
-    scope = outer_scope(used, to_ros=to_ros)
-    for assignment in spelled_out(used, to_ros=to_ros):
+    scope = outer_scope(map_, to_ros=to_ros)
+    for assignment in spelled_out(map_, to_ros=to_ros):
         if isinstance(assignment, bridge.ListAssignment):
             yield None
         if not isinstance(assignment, bridge.FieldAssignment):

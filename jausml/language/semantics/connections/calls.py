@@ -69,13 +69,13 @@ def types(connection: bridge.RosServiceConnection) -> tuple[ros.MessageType, ros
 
 def maps_success(connection: bridge.RosServiceConnection) -> bool:
     """Tells whether the map of the response fills the member that says whether all went well."""
-    used = connection.response
-    if used is None or not connection.successMember:
+    map_ = connection.response
+    if map_ is None or not connection.successMember:
         return False
     member = parse_path(connection.successMember)
     return any(
         parse_path(path) == member
-        for assignment in spelled_out(used, to_ros=True)
+        for assignment in spelled_out(map_, to_ros=True)
         if not isinstance(assignment, bridge.Ignore)
         for path in target_paths(assignment)
     )

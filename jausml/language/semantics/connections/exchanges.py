@@ -94,8 +94,8 @@ def possible_exchanges(connection: bridge.Connection) -> tuple[ExchangeOption, .
         connection: The connection. Peers that it does not name may have the services that the
             bridge uses.
     """
-    owner, used = connection.eContainer(), connection.map
-    if owner is None or used is None or used.message is None or used.type is None:
+    owner, map_ = connection.eContainer(), connection.map
+    if owner is None or map_ is None or map_.message is None or map_.type is None:
         return ()
     return tuple(_options(connection, owner, _directions(connection)))
 
@@ -153,14 +153,14 @@ def _has_peers(connection: bridge.Connection) -> bool:
 
 def _directions(connection: bridge.Connection) -> list[str]:
     """Returns the directions that a connection has assignments and topics for."""
-    used = connection.map
+    map_ = connection.map
     if any(topic.join is not None for topic in connection.topics):
         return [TO_JAUS]
     if connection.sources:
         return [TO_ROS]
-    if used is None or bool(used.toRos) == bool(used.toJaus):
+    if map_ is None or bool(map_.toRos) == bool(map_.toJaus):
         return [TO_ROS, TO_JAUS]
-    return [TO_ROS] if used.toRos else [TO_JAUS]
+    return [TO_ROS] if map_.toRos else [TO_JAUS]
 
 
 def _usual_exchange(connection: bridge.Connection) -> str:
@@ -178,8 +178,8 @@ def _partners(connection: bridge.Connection, owner: bridge.Bridge) -> list[list[
         return [provided_services(peer) for peer in connection.peers]
     if connection.search is not None:
         return [searched_services(connection.search)]
-    used = with_inherited(owner.uses)
-    return [used] if used else []
+    services = with_inherited(owner.uses)
+    return [services] if services else []
 
 
 def _takes(services: Iterable[jaus.Service], message: jaus.MessageDef) -> bool:

@@ -103,15 +103,15 @@ def requested_fields(owner: bridge.Bridge) -> Mapping[jaus.MessageDef, frozenset
     return {message: frozenset(names) for message, names in fields.items()}
 
 
-def requested_in(used: bridge.AttributeMap | None) -> frozenset[str]:
+def requested_in(map_: bridge.AttributeMap | None) -> frozenset[str]:
     """Returns the fields of its message that a map reads; none without a map."""
-    paths = () if used is None else _read_paths(used)
+    paths = () if map_ is None else _read_paths(map_)
     return frozenset(path.split(".")[0].partition("[")[0] for path in paths)
 
 
-def _read_paths(used: bridge.AttributeMap) -> Iterator[str]:
+def _read_paths(map_: bridge.AttributeMap) -> Iterator[str]:
     """Yields the source paths that start at the message, those in lists included."""
-    for placed in flattened(used.toRos, outer_scope(used, to_ros=True)):
+    for placed in flattened(map_.toRos, outer_scope(map_, to_ros=True)):
         for path in source_paths(placed.assignment):
             if not placed.scope.is_nested:
                 yield path

@@ -199,10 +199,10 @@ def expanded(
             yield from expanded(parts, scope)
 
 
-def spelled_out(used: bridge.AttributeMap, *, to_ros: bool) -> list[bridge.Assignment]:
+def spelled_out(map_: bridge.AttributeMap, *, to_ros: bool) -> list[bridge.Assignment]:
     """Returns the assignments of a direction of a map, of wholes those of their members."""
-    written = used.toRos if to_ros else used.toJaus
-    return list(expanded(written, outer_scope(used, to_ros=to_ros)))
+    written = map_.toRos if to_ros else map_.toJaus
+    return list(expanded(written, outer_scope(map_, to_ros=to_ros)))
 
 
 def parts_in(assignment: bridge.Assignment, scope: PathScope) -> list[bridge.Assignment] | None:
@@ -273,8 +273,8 @@ SecondT = TypeVar("SecondT", bound="bridge.Assignment")
 
 def is_sound(subject: Subject, connection: bridge.Connection) -> bool:
     """Tells whether message and type of the map of a connection were read well."""
-    used = connection.map
-    return used is not None and subject.is_intact(used.message, used.type)
+    map_ = connection.map
+    return map_ is not None and subject.is_intact(map_.message, map_.type)
 
 
 def sound_connections(subject: Subject) -> list[bridge.Connection]:
@@ -362,18 +362,18 @@ def direction_of(
 
 
 def _directions(subject: Subject, owner: Directed) -> tuple[Direction, ...]:
-    used = owner.map if isinstance(owner, bridge.Connection) else owner
-    if used is None or not subject.is_intact(used.message, used.type):
+    map_ = owner.map if isinstance(owner, bridge.Connection) else owner
+    if map_ is None or not subject.is_intact(map_.message, map_.type):
         return ()
     written: list[tuple[Directed | bridge.Stop, Sequence[bridge.Assignment], bool]]
     if isinstance(owner, bridge.Connection):
         written = [(owner, owner.safeValue, owner.direction.name == "jausToRos")]
     else:
-        stops = ((used.stopRos, True), (used.stopJaus, False))
-        written = [(used, used.toRos, True), (used, used.toJaus, False)]
+        stops = ((map_.stopRos, True), (map_.stopJaus, False))
+        written = [(map_, map_.toRos, True), (map_, map_.toJaus, False)]
         written += ((stop, stop.values, to_ros) for stop, to_ros in stops if stop is not None)
     return tuple(
-        _direction(subject, used, one, assignments, to_ros=to_ros)
+        _direction(subject, map_, one, assignments, to_ros=to_ros)
         for one, assignments, to_ros in written
         if assignments
     )
@@ -431,16 +431,16 @@ def carriers_of(owner: bridge.Bridge) -> tuple[Carrier, ...]:
 
 def maps_of(carrier: Carrier) -> tuple[bridge.AttributeMap, ...]:
     """Returns the maps that a connection uses, in either direction, each once."""
-    used: list[bridge.AttributeMap | None]
+    maps: list[bridge.AttributeMap | None]
     if isinstance(carrier, bridge.Connection):
-        used = [carrier.map]
+        maps = [carrier.map]
     elif isinstance(carrier, bridge.RosServiceConnection):
-        used = [carrier.request, carrier.response]
+        maps = [carrier.request, carrier.response]
     else:
-        used = [carrier.element]
+        maps = [carrier.element]
     inner = (
         inner_map
-        for own_map in used
+        for own_map in maps
         if own_map is not None
         for to_ros in (True, False)
         for inner_map in used_maps(own_map, to_ros=to_ros)

@@ -250,7 +250,7 @@ class Weighing:
         world.update(("bridge", pin) for pin in pinned)
         for owner, carrier in pairs:
             stated = dict(world_of(owner))
-            for quantity in (one for used in maps_of(carrier) for one in used.quantities):
+            for quantity in (one for map_ in maps_of(carrier) for one in map_.quantities):
                 key = f"quantity {quantity.name}"
                 world.add((key, stated.get(key, "what the map says")))
             if isinstance(carrier, bridge.Connection) and any(

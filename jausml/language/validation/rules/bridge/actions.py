@@ -34,10 +34,10 @@ _ENDS = ("name", "direction", "type", "driver", "element", "peers", "search")
 
 
 def _is_sound(subject: Subject, connection: bridge.RosActionConnection) -> bool:
-    used = connection.element
-    if used is None or not subject.is_intact(connection.driver, connection.type):
+    map_ = connection.element
+    if map_ is None or not subject.is_intact(connection.driver, connection.type):
         return False
-    return subject.is_intact(used.message, used.type)
+    return subject.is_intact(map_.message, map_.type)
 
 
 _of_lists = partial(rule, kinds=bridge.RosActionConnection, needs=_ENDS, condition=_is_sound)

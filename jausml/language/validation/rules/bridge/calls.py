@@ -64,18 +64,18 @@ def maps_fit(subject: Subject, connection: bridge.RosServiceConnection) -> Itera
     """
     parts = dict(zip((calls.REQUEST, calls.RESPONSE), calls.types(connection), strict=True))
     for half in calls.halves(connection):
-        used, part = half.map, parts[half.kind]
-        if used.type is not part:
-            text = f"map '{used.name}' is for {ros_name(used.type)}, not for the {half.kind}"
-            note = Note(used, f"map '{used.name}'", "type")
+        map_, part = half.map, parts[half.kind]
+        if map_.type is not part:
+            text = f"map '{map_.name}' is for {ros_name(map_.type)}, not for the {half.kind}"
+            note = Note(map_, f"map '{map_.name}'", "type")
             message = f"{text} of {ros_name(connection.type)}"
             yield Finding(connection, message, half.kind, related=(note,))
             continue
         feature = "toRos" if half.to_ros else "toJaus"
-        targets = used.type.fields if half.to_ros else services.attributes(used.message)
-        if targets and not getattr(used, feature) and subject.is_intact(used):
-            message = f"map '{used.name}' has no {feature} assignments, which its place needs"
-            note = Note(used, f"map '{used.name}'")
+        targets = map_.type.fields if half.to_ros else services.attributes(map_.message)
+        if targets and not getattr(map_, feature) and subject.is_intact(map_):
+            message = f"map '{map_.name}' has no {feature} assignments, which its place needs"
+            note = Note(map_, f"map '{map_.name}'")
             yield Finding(connection, message, half.kind, related=(note,))
     for of_map, of_message in ((calls.REQUEST, "message"), (calls.RESPONSE, "answer")):
         if getattr(connection, of_map) is not None and getattr(connection, of_message):
@@ -219,10 +219,10 @@ def _untaken_bools(subject: Subject, connection: bridge.RosServiceConnection) ->
     """Returns the bools of a response that no map reads."""
     if connection.type is None or not subject.is_intact(connection.type):
         return []
-    used = connection.response
-    if used is not None and not subject.is_intact(used):
+    map_ = connection.response
+    if map_ is not None and not subject.is_intact(map_):
         return []
-    assignments = spelled_out(used, to_ros=False) if used else ()
+    assignments = spelled_out(map_, to_ros=False) if map_ else ()
     read = {path for assignment in assignments for path in source_paths(assignment)}
     return [
         str(field.name)

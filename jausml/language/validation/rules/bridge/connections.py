@@ -45,13 +45,13 @@ def direction_assigned(subject: Subject, connection: bridge.Connection) -> Itera
 
     Good: the same map with `toJaus`
     """
-    used = connection.map
+    map_ = connection.map
     to_ros = _to_ros(connection)
     feature = "toRos" if to_ros else "toJaus"
-    targets = used.type.fields if to_ros else services.attributes(used.message)
-    if targets and not getattr(used, feature) and subject.is_intact(used):
-        note = Note(used, f"map '{used.name}'")
-        message = f"map '{used.name}' has no {feature} assignments, which"
+    targets = map_.type.fields if to_ros else services.attributes(map_.message)
+    if targets and not getattr(map_, feature) and subject.is_intact(map_):
+        note = Note(map_, f"map '{map_.name}'")
+        message = f"map '{map_.name}' has no {feature} assignments, which"
         message += f" {connection.direction.name} needs"
         hint = _other_ways(subject, connection)
         yield Finding(connection, message, "map", hint, (note,))

@@ -183,18 +183,18 @@ def commanders_known(_: Subject, connection: bridge.Connection) -> Iterator[Find
     Good: the same with `peers="operator"`
     """
     owner = connection.eContainer()
-    used = connection.map
+    map_ = connection.map
     if (
         isinstance(owner, bridge.Bridge)
         and connection.direction.name == "jausToRos"
         and connection.exchange.name == "message"
         and not (connection.peers or connection.search or connection.documentation)
         and not owner.allowedHosts
-        and used is not None
-        and used.message is not None
-        and is_steering(used.message)
+        and map_ is not None
+        and map_.message is not None
+        and is_steering(map_.message)
     ):
-        message = f"'{connection.name}' takes {used.message.name} of anybody in control"
+        message = f"'{connection.name}' takes {map_.message.name} of anybody in control"
         yield Finding(connection, message, "peers", "name peers, or allowedHosts of the bridge")
 
 

@@ -49,9 +49,9 @@ def nested_messages(subject: Subject, direction: scopes.Direction) -> Iterator[F
     Good: `source="ElementData"`
     """
     for placed in direction.of_kind(bridge.MessageAssignment):
-        used = placed.assignment.map
-        if used is not None and subject.is_intact(used.message, used.type):
-            yield from _message_findings(placed, used, direction)
+        map_ = placed.assignment.map
+        if map_ is not None and subject.is_intact(map_.message, map_.type):
+            yield from _message_findings(placed, map_, direction)
 
 
 def _end_findings(placed: scopes.Placed[bridge.ListAssignment]) -> Iterator[Finding]:
@@ -130,7 +130,7 @@ def _indexed_prefixes(path: str) -> Iterator[tuple[str, int]]:
 
 def _message_findings(
     placed: scopes.Placed[bridge.MessageAssignment],
-    used: bridge.AttributeMap,
+    map_: bridge.AttributeMap,
     direction: scopes.Direction,
 ) -> Iterator[Finding]:
     assignment, to_ros = placed.assignment, direction.to_ros
@@ -143,26 +143,26 @@ def _message_findings(
         elif attributes and is_jaus and not attributes[0].carries:
             message = f"'{path}' is {attributes[0].name}, which carries no JAUS message"
             yield Finding(assignment, message, feature)
-        elif attributes and not is_jaus and attributes[0].kind != ros_name(used.type):
-            message = f"'{path}' is {attributes[0].name}, but map '{used.name}' is for"
-            note = Note(used, f"map '{used.name}'", "type")
-            yield Finding(assignment, f"{message} {ros_name(used.type)}", feature, related=(note,))
-    yield from _map_findings(assignment, used, direction)
+        elif attributes and not is_jaus and attributes[0].kind != ros_name(map_.type):
+            message = f"'{path}' is {attributes[0].name}, but map '{map_.name}' is for"
+            note = Note(map_, f"map '{map_.name}'", "type")
+            yield Finding(assignment, f"{message} {ros_name(map_.type)}", feature, related=(note,))
+    yield from _map_findings(assignment, map_, direction)
 
 
 def _map_findings(
-    assignment: bridge.MessageAssignment, used: bridge.AttributeMap, direction: scopes.Direction
+    assignment: bridge.MessageAssignment, map_: bridge.AttributeMap, direction: scopes.Direction
 ) -> Iterator[Finding]:
     feature = "toRos" if direction.to_ros else "toJaus"
-    note = Note(used, f"map '{used.name}'")
-    if not _assignments(used, feature):
-        message = f"map '{used.name}' has no {feature} assignments"
+    note = Note(map_, f"map '{map_.name}'")
+    if not _assignments(map_, feature):
+        message = f"map '{map_.name}' has no {feature} assignments"
         yield Finding(assignment, message, "map", related=(note,))
-    if used.reportJoins if direction.to_ros else used.joins:
-        message = f"map '{used.name}' has joins, which only a connection feeds"
+    if map_.reportJoins if direction.to_ros else map_.joins:
+        message = f"map '{map_.name}' has joins, which only a connection feeds"
         yield Finding(assignment, message, "map", related=(note,))
-    if _leads_to(used, direction.map, feature):
-        message = f"map '{used.name}' leads back to map '{direction.map.name}'"
+    if _leads_to(map_, direction.map, feature):
+        message = f"map '{map_.name}' leads back to map '{direction.map.name}'"
         yield Finding(assignment, message, "map", related=(note,))
 
 

@@ -58,22 +58,22 @@ def meanings_known(subject: Subject, direction: scopes.Direction) -> Iterator[Fi
 
     Good: the same with `vector starboard JAUS->ROS ( Rudder = 0.2 => rudder = -0.2 ~ 1e-4 )`
     """
-    used = direction.map
-    if direction.owner is not used:
+    map_ = direction.map
+    if direction.owner is not map_:
         return
     doubtful = [
         placed
         for placed in direction.of_kind(bridge.FieldAssignment)
         if turns_unseen(placed) or by_table(placed)
     ]
-    unknown = dict(unknown_targets(used, to_ros=direction.to_ros)) if doubtful else {}
+    unknown = dict(unknown_targets(map_, to_ros=direction.to_ros)) if doubtful else {}
     for placed in doubtful:
         lacks = [path for path in scopes.target_paths(placed.assignment) if path in unknown]
         if lacks:
             does = "turns the sign" if turns_unseen(placed) else "looks up a table"
             message = f"'{lacks[0]}' {does}, and nothing says whether that is right"
             hint = f"a test vector of a person; rules lack {unknown[lacks[0]]}"
-            severity = Severity.ERROR if subject.model.is_library(used) else None
+            severity = Severity.ERROR if subject.model.is_library(map_) else None
             yield Finding(placed.assignment, message, "target", hint, severity=severity)
 
 
@@ -88,12 +88,12 @@ def vectors_kept(_: Subject, direction: scopes.Direction) -> Iterator[Finding]:
 
     Good: `Rudder -> rudder` with the same vector
     """
-    used = direction.map
-    if direction.owner is not used:
+    map_ = direction.map
+    if direction.owner is not map_:
         return
     by_target = {placed.assignment.target.strip(): placed for placed in _single(direction)}
     way = "jausToRos" if direction.to_ros else "rosToJaus"
-    for vector in used.vectors:
+    for vector in map_.vectors:
         inputs = {value.path: value.value for value in vector.given}
         for value in vector.expected if vector.direction.name == way else ():
             placed = by_target.get(value.path)

@@ -36,10 +36,10 @@ def report_joins(subject: Subject, attribute_map: bridge.AttributeMap) -> Iterat
     if not attribute_map.reportJoins or not subject.is_intact(attribute_map.message):
         return
     fields = {str(one.name) for one in attributes(attribute_map.message)}
-    used = used_joins(attribute_map.toRos)
+    names = used_joins(attribute_map.toRos)
     seen: dict[str, bridge.ReportJoin] = {}
     for join in attribute_map.reportJoins:
-        yield from join_findings(join, "report join", "message", fields, used)
+        yield from join_findings(join, "report join", "message", fields, names)
         first = seen.setdefault(str(join.name), join)
         if first is not join:
             note = Note(first, "the other one", "name")
@@ -76,8 +76,8 @@ def report_sources(subject: Subject, connection: bridge.Connection) -> Iterator[
 
     Good: `<sources join="velocity" peers="vehicle" rate="20"/>`
     """
-    used = connection.map
-    if used is None or not subject.is_intact(connection, used, used.message):
+    map_ = connection.map
+    if map_ is None or not subject.is_intact(connection, map_, map_.message):
         return
     yield from _source_findings(connection)
     reports = joined_reports(connection)
@@ -95,10 +95,10 @@ def _unfed(
     connection: bridge.RosActionConnection | bridge.RosServiceConnection, feature: str
 ) -> Iterator[Finding]:
     """A map with joined reports at a connection that feeds none."""
-    used: bridge.AttributeMap | None = getattr(connection, feature)
-    if used is not None and used.reportJoins:
-        message = f"map '{used.name}' has joined reports, which only a connection of topics feeds"
-        yield Finding(connection, message, feature, related=(Note(used, f"map '{used.name}'"),))
+    map_: bridge.AttributeMap | None = getattr(connection, feature)
+    if map_ is not None and map_.reportJoins:
+        message = f"map '{map_.name}' has joined reports, which only a connection of topics feeds"
+        yield Finding(connection, message, feature, related=(Note(map_, f"map '{map_.name}'"),))
 
 
 def _source_findings(connection: bridge.Connection) -> Iterator[Finding]:

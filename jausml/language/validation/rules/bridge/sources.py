@@ -109,11 +109,11 @@ def topics_have_one_source(subject: Subject) -> Iterator[Finding]:
 
 
 def _second(flow: Flow, topic: str, others: list[Flow]) -> Iterator[Finding]:
-    used = flow.connection.map
+    map_ = flow.connection.map
     first = next((other for other in others if not is_same_source(flow, other)), None)
-    if first is not None and not ros_name(used.type).startswith(_OF_MANY):
+    if first is not None and not ros_name(map_.type).startswith(_OF_MANY):
         name = first.connection.name
-        message = f"'{flow.connection.name}' publishes {used.message.name} on {topic}, where"
+        message = f"'{flow.connection.name}' publishes {map_.message.name} on {topic}, where"
         message += f" '{name}' publishes {first.connection.map.message.name}"
         hint = "give each a topic of its own: the value would jump"
         note = Note(first.connection, f"'{name}'", "topics")

@@ -64,13 +64,13 @@ def commands_stop(subject: Subject, connection: bridge.Connection) -> Iterator[F
         return
     if stops.has_stop(connection) or stops.keeps_last_command(connection):
         return
-    used, to_ros = connection.map, connection.direction.name == "jausToRos"
-    note = Note(used, f"map '{used.name}'")
-    message = f"nothing stops what {used.message.name} of '{connection.name}' sets in motion"
+    map_, to_ros = connection.map, connection.direction.name == "jausToRos"
+    note = Note(map_, f"map '{map_.name}'")
+    message = f"nothing stops what {map_.message.name} of '{connection.name}' sets in motion"
     hint = f"give it a safeValue, or the map a {'stopRos' if to_ros else 'stopJaus'}, "
     hint += "or say onSilence hold with a holdReason"
-    if not subject.model.is_library(used.message):
-        hint += f", or moves false of {used.message.name} if it sets nothing in motion"
+    if not subject.model.is_library(map_.message):
+        hint += f", or moves false of {map_.message.name} if it sets nothing in motion"
     yield Finding(connection, message, "map", hint, (note,))
 
 

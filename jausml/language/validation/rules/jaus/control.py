@@ -92,9 +92,9 @@ def _takes_commands(subject: Subject, connection: Carrier) -> bool:
     if isinstance(connection, bridge.RosServiceConnection):
         message = calls.asking(connection)
     else:
-        used = connection.map
+        map_ = connection.map
         message = (
-            used.message if used is not None and connection.exchange.name == "message" else None
+            map_.message if map_ is not None and connection.exchange.name == "message" else None
         )
     return message is not None and subject.is_intact(message) and is_steering(message)
 
@@ -144,8 +144,8 @@ def no_own_peers(
     Good: `peers="vehicle"`
     """
     owner = connection.eContainer()
-    used = connection.map if isinstance(connection, bridge.Connection) else None
-    is_own = used is not None and used.message is not None and is_emergency(used.message)
+    map_ = connection.map if isinstance(connection, bridge.Connection) else None
+    is_own = map_ is not None and map_.message is not None and is_emergency(map_.message)
     if owner is not None and not is_own and any(peer is owner for peer in connection.peers):
         message = f"'{connection.name}' has its own bridge '{owner.name}' as a peer"
         yield Finding(connection, message, "peers")
@@ -329,8 +329,8 @@ def _messages_of(component: jaus.Component) -> list[jaus.MessageDef]:
         for call in component.serviceConnections:
             messages.update(dict.fromkeys(calls.messages(call)))
         for action in component.actionConnections:
-            used = driver_messages(action.driver)
-            if used is not None:
-                messages.update(dict.fromkeys(used.all))
+            driven = driver_messages(action.driver)
+            if driven is not None:
+                messages.update(dict.fromkeys(driven.all))
             messages[action.element.message if action.element is not None else None] = None
     return [message for message in messages if message is not None]
