@@ -5,12 +5,11 @@ from __future__ import annotations
 import math
 import time
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from .loop import Loop, Timer
 
 steady: Callable[[], float] = partial(
     time.clock_gettime, getattr(time, "CLOCK_BOOTTIME", time.CLOCK_MONOTONIC)
@@ -26,6 +25,28 @@ _RELAYED = 0.1  # seconds for what relays of the host have held, which may have 
 
 _MOST_TURNS = 256
 """Turns in which a socket gives all that it can hold, also while more comes without a pause."""
+
+
+class Waiting(Protocol):
+    """What a loop offers to whoever waits."""
+
+    now: Callable[[], float]
+
+    def call_soon(self, callback: Callable[[], object]) -> None:
+        """Run a callback in the next turn."""
+
+    def call_later(self, delay_s: float, callback: Callable[[], None]) -> Cancellable:
+        """Run a callback after a delay in seconds."""
+
+    def is_idle(self) -> bool:
+        """Tell whether nothing waits to be served."""
+
+
+class Cancellable(Protocol):
+    """A callback that is planned."""
+
+    def cancel(self) -> None:
+        """Keep it from running."""
 
 
 class Watch:
@@ -80,13 +101,13 @@ class Standstill:
         "due",
     )
 
-    def __init__(self, loop: Loop) -> None:
+    def __init__(self, loop: Waiting) -> None:
         self.due = self._limit = math.inf
         self._loop = loop
         self._turned = self._relayed = loop.now()
         self._watches: list[Watch] = []
         self._behind: list[Watch] = []
-        self._beat: Timer | None = None
+        self._beat: Cancellable | None = None
         self._turns = 0
 
     def watch(

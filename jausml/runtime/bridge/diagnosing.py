@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Protocol
 
 from ..base.clocks import Alarm
 from ..transports.transport import accounts_of
+from .ends.ends import Ends
 from .reports.diagnostics import (
     ConnectionStatus,
     double_status,
@@ -29,9 +30,8 @@ if TYPE_CHECKING:
     from ..conversions import Time
     from ..transports.delivery import PeerTraffic
     from ..transports.transport import Accountable
-    from .bridge import Bridge
     from .connections.translations import Form
-    from .ends.ends import Ends
+    from .ends.simulation import Simulation
     from .reports.diagnostics import Statistics
     from .reports.states import Standing, StopReason
 
@@ -176,10 +176,18 @@ _UNKNOWN = "component.unknown_message"
 SLICE = 4  # connections that are looked at in one turn: messages must not wait for all of them
 
 
+class Diagnosed(Ends, Protocol):
+    """A bridge as its diagnostics see it."""
+
+    connections: list[Carried]
+    simulation: Simulation | None
+    standing: Standing
+
+
 class Diagnosing:
     """Looks at all connections once each period."""
 
-    def __init__(self, bridge: Bridge, period: float) -> None:
+    def __init__(self, bridge: Diagnosed, period: float) -> None:
         self._bridge = bridge
         self._loop: Loop = bridge.loop
         self._period = period

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from enum import Enum
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 from ..base.clocks import Alarm
 from ..messages import (
@@ -36,6 +36,16 @@ class ControlState(Enum):
     READY = "ready"  # the target is controlled and obeys every command
     REFUSED = "refused"
     """The target is not available or has a controller of the same or higher authority."""
+
+
+class Session(Protocol):
+    """One user's share, as the control sees it."""
+
+    authority: int
+    resume: bool
+
+    def changed(self) -> None:
+        """Learn that the state is another one."""
 
 
 class Releases:

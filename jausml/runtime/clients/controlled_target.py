@@ -19,7 +19,7 @@ from ..messages import (
 )
 from ..services.definitions import Status
 from ..transports.delivery import Ordering
-from .control_state import ControlState, Questions, TargetWatch
+from .control_state import ControlState, Questions, Session, TargetWatch
 from .pace import QUICK_TRIES, Pace
 from .presence import Presence
 
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 
     from ..services.host import Host
     from ..wire.message import Message
-    from .control_session import ControlSession
     from .control_state import Releases
 
 RENEWALS = 4
@@ -70,7 +69,7 @@ class ControlledTarget:
         self._loop = component.loop
         self._settings = component.settings
         self._pace = Pace(component, target)
-        self._sessions: list[ControlSession] = []
+        self._sessions: list[Session] = []
         self._is_permitted = component.may_control
         self._is_handed_over = False
         self._is_started = False
@@ -116,7 +115,7 @@ class ControlledTarget:
             return f"{self.controller} controls {self.target}"
         return f"{self.target} demands a higher authority than {self.authority}"
 
-    def join(self, session: ControlSession) -> None:
+    def join(self, session: Session) -> None:
         """Add a session; the first one starts."""
         self._sessions.append(session)
         self._is_handed_over = False
@@ -127,11 +126,11 @@ class ControlledTarget:
         if self.state is not ControlState.SEEKING:
             self._loop.call_soon(session.changed)
 
-    def has(self, session: ControlSession) -> bool:
+    def has(self, session: Session) -> bool:
         """Tell whether a session has not left."""
         return session in self._sessions
 
-    def leave(self, session: ControlSession) -> None:
+    def leave(self, session: Session) -> None:
         """Remove a session; control is released with the last one."""
         if session in self._sessions:
             self._sessions.remove(session)

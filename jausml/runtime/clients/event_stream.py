@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from enum import Enum
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from ..base.clocks import Alarm
 from ..base.quirks import Quirk
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from ..base.fast_path import FastPath
     from ..services.host import Host
     from ..wire.message import DecodeError, Message
-    from .event_client import EventClient
     from .event_subscription import EventSubscription
 
 SILENT_PERIODS = 3  # periods of a periodic event without a report after which it is created again
@@ -47,11 +46,33 @@ class _State(Enum):
     ACTIVE = "active"
 
 
+class Listener(Protocol):
+    """Who hands streams their messages, and knows the other streams."""
+
+    def bind(self, stream: EventStream, event_id: int) -> None:
+        """Deliver the events of an id to a stream from now on."""
+
+    def unbind(self, stream: EventStream) -> None:
+        """Deliver no events to a stream any more."""
+
+    def suspect(self, provider: JausAddress) -> None:
+        """Verify all events of a provider that lost one or fell silent."""
+
+    def has(self, stream: EventStream) -> bool:
+        """Return whether a stream is among those with subscribers."""
+
+    def forget(self, stream: EventStream) -> None:
+        """Drop a stream without subscribers."""
+
+    def event_timeout(self, provider: JausAddress) -> int:
+        """Return the event timeout of a provider in minutes, 0 for never."""
+
+
 class EventStream:
     """Creates an event, renews it, and creates it again when the provider lost it."""
 
     def __init__(
-        self, client: EventClient, component: Host, provider: JausAddress, payload: bytes
+        self, listener: Listener, component: Host, provider: JausAddress, payload: bytes
     ) -> None:
         self.component = component
         self.provider = provider
@@ -64,7 +85,7 @@ class EventStream:
         self.late = 0  # reports that arrived after newer ones
         # Why the provider gives no such event, in its words; empty when it has not refused.
         self.refusal = ""
-        self._client = client
+        self._listener = listener
         self._loop = component.loop
         self._settings = component.settings
         self._counters = component.counters
@@ -111,7 +132,7 @@ class EventStream:
         self._subscribers.remove(subscription)
         if self._subscribers:
             self._agree_on_rate()
-        elif self._client.has(self):
+        elif self._listener.has(self):
             self.stop()
 
     def stop(self) -> None:
@@ -126,7 +147,7 @@ class EventStream:
             message = CancelEvent(request_id=self.request_id, event_id=self.event_id)
             self._send(message)
         self._presence.forget(self.provider, self._returned)
-        self._client.forget(self)
+        self._listener.forget(self)
         self._state = _State.IDLE
 
     def fast_path(self) -> FastPath | None:
@@ -208,7 +229,7 @@ class EventStream:
                 self._reborn()
         changed, self._confirmed_rate = rate != self._confirmed_rate, rate
         self._is_renewed = not is_new and not changed
-        self._client.bind(self, event_id)
+        self._listener.bind(self, event_id)
         self.event_id = event_id
         self._state = _State.ACTIVE
         self._loop.revision.changed()
@@ -232,7 +253,7 @@ class EventStream:
         if self._state is _State.ACTIVE:
             if self._renewals:
                 self.lost()
-                self._client.suspect(self.provider)
+                self._listener.suspect(self.provider)
         elif self._state is _State.CREATING:
             if code == UNKNOWN_EVENT:
                 return  # the answer to a request of a former life
@@ -248,7 +269,7 @@ class EventStream:
     def lost(self) -> None:
         """Create the event again: the provider does not know it any more."""
         self._counters.add("event_client.lost")
-        self._client.unbind(self)
+        self._listener.unbind(self)
         self.event_id = None
         self._recreate()
 
@@ -312,7 +333,7 @@ class EventStream:
     def _reborn(self) -> None:
         """The provider has begun a new life: it knows nothing of the other events either."""
         self._counters.add("event_client.lost")
-        self._loop.call_soon(partial(self._client.suspect, self.provider))
+        self._loop.call_soon(partial(self._listener.suspect, self.provider))
 
     def _send(self, message: Message) -> None:
         """Send a request; the transport repeats it where somebody is there to acknowledge."""
@@ -325,7 +346,7 @@ class EventStream:
         The reports of an every-change event may rightly stay away; only a renewal tells that its
         provider was restarted. A periodic event without timeout needs no renewal at all.
         """
-        minutes = self._client.event_timeout(self.provider)
+        minutes = self._listener.event_timeout(self.provider)
         waits = [30.0 * minutes] if minutes else []
         if self._rate is None:
             waits.append(self._settings.check_interval)
@@ -383,4 +404,4 @@ class EventStream:
         self._counters.add("event_client.stalled")
         self._silence_wait = min(2 * wait, max(MAX_SILENCE, shortest))
         self._create()
-        self._client.suspect(self.provider)
+        self._listener.suspect(self.provider)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 from ..base.clocks import Alarm
 from ..base.fast_path import fast_path_of
@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..base.fast_path import FastPath
     from ..base.loop import Loop, Timer
+    from ..services.host import Host
     from ..wire.message import Message
-    from .event_stream import EventStream
 
 
 class QueryTimer:
@@ -51,6 +51,26 @@ _ALIKE = 0.999
 """Share of a rate from which on another one is the same: on the wire a rate has 16 bits."""
 
 
+class Stream(Protocol):
+    """The event as its subscribers see it."""
+
+    component: Host
+    provider: JausAddress
+    missing: int
+    late: int
+    refusal: str
+
+    @property
+    def active(self) -> bool:
+        """Whether the provider has confirmed the event."""
+
+    def leave(self, subscription: EventSubscription) -> None:
+        """Remove a subscriber."""
+
+    def count_bad(self, provider: JausAddress, error: DecodeError) -> None:
+        """Count a report that cannot be read."""
+
+
 class EventSubscription:
     """One subscriber's share in an event; made by ``JausComponent.subscribe``."""
 
@@ -58,7 +78,7 @@ class EventSubscription:
 
     def __init__(
         self,
-        stream: EventStream,
+        stream: Stream,
         on_report: Callable[[Any, JausAddress], None],
         # Reports each second that the subscriber asked for; None means every change.
         rate: float | None,

@@ -12,68 +12,120 @@ from jausml.language.metamodel.classes.ecore import EEnumLiteral, EObject
 class Direction(EEnumLiteral):
     """Which way a connection carries messages."""
 
-    name: Literal["jausToRos", "rosToJaus"]
+    name: Literal[
+        "jausToRos",
+        "rosToJaus",
+    ]
 
 class Exchange(EEnumLiteral):
     """How the JAUS side of a connection exchanges its message."""
 
-    name: Literal["message", "periodicEvent", "everyChangeEvent", "query"]
+    name: Literal[
+        "message",
+        "periodicEvent",
+        "everyChangeEvent",
+        "query",
+    ]
 
 class Priority(EEnumLiteral):
     """AS5669A message priority."""
 
-    name: Literal["low", "standard", "high", "safetyCritical"]
+    name: Literal[
+        "low",
+        "standard",
+        "high",
+        "safetyCritical",
+    ]
 
 class OutOfRangePolicy(EEnumLiteral):
     """What happens to a value that its target field cannot carry; each case is counted by field."""
 
-    name: Literal["clamp", "dropMessage", "dropField", "error"]
+    name: Literal[
+        "clamp",
+        "dropMessage",
+        "dropField",
+        "error",
+    ]
 
 class FieldOutOfRangePolicy(EEnumLiteral):
     """What happens to a value that the target of one assignment cannot carry; each case is
     counted by field."""
 
-    name: Literal["asConnection", "clamp", "dropMessage", "dropField", "error"]
+    name: Literal[
+        "asConnection",
+        "clamp",
+        "dropMessage",
+        "dropField",
+        "error",
+    ]
 
 class AbsentPolicy(EEnumLiteral):
     """What happens when a source is absent: an optional JAUS field that is left out, or a ROS
     field whose marker says that it has no value."""
 
-    name: Literal["unstated", "dropMessage", "useDefault", "lastValue", "leave", "receptionTime"]
+    name: Literal[
+        "unstated",
+        "dropMessage",
+        "useDefault",
+        "lastValue",
+        "leave",
+        "receptionTime",
+    ]
 
 class StalePolicy(EEnumLiteral):
     """What happens to a message when a joined topic has delivered nothing, or nothing fresh."""
 
-    name: Literal["leave", "dropMessage"]
+    name: Literal[
+        "leave",
+        "dropMessage",
+    ]
 
 class SilentTopicPolicy(EEnumLiteral):
     """What becomes of a report whose ROS topic has delivered nothing, or nothing fresh."""
 
-    name: Literal["absent", "keep"]
+    name: Literal[
+        "absent",
+        "keep",
+    ]
 
 class ConnectionSilentTopicPolicy(EEnumLiteral):
     """What becomes of the report of one connection whose ROS topic has delivered nothing, or
     nothing fresh."""
 
-    name: Literal["asMap", "absent", "keep"]
+    name: Literal[
+        "asMap",
+        "absent",
+        "keep",
+    ]
 
 class SilencePolicy(EEnumLiteral):
     """What happens on the other side when the source of a command is lost: it falls silent,
     control ends, the bridge leaves Ready, or the bridge itself ends."""
 
-    name: Literal["stop", "hold"]
+    name: Literal[
+        "stop",
+        "hold",
+    ]
 
 class Progress(EEnumLiteral):
     """What a number in the feedback of a ROS action says of its list."""
 
-    name: Literal["index", "remaining", "distance"]
+    name: Literal[
+        "index",
+        "remaining",
+        "distance",
+    ]
 
 class MissionEnd(EEnumLiteral):
     """What becomes of the mission of a JAUS peer when the goal of a ROS client ends before it:
     the client cancels it, another goal takes its place, control ends, the bridge leaves Ready,
     or the bridge itself ends."""
 
-    name: Literal["open", "abort", "pause"]
+    name: Literal[
+        "open",
+        "abort",
+        "pause",
+    ]
 
 class ConversionKind(EEnumLiteral):
     """Named value conversions.

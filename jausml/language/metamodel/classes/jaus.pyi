@@ -28,7 +28,13 @@ class NumericType(EEnumLiteral):
 class PresenceVector(EEnumLiteral):
     """Width of the presence vector that precedes a record or sequence."""
 
-    name: Literal["none", "uint8", "uint16", "uint32", "uint64"]
+    name: Literal[
+        "none",
+        "uint8",
+        "uint16",
+        "uint32",
+        "uint64",
+    ]
 
 class Frame(EEnumLiteral):
     """Axes to which a coordinate, a rate or an angle belongs.
@@ -50,42 +56,76 @@ class Frame(EEnumLiteral):
 class Rounding(EEnumLiteral):
     """How a real value becomes the integer of a scaled field (AS5684 integer_function)."""
 
-    name: Literal["round", "floor", "ceiling"]
+    name: Literal[
+        "round",
+        "floor",
+        "ceiling",
+    ]
 
 class TransitionKind(EEnumLiteral):
     """What taking a transition does to the state (AS5684 transition)."""
 
-    name: Literal["simple", "internal", "push", "pop"]
+    name: Literal[
+        "simple",
+        "internal",
+        "push",
+        "pop",
+    ]
 
 class SubsystemType(EEnumLiteral):
     """What a component reports as its type in ReportIdentification (AS5710, message 4B00h)."""
 
-    name: Literal["vehicle", "ocu", "other", "node", "payload", "component"]
+    name: Literal[
+        "vehicle",
+        "ocu",
+        "other",
+        "node",
+        "payload",
+        "component",
+    ]
 
 class EventType(EEnumLiteral):
     """When a report is sent to its subscriber."""
 
-    name: Literal["periodic", "everyChange", "oneTime"]
+    name: Literal[
+        "periodic",
+        "everyChange",
+        "oneTime",
+    ]
 
 class SilentPolicy(EEnumLiteral):
     """What a component does when a report that it receives has fallen silent."""
 
-    name: Literal["stay", "standby"]
+    name: Literal[
+        "stay",
+        "standby",
+    ]
 
 class CoreServices(EEnumLiteral):
     """Whether a component provides the core services of AS5710 that its model does not name."""
 
-    name: Literal["standard", "none"]
+    name: Literal[
+        "standard",
+        "none",
+    ]
 
 class PeerChoice(EEnumLiteral):
     """Which of the components that a search finds are taken."""
 
-    name: Literal["nearest", "first", "all"]
+    name: Literal[
+        "nearest",
+        "first",
+        "all",
+    ]
 
 class SearchScope(EEnumLiteral):
     """How far from the component that searches others are looked for."""
 
-    name: Literal["system", "subsystem", "node"]
+    name: Literal[
+        "system",
+        "subsystem",
+        "node",
+    ]
 
 class NamedElement(EObject):
     """Something with a name and documentation."""

@@ -33,7 +33,12 @@ class PrimitiveType(EEnumLiteral):
 class ArrayKind(EEnumLiteral):
     """Whether a field is a single value or an array."""
 
-    name: Literal["single", "fixedArray", "boundedSequence", "unboundedSequence"]
+    name: Literal[
+        "single",
+        "fixedArray",
+        "boundedSequence",
+        "unboundedSequence",
+    ]
 
 class Frame(EEnumLiteral):
     """Axes to which a coordinate, a rate or an angle belongs.
@@ -55,32 +60,58 @@ class Frame(EEnumLiteral):
 class Reliability(EEnumLiteral):
     """ROS 2 reliability policy."""
 
-    name: Literal["reliable", "best_effort", "system_default", "automatic"]
+    name: Literal[
+        "reliable",
+        "best_effort",
+        "system_default",
+        "automatic",
+    ]
 
 class Durability(EEnumLiteral):
     """ROS 2 durability policy."""
 
-    name: Literal["volatile", "transient_local", "system_default"]
+    name: Literal[
+        "volatile",
+        "transient_local",
+        "system_default",
+    ]
 
 class History(EEnumLiteral):
     """ROS 2 history policy."""
 
-    name: Literal["keep_last", "keep_all", "system_default"]
+    name: Literal[
+        "keep_last",
+        "keep_all",
+        "system_default",
+    ]
 
 class Liveliness(EEnumLiteral):
     """ROS 2 liveliness policy."""
 
-    name: Literal["automatic", "manual_by_topic", "system_default"]
+    name: Literal[
+        "automatic",
+        "manual_by_topic",
+        "system_default",
+    ]
 
 class ParameterType(EEnumLiteral):
     """Type of a node parameter."""
 
-    name: Literal["bool", "integer", "double", "string"]
+    name: Literal[
+        "bool",
+        "integer",
+        "double",
+        "string",
+    ]
 
 class MarkerMeaning(EEnumLiteral):
     """What a field says by a marker instead of a value."""
 
-    name: Literal["unknown", "none", "unlimited"]
+    name: Literal[
+        "unknown",
+        "none",
+        "unlimited",
+    ]
 
 class NamedElement(EObject):
     """Something with a name and documentation."""

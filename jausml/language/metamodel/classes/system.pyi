@@ -12,7 +12,11 @@ from jausml.language.metamodel.classes.ecore import EEnumLiteral, EObject
 class Transport(EEnumLiteral):
     """How JAUS messages travel to and from a host (AS5669A)."""
 
-    name: Literal["judp", "jtcp", "nodeManager"]
+    name: Literal[
+        "judp",
+        "jtcp",
+        "nodeManager",
+    ]
 
 class NamedElement(EObject):
     """Something with a name and documentation."""
