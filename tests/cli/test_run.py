@@ -291,6 +291,8 @@ def test_what_is_no_workspace(jausml, tmp_path):
         [{"name": "a", "kind": "node", "module": "os; import x"}],
         [{"name": "a", "kind": "node", "module": "-c"}],
         [{"name": "a", "kind": "node", "module": "a.main", "arguments": [1]}],
+        [{"name": "a", "kind": "node", "module": "a.main", "arguments": "xy"}],
+        [{"name": "a", "kind": "node", "module": "a.main", "domain": "0"}],
         [],
     ],
 )
