@@ -56,7 +56,7 @@ class Releases:
     """
 
     def __init__(self, component: Host, on_done: Callable[[JausAddress], None]) -> None:
-        """Nothing is under way; each target is told to which nothing is under way any more."""
+        """Has nothing under way; `on_done` is told each target to which nothing is any more."""
         self._component = component
         self._on_done = on_done
         self._under_way: dict[JausAddress, int] = {}

@@ -57,7 +57,7 @@ class Exchange:
         self.priority = priority
         self.owed = 0  # answers that may come, one for each time that it was sent
         self.is_over = False  # whether it has ended; what is owed may come still
-        # Until when the same question waits then, by the clock of the loop.
+        # Until when the same question waits then, and others do, by the clock of the loop.
         self.same_until = self.others_until = 0.0
         self.timers: list[Timer] = []
 
@@ -87,7 +87,7 @@ class Exchange:
         self.is_over = True
         self.same_until = now + (self.timeout if ending is Unanswered.SILENT else 0.0)
         late = self.timeout * (1 if isinstance(ending, bytes) else LATEST)
-        self.others_until = max(self.others_until, now + late)  # until when others wait
+        self.others_until = max(self.others_until, now + late)
 
     def take_over(self, former: Exchange) -> None:
         """Has what is owed to the same question, asked before, owed to this one."""
