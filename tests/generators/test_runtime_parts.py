@@ -55,6 +55,13 @@ def test_a_component_has_no_bridge(tmp_path):
     starts(tmp_path / "src", "talker")
 
 
+def test_a_bridge_that_commands_with_a_stop_has_a_guardian(tmp_path):
+    vehicle = Path(__file__).parents[2] / "models" / "catvehicle" / "catvehicle.xmi"
+    model = read_models([vehicle], notations=NOTATIONS).model
+    generate_code(model, TARGETS, tmp_path / "src", kept=None)
+    assert {"bridge/guardian.py", "guardian/process.py", "guardian/ward.py"} <= modules(tmp_path)
+
+
 def test_a_component_has_the_parts_that_its_model_asks_for(tmp_path):
     generate(tmp_path, TALKER, "talk")
     alone = modules(tmp_path)

@@ -124,7 +124,7 @@ def _new_collection(obj: Any, table: FeatureTable) -> Any:
     if not table.unique:
         collection = ECollection.create(obj, table.feature)
     else:
-        # What pyecore's constructors set, without their calls: there is one for each list that a rule asks for.
+        # What pyecore's constructors set, without their calls: each list that is read has one.
         collection = EOrderedSet.__new__(EOrderedSet)
         collection.__dict__ = {
             "owner": obj,
