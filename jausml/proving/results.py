@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml.language.model import Model
 from jausml.language.model.diagnostics import Diagnostic, RuleInfo, Severity
+from jausml.language.validation.rule import Report
 from jausml.proving.layout import JAUS
 from jausml.proving.round_trips import RoundTrip, assignment_of
-
-if TYPE_CHECKING:
-    from jausml.language.validation.rule import Report
 
 
 @dataclass(frozen=True)

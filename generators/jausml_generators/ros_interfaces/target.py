@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import PurePath
-from typing import TYPE_CHECKING
 
 from jausml.generation.target import (
     FileTask,
@@ -16,19 +16,14 @@ from jausml.generation.target import (
 )
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.metamodel.classes import system as system_language
+from jausml.language.metamodel.classes.system import System
 from jausml.language.metamodel.filling import new_object
+from jausml.language.model.model import Model
 from jausml.language.semantics.jaus.core_services import CORE
 from jausml_generators.common.components import services_of, with_inherited
 from jausml_generators.python.names import package_name
-from jausml_generators.ros_interfaces.definitions import package_files
+from jausml_generators.ros_interfaces.definitions import DefinitionFile, package_files
 from jausml_generators.ros_interfaces.jaus_types import MessagesPackage
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
-
-    from jausml.language.metamodel.classes.system import System
-    from jausml.language.model.model import Model
-    from jausml_generators.ros_interfaces.definitions import DefinitionFile
 
 
 def declared_tasks(model: Model) -> list[Task]:

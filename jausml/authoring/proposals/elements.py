@@ -7,10 +7,12 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
+from jausml.authoring.editing.commands import Command
 from jausml.language.metamodel import ClassTable, FeatureTable
 from jausml.language.metamodel.classes import bridge, jaus, ros, system
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model import Document, Model, refs
 from jausml.language.model.names import name_of
 from jausml.language.model.values import suggest
@@ -19,10 +21,6 @@ from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
 from jausml.language.semantics.jaus.services import lineage, outputs
 from jausml.language.semantics.paths.markers import in_words
 from jausml.language.semantics.paths.ros_paths import ros_name
-
-if TYPE_CHECKING:
-    from jausml.authoring.editing.commands import Command
-    from jausml.language.metamodel.classes.ecore import EObject
 
 FoundT = TypeVar("FoundT", bound="EObject")
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pickle
 import threading
 from collections import OrderedDict
+from collections.abc import Iterable, Mapping
 from itertools import count, islice
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from jausml.authoring.proposals.elements import AnswerError
 from jausml.language.model.project import walk
@@ -15,9 +15,6 @@ from jausml.live.recording.bags import MCAP
 from jausml.live.recording.mcap_files import RecordingError
 from jausml.live.systems.playback import AT_ONCE, Indexing, RecordedSystem
 from jausml.live.workers.pool_processes import PoolError, PoolProcess
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
 
 MOST_LISTED = 200
 """Files that are offered."""

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from jausml.live.messages import MessageError
 from jausml.live.messages.errors import CodecError
 from jausml.live.operating.forms import form_of
-from jausml.live.operating.lists import Drawn  # noqa: TC001 - methods are read with their types
+from jausml.live.operating.lists import Drawn
 from jausml.live.operating.unit import WORD
 from jausml.live.peers.network import component_address
 from jausml.live.peers.query_client import NoAnswer, Refused

@@ -6,7 +6,7 @@ import io
 import json
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
-from typing import TYPE_CHECKING, Any, BinaryIO, TypeVar
+from typing import TYPE_CHECKING, Any, BinaryIO, TypeAlias, TypeVar
 
 from jausml import __version__, installing
 from jausml.live.recording.mcap_records import END
@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from jausml.live.messages import MessageEntry
     from jausml.live.traffic.frames import Datagram
 
-    Found = tuple[Schema | None, Channel, Message]
-    """A message with its channel, and the schema of that."""
+Found: TypeAlias = "tuple[Schema | None, Channel, Message]"
+"""A message with its channel, and the schema of that."""
 
 T = TypeVar("T")
 

@@ -7,14 +7,12 @@ makes a worker of what is shared, once, and asks it for one piece after another.
 from __future__ import annotations
 
 import pickle
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Generic, TypeVar
+from typing import Generic, TypeVar
 
 from jausml.live.workers.pool_processes import PoolProcesses
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
 
 Shared = TypeVar("Shared")
 Piece = TypeVar("Piece")

@@ -12,27 +12,24 @@ import sys
 import tempfile
 import threading
 from collections import deque
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import jausml
 from jausml.generation.artifact import find_problems, text_digest
 from jausml.generation.errors import GenerationError
 from jausml.generation.rendering import render
+from jausml.language.metamodel import Metamodels
 from jausml.language.metamodel.classes import bridge
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.metamodel.filling import link, new_object, set_value
+from jausml.language.model import Model
 from jausml.language.model.model import made_model
 from jausml.language.semantics.connections.exchanges import TO_JAUS, TO_ROS
 from jausml_generators.bridge.target import TARGET as BRIDGE
 from jausml_generators.messages.target import TARGET as MESSAGES
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
-
-    from jausml.language.metamodel import Metamodels
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model import Model
 
 
 @dataclass(frozen=True)

@@ -4,13 +4,8 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
-from jausml.views.diagrams.graph import CHANGED, Edge, End, Group, Port
-
-if TYPE_CHECKING:
-    from jausml.views.diagrams.graph import Graph, Node
-
+from jausml.views.diagrams.graph import CHANGED, Edge, End, Graph, Group, Node, Port
 
 MOST_EDGES = 80
 """Edges that a drawing shows one by one without frames of its own."""

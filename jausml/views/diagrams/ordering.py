@@ -9,14 +9,12 @@ from __future__ import annotations
 
 from bisect import bisect_right, insort
 from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations, pairwise
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
-
-    from jausml.views.diagrams.graph import Graph, Node
+from jausml.views.diagrams.graph import Graph, Node
 
 _ROUNDS, _FEW_ROUNDS = 6, 2
 """Rounds after which an order is good enough, and that of a large graph."""

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml.authoring.editing.commands import NEW, Add, Child
 from jausml.authoring.proposals.new_elements import free_name
 from jausml.language.metamodel import FeatureKind, FeatureTable, Metamodels
 from jausml.language.metamodel.classes import bridge, jaus, ros
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.metamodel.filling import (
     contents,
     link,
@@ -29,9 +30,6 @@ from jausml.language.semantics.paths.scopes import outer_scope
 from jausml.language.semantics.subject import Subject, remembering
 from jausml.language.validation.rule import Finding, Rule
 from jausml.language.validation.rules import all_rules
-
-if TYPE_CHECKING:
-    from jausml.language.metamodel.classes.ecore import EObject
 
 _TABLES, _TABLE = "tables", "table"
 

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 from operator import attrgetter
-from typing import TYPE_CHECKING
 
+from jausml.authoring.editing.commands import Command
 from jausml.authoring.proposals.elements import (
     AnswerError,
     Choice,
+    Scope,
     label_of,
     legal_targets,
     literal,
@@ -18,19 +20,19 @@ from jausml.authoring.proposals.elements import (
 )
 from jausml.authoring.proposals.new_elements import usual_values
 from jausml.authoring.studio.views.service_lines import usual_texts
-from jausml.language.metamodel import FeatureKind, ValueKind, documentation
+from jausml.language.metamodel import (
+    ClassTable,
+    DataTypeTable,
+    FeatureKind,
+    FeatureTable,
+    ValueKind,
+    documentation,
+)
 from jausml.language.metamodel.classes import bridge
+from jausml.language.metamodel.classes.ecore import EObject
+from jausml.language.model import Diagnostic
 from jausml.language.model.refs import LIBRARY
 from jausml.language.semantics.names import in_words
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
-
-    from jausml.authoring.editing.commands import Command
-    from jausml.authoring.proposals.elements import Scope
-    from jausml.language.metamodel import ClassTable, DataTypeTable, FeatureTable
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model import Diagnostic
 
 
 @dataclass(frozen=True, slots=True)

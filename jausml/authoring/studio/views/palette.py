@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, partial
 from itertools import islice
-from typing import TYPE_CHECKING
 
-from jausml.authoring.editing.commands import Add, Child, Set
+from jausml.authoring.editing.commands import Add, Child, Command, Set
 from jausml.authoring.proposals.bridging import bridges_of, map_commands, system_of
-from jausml.authoring.proposals.elements import AnswerError, around, label_of, version_of
+from jausml.authoring.proposals.elements import AnswerError, Scope, around, label_of, version_of
 from jausml.authoring.proposals.new_elements import (
     PACKAGES,
     free_address,
@@ -19,22 +19,15 @@ from jausml.authoring.proposals.new_elements import (
 )
 from jausml.authoring.studio.views.forms import PaletteItem, kinds_of
 from jausml.authoring.studio.views.service_lines import inherit
-from jausml.language.metamodel import documentation
+from jausml.language.metamodel import ClassTable, FeatureTable, documentation
 from jausml.language.metamodel.classes import bridge, jaus, ros, system
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model.names import name_of
 from jausml.language.model.refs import LIBRARY
 from jausml.language.project import library
 from jausml.language.semantics.jaus.core_services import CORE
 from jausml.language.semantics.names import in_words, snake_case, words
 from jausml.language.semantics.paths.ros_paths import ros_name
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-
-    from jausml.authoring.editing.commands import Command
-    from jausml.authoring.proposals.elements import Scope
-    from jausml.language.metamodel import ClassTable, FeatureTable
-    from jausml.language.metamodel.classes.ecore import EObject
 
 MOST = 60
 """How many items are shown unless more are asked for."""

@@ -2,26 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
-from jausml.authoring.proposals.elements import AnswerError
-from jausml.authoring.proposals.mapping.members import member
+from jausml.authoring.proposals.elements import AnswerError, Scope
+from jausml.authoring.proposals.mapping.members import Member, member
 from jausml.authoring.studio.views.places import TextPlaces, XmlPlaces, character, flat, units
 from jausml.language.metamodel.classes import bridge, jaus, ros
-from jausml.language.model import refs
+from jausml.language.metamodel.classes.ecore import EObject
+from jausml.language.model import Document, Model, refs
+from jausml.language.model.xmi.parsing import Node
 from jausml.language.text.reading.document import TextDocument
 from jausml.views.diagrams.views import graph_of
 from jausml.views.diagrams.views.connections import PROVIDES, USES
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from jausml.authoring.proposals.elements import Scope
-    from jausml.authoring.proposals.mapping.members import Member
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model import Document, Model
-    from jausml.language.model.xmi.parsing import Node
 
 _MARK = "!"
 

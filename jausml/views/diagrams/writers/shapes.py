@@ -4,18 +4,23 @@ from __future__ import annotations
 
 import math
 import unicodedata
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from textwrap import wrap
-from typing import TYPE_CHECKING
 
-from jausml.views.diagrams.graph import ADDED, CHANGED, REMOVED, severity
+from jausml.views.diagrams.graph import (
+    ADDED,
+    CHANGED,
+    REMOVED,
+    Edge,
+    Finding,
+    Graph,
+    Node,
+    Port,
+    severity,
+)
 from jausml.views.diagrams.layout.sheet import Box, Frame, Line, Row, Sheet
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from jausml.views.diagrams.graph import Edge, Finding, Graph, Node, Port
 
 TITLE, SMALL, ROW = 13, 10, 11
 """Font sizes in pixels."""

@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from html import escape
-from typing import TYPE_CHECKING
 
-from jausml.views.diagrams.graph import severity
+from jausml.views.diagrams.graph import Edge, End, Graph, Node, Port, severity
 from jausml.views.diagrams.writers.shapes import SIDES, outline
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from jausml.views.diagrams.graph import Edge, End, Graph, Node, Port
 
 _SHAPES = {"bridge": ("[[", "]]"), "node": ("(", ")"), "type": ("(", ")"), "state": ("(", ")")}
 _WIDTHS = {"bridge": ",stroke-width:3px", "error": ",stroke-width:4px"}

@@ -6,7 +6,6 @@ import ipaddress
 import re
 from collections import defaultdict
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge, jaus, system
 from jausml.language.metamodel.classes.ecore import EObject
@@ -15,11 +14,9 @@ from jausml.language.semantics.connections import calls
 from jausml.language.semantics.hosts import endpoint_of, host_of, is_ipv4
 from jausml.language.semantics.jaus.commands import is_command
 from jausml.language.semantics.jaus.core_services import is_discovered
+from jausml.language.semantics.paths.scopes import Carrier
 from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rule import Finding, Note, rule
-
-if TYPE_CHECKING:
-    from jausml.language.semantics.paths.scopes import Carrier
 
 _LIMITS = {"subsystem": 65534, "node": 254}
 
