@@ -14,7 +14,7 @@ from jausml.language.metamodel import ClassTable, FeatureTable
 from jausml.language.metamodel.classes import bridge, jaus, ros, system
 from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model import Document, Model, refs
-from jausml.language.model.names import name_of
+from jausml.language.model.names import around, name_of
 from jausml.language.model.values import suggest
 from jausml.language.project import library, own_instances
 from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
@@ -100,13 +100,6 @@ class Scope:
     def is_text(self) -> bool:
         """Whether the file that was asked for is text and no XMI."""
         return self.model.documents[0].notation is not None
-
-
-def around(element: EObject | None, *kinds: type[FoundT]) -> FoundT | None:
-    """Returns the element itself or its nearest owner of some classes, None without one."""
-    while element is not None and not isinstance(element, kinds):
-        element = element.eContainer()
-    return element
 
 
 def label_of(element: EObject) -> str:

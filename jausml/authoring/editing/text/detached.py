@@ -13,7 +13,7 @@ from jausml.authoring.editing.working_copy import ElementCopy
 from jausml.language.metamodel import DataTypeTable
 from jausml.language.metamodel.classes import bridge
 from jausml.language.metamodel.classes.ecore import EObject
-from jausml.language.metamodel.filling import link, new_object, point, set_value, set_values
+from jausml.language.metamodel.filling import fill, link, new_object, point, set_value
 from jausml.language.model.refs import Ref
 from jausml.language.model.values import convert
 from jausml.language.semantics.connections.exchanges import FEATURES, infer
@@ -33,12 +33,8 @@ def detached(
         feature = features[name]
         data_type = cast("DataTypeTable", feature.data_type)
         values = [None if text is None else convert(text, data_type)[0] for text in texts]
-        if not feature.settable:
-            continue
-        if feature.many:
-            set_values(element, feature, values)
-        elif values:
-            set_value(element, feature, values[0])
+        if feature.settable:
+            fill(element, feature, values)
     for name, targets in copy.references.items():
         if features[name].settable:
             for target in targets:

@@ -6,7 +6,6 @@ import re
 from collections.abc import Iterator, Mapping
 
 from jausml.authoring.editing.commands import Add, Remove, Set
-from jausml.authoring.proposals.elements import around
 from jausml.authoring.proposals.quick_fixes.found import (
     Fixer,
     Found,
@@ -16,7 +15,7 @@ from jausml.authoring.proposals.quick_fixes.found import (
 )
 from jausml.language.metamodel.classes import bridge
 from jausml.language.metamodel.classes.ecore import EObject
-from jausml.language.model.names import name_of
+from jausml.language.model.names import around, name_of
 from jausml.language.semantics.conversions import CONVERSIONS
 from jausml.language.semantics.names import snake_case
 from jausml.language.semantics.paths.jaus_paths import JausPlace

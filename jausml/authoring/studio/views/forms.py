@@ -31,6 +31,7 @@ from jausml.language.metamodel import (
 from jausml.language.metamodel.classes import bridge
 from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model import Diagnostic
+from jausml.language.model.names import with_owners
 from jausml.language.model.refs import LIBRARY
 from jausml.language.semantics.names import in_words
 
@@ -378,18 +379,10 @@ def _unit(element: EObject, feature: FeatureTable) -> str:
     if feature.name in _OWN_UNIT:
         return str(getattr(element, "units", None) or "")
     if feature.name in ("lower", "upper"):
-        return _unit_around(element)
+        stated = (getattr(owner, "units", None) for owner in with_owners(element))
+        return str(next(filter(None, stated), ""))
     text = documentation(feature.feature)
     return next((unit for pattern, unit in _UNITS if pattern.search(text)), "")
-
-
-def _unit_around(element: EObject) -> str:
-    around: EObject | None = element
-    while around is not None:
-        if unit := getattr(around, "units", None):
-            return str(unit)
-        around = around.eContainer()
-    return ""
 
 
 def _children(scope: Scope, element: EObject, feature: FeatureTable, *, is_fixed: bool) -> Children:

@@ -9,7 +9,7 @@ from itertools import islice
 
 from jausml.authoring.editing.commands import Add, Child, Command, Set
 from jausml.authoring.proposals.bridging import bridges_of, map_commands, system_of
-from jausml.authoring.proposals.elements import AnswerError, Scope, around, label_of, version_of
+from jausml.authoring.proposals.elements import AnswerError, Scope, label_of, version_of
 from jausml.authoring.proposals.new_elements import (
     PACKAGES,
     free_address,
@@ -22,7 +22,7 @@ from jausml.authoring.studio.views.service_lines import inherit
 from jausml.language.metamodel import ClassTable, FeatureTable, documentation
 from jausml.language.metamodel.classes import bridge, jaus, ros, system
 from jausml.language.metamodel.classes.ecore import EObject
-from jausml.language.model.names import name_of
+from jausml.language.model.names import around, name_of
 from jausml.language.model.refs import LIBRARY
 from jausml.language.project import library
 from jausml.language.semantics.jaus.core_services import CORE

@@ -12,7 +12,6 @@ from jausml.authoring.proposals.elements import (
     Option,
     Options,
     Scope,
-    around,
     everywhere,
 )
 from jausml.authoring.proposals.new_elements import free_code
@@ -20,7 +19,7 @@ from jausml.authoring.studio.views.spots import element_of
 from jausml.language.metamodel import FeatureTable
 from jausml.language.metamodel.classes import jaus
 from jausml.language.metamodel.classes.ecore import EObject
-from jausml.language.model.names import name_of
+from jausml.language.model.names import around, name_of
 from jausml.language.model.refs import LIBRARY
 from jausml.language.semantics.jaus.commands import is_command
 from jausml.language.semantics.jaus.inherited_machines import (

@@ -7,7 +7,7 @@ from types import MappingProxyType
 from typing import Any, TypeVar
 
 from jausml.language.metamodel.classes.ecore import EObject
-from jausml.language.metamodel.filling import assign, new_object
+from jausml.language.metamodel.filling import assign, make
 from jausml.language.model.diagnostics import RuleInfo, Severity
 from jausml.language.model.model import Model
 from jausml.language.model.reading.problems import NodePlace
@@ -162,10 +162,7 @@ class Builder:
         self._count += 1
         if self._count > MOST_ELEMENTS:
             raise TooMuchError
-        obj: ElementT = new_object(self.model.metamodels.class_of(kind))
-        for name, value in features.items():
-            if value is not None:
-                self.set(obj, name, value)
+        obj = make(self.model.metamodels, kind, **features)
         place.node.obj = obj
         self.model.adopt(place.document, place.node)
         return obj

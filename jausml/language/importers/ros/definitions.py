@@ -15,7 +15,7 @@ from jausml.language.interfaces.idl import SUFFIX as IDL
 from jausml.language.interfaces.parsing import PARTS, definition_files
 from jausml.language.metamodel.classes import ros
 from jausml.language.metamodel.classes.ecore import EObject
-from jausml.language.metamodel.filling import assign, new_object
+from jausml.language.metamodel.filling import assign, make
 from jausml.language.model.diagnostics import RuleInfo, Severity
 from jausml.language.model.documents import Document
 from jausml.language.model.inputs import read_input
@@ -239,10 +239,7 @@ class Builder:
             self.set(element, "documentation", comment)
 
     def _new(self, kind: type[ElementT], /, **features: Any) -> ElementT:
-        element: ElementT = new_object(self._model.metamodels.class_of(kind))
-        for name, value in features.items():
-            self.set(element, name, value)
-        return element
+        return make(self._model.metamodels, kind, **features)
 
     def set(self, element: EObject, name: str, value: Any) -> None:
         """Sets a feature, or adds to one with many values."""
