@@ -23,7 +23,6 @@ from jausml.language.interfaces.definitions import (
     UNBOUNDED,
     ConstantDefinition,
     Definition,
-    Fault,
     FieldDefinition,
     FieldType,
     Section,
@@ -31,6 +30,7 @@ from jausml.language.interfaces.definitions import (
     parse_value,
 )
 from jausml.language.interfaces.parsing import PARTS, parse_definition
+from jausml.language.model.diagnostics import ReadFault
 
 SUFFIX = ".idl"
 
@@ -77,7 +77,7 @@ class _Token:
 class _SyntaxError(Exception):
     def __init__(self, token: _Token, message: str, hint: str = "", rule: str = "JML652") -> None:
         super().__init__(message)
-        self.fault = Fault(rule, token.line, token.column, message, hint)
+        self.fault = ReadFault(rule, message, hint, token.line, token.column)
 
 
 def parse_interface(path: str, kind: str, text: str) -> Definition:
@@ -96,12 +96,12 @@ def parse_interface(path: str, kind: str, text: str) -> Definition:
     except _SyntaxError as error:
         return Definition([], [error.fault])
     except RecursionError:
-        return Definition([], [Fault("JML652", 1, 1, "the file is nested too deeply")])
+        return Definition([], [ReadFault("JML652", "the file is nested too deeply")])
     missing = [section_name for section_name in names if section_name not in reader.sections]
     if missing and not reader.faults:
         message = f"the file has no structure {missing[0]!r}"
         hint = f"it defines {', '.join(names)}, as its name says"
-        reader.faults.append(Fault("JML652", 1, 1, message, hint))
+        reader.faults.append(ReadFault("JML652", message, hint))
     return Definition([] if missing else [reader.sections[n] for n in names], reader.faults)
 
 
@@ -137,7 +137,7 @@ class _Reader:
     kind: str
     names: list[str]
     sections: dict[str, Section] = field(default_factory=dict)
-    faults: list[Fault] = field(default_factory=list)
+    faults: list[ReadFault] = field(default_factory=list)
     _tokens: list[_Token] = field(default_factory=list)
     _at: int = 0
     _constants: dict[str, list[ConstantDefinition]] = field(default_factory=dict)
@@ -351,7 +351,7 @@ class _Reader:
         return token
 
     def _report(self, token: _Token, rule: str, message: str) -> None:
-        self.faults.append(Fault(rule, token.line, token.column, message))
+        self.faults.append(ReadFault(rule, message, line=token.line, column=token.column))
 
 
 def _character(match: re.Match[str]) -> str:
