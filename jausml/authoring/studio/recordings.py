@@ -14,7 +14,7 @@ from jausml.language.model.project import walk
 from jausml.live.recording.bags import MCAP
 from jausml.live.recording.mcap_files import RecordingError
 from jausml.live.systems.playback import AT_ONCE, Indexing, RecordedSystem
-from jausml.live.workers.pool_processes import PoolError, PoolProcess
+from jausml.live.workers.pool import PoolError, PoolProcess
 
 MOST_LISTED = 200
 """Files that are offered."""

@@ -20,7 +20,7 @@ from jausml.authoring.studio.handlers import (
     editing,
     modelling,
     partitioning,
-    playing,
+    recordings,
     showing,
     stepping,
 )
@@ -31,7 +31,7 @@ from jausml.language.model.project import is_model_file
 from jausml.live.serving.rpc import Answering, Method
 from jausml.live.serving.sockets import PACE
 
-_MODULES = (showing, editing, modelling, partitioning, stepping, playing)
+_MODULES = (showing, editing, modelling, partitioning, stepping, recordings)
 _LOG = logging.getLogger(__name__)
 
 DEBOUNCE_MS, STEP_MS = 50, 10
