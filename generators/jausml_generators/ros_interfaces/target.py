@@ -44,7 +44,9 @@ def tasks(model: Model) -> list[Task]:
 
 def whole_library_tasks(model: Model) -> list[Task]:
     """Returns the files of the package of all messages of the model's services."""
-    return _messages_tasks(model, all_messages(model))
+    own = model.instances(jaus.Service, library=False)
+    services = [*own, *with_inherited(_used_services(model))]
+    return _messages_tasks(model, _messages(services))
 
 
 def _messages_tasks(model: Model, chosen: Iterable[jaus.MessageDef]) -> list[Task]:
@@ -141,12 +143,6 @@ def declared_packages(model: Model) -> list[ros.InterfacePackage]:
     packages = model.instances(ros.InterfacePackage, library=False)
     documents = [(package, model.document_of(package)) for package in packages]
     return [package for package, place in documents if place is not None and place.is_input]
-
-
-def all_messages(model: Model) -> list[jaus.MessageDef]:
-    """Returns the messages of all services of a model and of those that it uses."""
-    own = model.instances(jaus.Service, library=False)
-    return _messages([*own, *with_inherited(_used_services(model))])
 
 
 def unmapped_messages(model: Model) -> list[jaus.MessageDef]:

@@ -23,7 +23,6 @@ from jausml.authoring.editing.reading import (
 from jausml.authoring.editing.records import FileChange, Stored, data_of
 from jausml.authoring.editing.working_copy import ElementCopy, WorkingCopy
 from jausml.language.metamodel import (
-    ClassTable,
     FeatureKind,
     Metamodels,
     load_metamodels,
@@ -236,11 +235,6 @@ class Context:
     def ref(self, copy: ElementCopy) -> Ref:
         """Returns the ref of an element as it was read."""
         return f"{copy.file}#{self.working_copy.identifiers.get(copy) or self.paths[copy]}"
-
-    def find_class(self, ref: Ref) -> ClassTable:
-        """Returns the class of the element of a ref."""
-        obj, model = self.locate(ref)
-        return model.metamodels.class_of(obj)
 
     def is_own(self, obj: EObject | None) -> bool:
         """Tells whether an element stands in the file."""

@@ -175,7 +175,8 @@ def define(bench: Workbench, path: Path, place: Place) -> Definition | None:
         return Definition(declared[0], declared[1].name.span)
     reference = names_in(text).reference_at(place)
     if reference is not None:
-        return _in_models(bench, path, reference)
+        element = bench.find(path, reference.wanted.python_class, reference.text)
+        return _element(bench, path, element)
     token = word_at(text, place)
     context = context_at(text, parsed_text(text), place)
     if token is None or context.part not in (Part.SOURCE, Part.TARGET):
@@ -210,11 +211,6 @@ def _imported(bench: Workbench, path: Path, place: Place) -> Definition | None:
             file = imported_file(item, path)
             return Definition(file, tree.Span()) if file is not None and file.is_file() else None
     return None
-
-
-def _in_models(bench: Workbench, path: Path, reference: Reference) -> Definition | None:
-    element = bench.find(path, reference.wanted.python_class, reference.text)
-    return _element(bench, path, element)
 
 
 def _element(bench: Workbench, path: Path, element: EObject | None) -> Definition | None:

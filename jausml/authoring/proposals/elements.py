@@ -283,12 +283,12 @@ def legal_targets(scope: Scope, element: EObject, feature: FeatureTable) -> tupl
     if feature.name == "query":
         query = getattr(element, "query", None)
         own = scope.ref(query) if query is not None else ""
-        return tuple(choice for choice in choices if _is_query(choice) or choice.value == own)
+        return tuple(
+            choice
+            for choice in choices
+            if choice.value == own or choice.label.rpartition(".")[2].startswith("Query")
+        )
     return choices
-
-
-def _is_query(choice: Choice) -> bool:
-    return choice.label.rpartition(".")[2].startswith("Query")
 
 
 def everywhere(

@@ -235,7 +235,8 @@ def mutate(
     else:
         write_report(f"{render(campaign)}\n", None)
     if output is not None:
-        _write_page(page(campaign), Path(output))
+        made_folder(Path(output))
+        write_report(page(campaign), str(Path(output, "index.html")))
     if campaign.survivors() or len(campaign.outcomes) < campaign.chosen:
         raise click.exceptions.Exit(PROBLEMS)
 
@@ -281,8 +282,3 @@ def _run(
         trials = gathered("mutating", len(chosen), outcomes(document, chosen, settings))
     campaign.remarks = list(dict.fromkeys(remark for trial in trials for remark in trial.remarks))
     campaign.outcomes = [trial.outcome for trial in trials if trial.outcome is not None]
-
-
-def _write_page(text: str, folder: Path) -> None:
-    made_folder(folder)
-    write_report(text, str(folder / "index.html"))

@@ -91,7 +91,8 @@ def serve(host: str, port: int, site: Site, opened: Callable[[], None]) -> None:
     if not host:
         raise ValueError("an empty host would be all addresses")
     host.encode("idna")
-    with socket.create_server((host, port), family=_family(host)) as listener:
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    with socket.create_server((host, port), family=family) as listener:
         bound, taken = listener.getsockname()[:2]
         served = Served(host, taken, bound)
         site.authority = served.authority
@@ -140,7 +141,3 @@ class Sockets:
     async def _make_place(self, socket: WebSocket) -> bool:  # noqa: ARG002 - of those who keep some
         """Returns whether the socket that came last can be served."""
         return len(self._sockets) <= MOST_SOCKETS
-
-
-def _family(host: str) -> socket.AddressFamily:
-    return socket.AF_INET6 if ":" in host else socket.AF_INET

@@ -137,7 +137,8 @@ def framed(graph: Graph) -> Graph:
         graph,
         nodes=tuple(
             replace(node, group=f"{home}{FRAME}")
-            if (home := homes[node.id]) and _is_beside(node, nodes[home])
+            if (home := homes[node.id])
+            and (node.kind == "others" or node.group == nodes[home].group)
             else node
             for node in graph.nodes
         ),
@@ -147,10 +148,6 @@ def framed(graph: Graph) -> Graph:
         ),
         is_crowded=True,
     )
-
-
-def _is_beside(node: Node, bridge: Node) -> bool:
-    return node.kind == "others" or node.group == bridge.group
 
 
 def bridges_around(graph: Graph) -> dict[str, str]:

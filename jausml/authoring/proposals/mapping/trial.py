@@ -54,7 +54,10 @@ def tabled(map_: bridge.AttributeMap, assignments: Iterable[Child]) -> Tabled:
 
     `assignments`: those that are to be. What lies in lists, or has conversions, stays as it is.
     """
-    names = {table.name: _pairs_of(table) for table in map_.tables}
+    names = {
+        table.name: tuple((entry.jaus, entry.ros) for entry in table.entries)
+        for table in map_.tables
+    }
     tables, new_assignments = [], []
     for assignment in assignments:
         pairs = _needed(map_, assignment)
@@ -127,10 +130,6 @@ def _compared(
     ends = [scope.find_source(source), scope.find_target(target)]
     places = [end for end in ends if isinstance(end, JausPlace | RosPlace)]
     return compared(*(place.attribute() for place in places)) if len(places) == len(ends) else None
-
-
-def _pairs_of(table: bridge.ValueTable) -> Pairs:
-    return tuple((entry.jaus, entry.ros) for entry in table.entries)
 
 
 def _table(name: str, pairs: Pairs) -> Child:

@@ -131,18 +131,6 @@ def _create(context: StudioContext, file: str, origin: str) -> dict[str, Any]:
     return _told(context, context.project.add_file(file, data, f"Create {file}"))
 
 
-def _starting_points(_: StudioContext) -> dict[str, Any]:
-    return {"points": STARTING_POINTS}
-
-
-def _undo(context: StudioContext) -> dict[str, Any]:
-    return _done(context, context.project.undo())
-
-
-def _redo(context: StudioContext) -> dict[str, Any]:
-    return _done(context, context.project.redo())
-
-
 def _done(context: StudioContext, entry: Entry | None) -> dict[str, Any]:
     if entry is not None:
         context.changed()
@@ -242,7 +230,7 @@ def _generate(
 
 METHODS: Mapping[str, Callable[..., object]] = {
     "kept": _kept,
-    "starting_points": _starting_points,
+    "starting_points": lambda _: {"points": STARTING_POINTS},
     "copy": _copy,
     "log": _log,
     "plan": _plan,
@@ -256,8 +244,8 @@ CHANGES: Mapping[str, Callable[..., object]] = {
     "kept.discard": StudioContext.discard,
     "create": _create,
     "paste": _paste,
-    "undo": _undo,
-    "redo": _redo,
+    "undo": lambda context: _done(context, context.project.undo()),
+    "redo": lambda context: _done(context, context.project.redo()),
     "write": _write,
     "arrange": _arrange,
     "generate": _generate,

@@ -281,7 +281,7 @@ def _elements(scope: Scope, target: EObject | None) -> Iterator[Entry]:
             for kind in () if is_full or feature.target is None else kinds_of(feature.target):
                 if kind.kind in _others(table, feature):
                     continue
-                several = _is_ambiguous(table, feature)
+                several = sum(inner.target is feature.target for inner in table.contained) > 1
                 note = f"{in_words(feature.name)} of {label_of(owner)}"
                 make = partial(_element, owner=owner, feature=feature, kind=kind.kind)
                 label = in_words(feature.name) if several else kind.label
@@ -305,10 +305,6 @@ def _others(table: ClassTable, feature: FeatureTable) -> set[str]:
         for containment in table.contained
         if containment.target is not None and containment.target is not feature.target
     }
-
-
-def _is_ambiguous(table: ClassTable, feature: FeatureTable) -> bool:
-    return sum(containment.target is feature.target for containment in table.contained) > 1
 
 
 def _entry(

@@ -70,11 +70,11 @@ class NameResolution:
             reference.place,
             f"{show(reference.name)} may be {', '.join(names[:_FEW])}{more}",
             self._names.how_to_choose(elements, reference.place.document),
-            tuple(self._related(element) for element in elements[:_FEW]),
+            tuple(
+                Related(self._names.location(element), qualified_name(element))
+                for element in elements[:_FEW]
+            ),
         )
-
-    def _related(self, element: EObject) -> Related:
-        return Related(self._names.location(element), qualified_name(element))
 
     def _report_unknown(self, reference: Reference) -> None:
         kind = reference.feature.type_name

@@ -114,18 +114,12 @@ def sheet_of(graph: Graph, *, packed: bool) -> Sheet:
     )  # fmt: skip
 
 
-def head_height(node: Node) -> int:
-    """Returns the height of what stands above the rows of a box."""
-    return TITLE + 13 + LINE_HEIGHT * len(subtitles(node))
-
-
 def box_of(node: Node) -> Box:
     """Returns a box with its size."""
     widest = max(_widths(node))
     rows = tuple(Row(port.id, ROW_HEIGHT) for port in node.ports)
-    return Box(
-        node.id, math.ceil(widest) + 2 * PADDING, head_height(node), rows, node.group, node.column
-    )
+    width, head = math.ceil(widest) + 2 * PADDING, TITLE + 13 + LINE_HEIGHT * len(subtitles(node))
+    return Box(node.id, width, head, rows, node.group, node.column)
 
 
 def _widths(node: Node) -> Iterator[float]:
