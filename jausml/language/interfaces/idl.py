@@ -11,7 +11,6 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import PurePath
-from types import MappingProxyType
 
 from jausml.language.interfaces.definitions import (
     BOUNDED,
@@ -42,22 +41,18 @@ _TOKEN = re.compile(
 )
 _MARKS = re.compile(r"^\s*(?:/\*+|///?<?|\*+/?)|\*/\s*$", re.MULTILINE)
 _ESCAPE = re.compile(r"\\(?:([0-7]{1,3})|x([0-9a-fA-F]{1,2})|u([0-9a-fA-F]{1,4})|(.))", re.DOTALL)
-_ESCAPED = MappingProxyType(
-    {"n": "\n", "t": "\t", "v": "\v", "b": "\b", "r": "\r", "f": "\f", "a": "\a"}
-)
+_ESCAPED = {"n": "\n", "t": "\t", "v": "\v", "b": "\b", "r": "\r", "f": "\f", "a": "\a"}
 _BITS = {"short": "int16", "long": "int32", "long long": "int64"}
-_PRIMITIVES: Mapping[str, str] = MappingProxyType(
-    {
-        "boolean": "bool",
-        "octet": "byte",
-        "char": "char",
-        "float": "float32",
-        "double": "float64",
-        **_BITS,
-        **{f"unsigned {words}": f"u{name}" for words, name in _BITS.items()},
-        **{f"{u}int{bits}": f"{u}int{bits}" for u in ("", "u") for bits in (8, 16, 32, 64)},
-    }
-)
+_PRIMITIVES: Mapping[str, str] = {
+    "boolean": "bool",
+    "octet": "byte",
+    "char": "char",
+    "float": "float32",
+    "double": "float64",
+    **_BITS,
+    **{f"unsigned {words}": f"u{name}" for words, name in _BITS.items()},
+    **{f"{u}int{bits}": f"{u}int{bits}" for u in ("", "u") for bits in (8, 16, 32, 64)},
+}
 _EMPTY = "structure_needs_at_least_one_member"
 """What rosidl writes into a structure without members, which IDL does not have."""
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from types import MappingProxyType
 from typing import Any, TypeVar
 
 from jausml.language.metamodel.classes.ecore import EObject
@@ -12,7 +11,7 @@ from jausml.language.model.diagnostics import RuleInfo, Severity
 from jausml.language.model.model import Model
 from jausml.language.model.reading.problems import NodePlace
 
-_RULES = {
+JSIDL_RULES: Mapping[str, RuleInfo] = {
     "JML601": RuleInfo(
         "not a JSIDL document",
         "The root element is none of service_def, service_set, declared_type_set and "
@@ -131,9 +130,8 @@ _RULES = {
         Severity.WARNING,
     ),
 }
-
-JSIDL_RULES: Mapping[str, RuleInfo] = MappingProxyType(_RULES)
 """The rules of the JSIDL importer by id. Ids are never used again for something else."""
+
 
 ElementT = TypeVar("ElementT", bound="EObject")
 

@@ -6,7 +6,6 @@ import os
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any, TypeVar
 
 from jausml.language.attributes.units import UnitError, parse_unit
@@ -259,7 +258,7 @@ def _is_unit(text: str) -> bool:
         return False
 
 
-_RULES = {
+ROS_RULES: Mapping[str, RuleInfo] = {
     "JML641": RuleInfo(
         "illegal name of a package or an interface",
         "An interface is named by its file, in CamelCase (WheelSpeeds.msg), and its package by "
@@ -330,6 +329,4 @@ _RULES = {
         Severity.INFO,
     ),
 }
-
-ROS_RULES: Mapping[str, RuleInfo] = MappingProxyType(_RULES)
 """The rules of the importer of ROS interfaces by id. Ids are never used again for others."""

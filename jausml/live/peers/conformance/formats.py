@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator, Mapping
 from itertools import groupby
-from types import MappingProxyType
 from typing import Any
 
 from jausml.language.validation.formats.junit import Case, Suite, junit_document
@@ -136,7 +135,9 @@ def _case(group: str, result: CheckResult) -> Case:
     )
 
 
-RENDERERS: Mapping[str, Callable[[ConformanceReport], str]] = MappingProxyType(
-    {"text": render_text, "json": render_json, "junit": render_junit}
-)
+RENDERERS: Mapping[str, Callable[[ConformanceReport], str]] = {
+    "text": render_text,
+    "json": render_json,
+    "junit": render_junit,
+}
 """What renders a report, by the name of the format."""
