@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping
 
     from mcap.records import Channel, Message, Schema
-    from typing_extensions import Self
 
     from jausml.live.messages import MessageEntry
     from jausml.live.traffic.frames import Datagram
@@ -138,7 +137,7 @@ class McapFile:
         self._channels: dict[tuple[object, ...], int] = {}
         self._of_jaus: dict[tuple[str, MessageEntry], int] = {}  # a schema takes long to make
 
-    def __enter__(self) -> Self:
+    def __enter__(self) -> McapFile:
         return self
 
     def __exit__(self, *_: object) -> None:
