@@ -116,7 +116,8 @@ _SEARCHED_LINES = 4
 
 def add_header(text: str, path: str, source: str) -> str:
     """Puts the header into a generated text."""
-    style = _comment_style(path)
+    pure = PurePosixPath(path)
+    style = _STYLES.get(pure.name) or _STYLES.get(pure.suffix)
     if style is None or not text:
         return text
     opening, closing = style
@@ -137,11 +138,6 @@ def without_header(text: str) -> str:
     """Returns a text without its jausml header, the same wherever its model lies."""
     parts = _parse(normalize_newlines(text))
     return text if parts is None else parts[1]
-
-
-def _comment_style(path: str) -> tuple[str, str] | None:
-    pure = PurePosixPath(path)
-    return _STYLES.get(pure.name) or _STYLES.get(pure.suffix)
 
 
 def _split_first_line(text: str) -> tuple[str, str]:

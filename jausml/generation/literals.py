@@ -11,10 +11,11 @@ import math
 import re
 import textwrap
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TypeAlias
 
-if TYPE_CHECKING:
-    LuaValue = bool | int | float | str | Sequence["LuaValue"] | Mapping[int | str, "LuaValue"]
+LuaValue: TypeAlias = (
+    "bool | int | float | str | Sequence['LuaValue'] | Mapping[int | str, 'LuaValue']"
+)
 
 LINE_WIDTH = 100
 _INDENT = "    "

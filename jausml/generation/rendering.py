@@ -9,9 +9,10 @@ import traceback
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache
 from types import CodeType
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 import jinja2
+from jinja2.bccache import Bucket
 from multigen.jinja import JinjaGenerator, JinjaTask
 
 from jausml import __version__
@@ -29,9 +30,6 @@ from jausml.generation.python import Modules
 from jausml.generation.target import FileTask, Target, Task, TextTask, View
 from jausml.language.model.model import without_collector
 from jausml.language.semantics.subject import remembering
-
-if TYPE_CHECKING:
-    from jinja2.bccache import Bucket
 
 ModelT = TypeVar("ModelT")
 

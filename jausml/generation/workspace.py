@@ -7,7 +7,7 @@ from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml.generation.artifact import DIGEST_MARK, Artifact, Kind
 from jausml.generation.contract.finding import CODE_RULES, STALE, Finding, Fix, fix_files
@@ -22,9 +22,7 @@ from jausml.generation.target import Target, name_of, system_of
 from jausml.generation.writer import apply, locked
 from jausml.language.model.diagnostics import Diagnostic, Location, Severity
 from jausml.language.model.model import Model
-
-if TYPE_CHECKING:
-    from jausml.language.validation.rule import Report
+from jausml.language.validation.rule import Report
 
 
 @dataclass(frozen=True)

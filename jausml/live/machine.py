@@ -12,6 +12,7 @@ import secrets
 import shutil
 import socket
 import sys
+from collections.abc import Iterator, Mapping
 from contextlib import closing
 from dataclasses import dataclass
 from enum import Enum
@@ -20,12 +21,12 @@ from importlib.machinery import PathFinder
 from importlib.util import find_spec
 from ipaddress import IPv4Address
 from pathlib import Path
-from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 
 import jausml
 from jausml import __version__, installing
 from jausml.live.programs import PROGRAMS
+from jausml.runtime.base.settings import TransportSettings
 from jausml.runtime.bridge.ros.environment import (
     LARGEST_SAFE_DOMAIN,
     domain_fault,
@@ -34,11 +35,6 @@ from jausml.runtime.bridge.ros.environment import (
 from jausml.runtime.transports.ports import holders, manager_folder
 from jausml.views.diagrams.layout.sheet import LayoutError
 from jausml.views.diagrams.writers import svg
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
-
-    from jausml.runtime.base.settings import TransportSettings
 
 
 class Outcome(Enum):

@@ -5,8 +5,9 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from jausml.language.metamodel.classes import system
 from jausml.language.model import Diagnostic, Model
 from jausml.language.model.model import digests
 from jausml.language.validation.allowances import settled
@@ -16,9 +17,6 @@ from jausml.language.validation.rules import PRODUCT_RULES
 from jausml.model_checking.search import Bounds, Graph, Step, Violation, explore, violations
 from jausml.model_checking.systems import Subject, subjects_of
 from jausml.views.diagrams.writers.sequence import Event, SequenceDiagram
-
-if TYPE_CHECKING:
-    from jausml.language.metamodel.classes import system
 
 BOUND_MET = "JML935"
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import product as combinations
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple, TypeAlias
 
 from jausml.language.attributes.guards import (
     AllOf,
@@ -32,8 +32,7 @@ from jausml.model_checking.runtime_machines import (
 )
 from jausml.model_checking.search import TIME, Step
 
-if TYPE_CHECKING:
-    _Guarded = tuple[jaus.Transition, Guard | None]
+_Guarded: TypeAlias = "tuple[jaus.Transition, Guard | None]"
 
 REMEMBERED = 4
 """Pushes that are followed; the runtime remembers more."""

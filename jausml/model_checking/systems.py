@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from math import gcd
-from typing import TYPE_CHECKING
 
-from jausml.language.metamodel.classes import bridge, jaus
+from jausml.language.metamodel.classes import bridge, jaus, system
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.semantics.connections import stops
 from jausml.language.semantics.connections.calls import driver_messages
-from jausml.language.semantics.jaus.commands import guard_of, guard_of_receivers
+from jausml.language.semantics.jaus.commands import Guard, guard_of, guard_of_receivers
 from jausml.language.semantics.jaus.core_services import CORE, SERVED_BY_RUNTIME, standard_services
 from jausml.language.semantics.jaus.inherited_machines import Machine, machines_of
 from jausml.language.semantics.jaus.services import (
@@ -24,11 +24,6 @@ from jausml.model_checking.bridge_products import CommandingProduct, ObeyingProd
 from jausml.model_checking.runtime_machines import CommandConnection, CoreServices
 from jausml.model_checking.search import Product
 from jausml.model_checking.service_machine import MachineProduct
-
-if TYPE_CHECKING:
-    from jausml.language.metamodel.classes import system
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.semantics.jaus.commands import Guard
 
 MOST_TICKS = 60
 """Ticks of the longest time-out; shorter ones are rounded up then."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from itertools import groupby
-from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model import Model
@@ -15,16 +14,14 @@ from jausml.model_checking.bridge_products import (
     CommandingProduct,
     ObeyingProduct,
 )
+from jausml.model_checking.checking import CounterExample, Moment
 from jausml.model_checking.runtime_machines import EMERGENCY_CLIENT
 from jausml.model_checking.search import LATE_STOP, LIVELOCK, Product
+from jausml.model_checking.systems import Subject
 from jausml_generators.bridge.connections import ConnectionView
 from jausml_generators.bridge.views import BridgeView, bridge_views
 from jausml_generators.common.components import address_call
 from jausml_generators.python.names import snake_case
-
-if TYPE_CHECKING:
-    from jausml.model_checking.checking import CounterExample, Moment
-    from jausml.model_checking.systems import Subject
 
 _HEAD = '''"""A counter-example of `jausml model-check` to {name}, in virtual time.
 

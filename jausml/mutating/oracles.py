@@ -12,6 +12,7 @@ from jausml.generation.native import compiler
 from jausml.generation.target import system_of
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model import Model
+from jausml.language.model.names import around
 from jausml.language.validation.rule import Report
 from jausml.live.workers.worker import WorkerError
 from jausml.model_checking.checking import BOUND_MET, check_system, without_allowed
@@ -128,13 +129,12 @@ _Proof = Mapping[tuple[str, str, str], str]
 
 def _provable_map(element: Any) -> str:
     """Returns the name of the map around an element whose proof can find a mistake."""
-    while element is not None and not isinstance(element, bridge.AttributeMap):
-        element = element.eContainer()
-    if element is None:
+    map_ = around(element, bridge.AttributeMap)
+    if map_ is None:
         return ""
     # Proofs hold what comes back into fields of JAUS against a precision, nothing in ROS.
-    is_precise = any(getattr(assignment, "precision", 0) for assignment in element.toJaus)
-    return str(element.name) if is_precise or (element.toRos and element.toJaus) else ""
+    is_precise = any(getattr(assignment, "precision", 0) for assignment in map_.toJaus)
+    return str(map_.name) if is_precise or (map_.toRos and map_.toJaus) else ""
 
 
 def _proof(report: Report, name: str) -> _Proof:

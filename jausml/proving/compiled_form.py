@@ -7,23 +7,19 @@ import subprocess
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml.generation import native
 from jausml.generation.rendering import render
 from jausml.language.model import Model
 from jausml.live.workers.worker import BridgeCode, Worker, bridge_code, bridge_of_maps
 from jausml.proving.layout import FLOAT, NOW, SIGNED, UNSIGNED, Number
+from jausml.proving.round_trips import RoundTrip
 from jausml_generators.bridge.target import TARGET as BRIDGE
 from jausml_generators.bridge.views import bridge_views
 from jausml_generators.cpp.proof import PROOF, proof_program
 from jausml_generators.cpp.types import support
 from jausml_generators.messages.target import TARGET as MESSAGES
-
-if TYPE_CHECKING:
-    from typing_extensions import Self
-
-    from jausml.proving.round_trips import RoundTrip
 
 NAME = "proof"
 TO_ROS_NAME, TO_JAUS_NAME = "to_ros", "to_jaus"
@@ -223,7 +219,7 @@ class CompiledForm:
         except OSError as error:
             raise ProgramError(str(error)) from error
 
-    def __enter__(self) -> Self:
+    def __enter__(self) -> CompiledForm:
         return self
 
     def __exit__(self, *_: object) -> None:

@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
-from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml.language.model import Model
 from jausml.language.model.diagnostics import Diagnostic, RuleInfo, Severity
+from jausml.language.validation.rule import Report
 from jausml.proving.layout import JAUS
 from jausml.proving.round_trips import RoundTrip, assignment_of
-
-if TYPE_CHECKING:
-    from jausml.language.validation.rule import Report
 
 
 @dataclass(frozen=True)
@@ -248,38 +245,36 @@ def unit_of(result: FieldResult) -> str:
 
 _PRECISION, _UNSTABLE, _MADE_UP, _FAULT, _FORMS = (f"JML{number}" for number in range(921, 926))
 
-PROOF_RULES: Mapping[str, RuleInfo] = MappingProxyType(
-    {
-        _PRECISION: RuleInfo(
-            "proof: error larger than the precision",
-            "A value that went through a map and back differs by more than the `precision` of the "
-            "assignment allows. Bad: `precision: 1e-7` for a float32 member of ROS that carries "
-            "velocities in steps of 1.5e-7 m/s. Good: a float64 member, or the precision that is "
-            "enough.",
-        ),
-        _UNSTABLE: RuleInfo(
-            "proof: value that changes with each trip",
-            "A value that has gone through a map and back once is changed again, by more than "
-            "rounding explains, when it goes once more: the two directions differ, for example in "
-            "a sign, a factor or an offset. Good: directions that undo each other.",
-        ),
-        _MADE_UP: RuleInfo(
-            "proof: value that does not come back",
-            "A field goes into the other message, and always the same comes back, whatever it was. "
-            "The two directions read and write different members, or one sends a constant. Good: "
-            "the other direction takes the value from where this one puts it.",
-        ),
-        _FAULT: RuleInfo(
-            "proof: value that breaks a translation",
-            "A translation ends with an error that no policy of the map foresees.",
-        ),
-        _FORMS: RuleInfo(
-            "proof: forms of a translation that differ",
-            "The compiled form of a translation and the one in Python make different messages of "
-            "a value. Report this: both are made of the same steps.",
-        ),
-    }
-)
+PROOF_RULES: Mapping[str, RuleInfo] = {
+    _PRECISION: RuleInfo(
+        "proof: error larger than the precision",
+        "A value that went through a map and back differs by more than the `precision` of the "
+        "assignment allows. Bad: `precision: 1e-7` for a float32 member of ROS that carries "
+        "velocities in steps of 1.5e-7 m/s. Good: a float64 member, or the precision that is "
+        "enough.",
+    ),
+    _UNSTABLE: RuleInfo(
+        "proof: value that changes with each trip",
+        "A value that has gone through a map and back once is changed again, by more than "
+        "rounding explains, when it goes once more: the two directions differ, for example in "
+        "a sign, a factor or an offset. Good: directions that undo each other.",
+    ),
+    _MADE_UP: RuleInfo(
+        "proof: value that does not come back",
+        "A field goes into the other message, and always the same comes back, whatever it was. "
+        "The two directions read and write different members, or one sends a constant. Good: "
+        "the other direction takes the value from where this one puts it.",
+    ),
+    _FAULT: RuleInfo(
+        "proof: value that breaks a translation",
+        "A translation ends with an error that no policy of the map foresees.",
+    ),
+    _FORMS: RuleInfo(
+        "proof: forms of a translation that differ",
+        "The compiled form of a translation and the one in Python make different messages of "
+        "a value. Report this: both are made of the same steps.",
+    ),
+}
 
 
 def with_proofs(report: Report, trips: Sequence[RoundTrip], results: Sequence[MapResult]) -> Report:

@@ -14,8 +14,7 @@ from pathlib import Path
 from jausml.generation.native import COMPILERS, compiler
 from jausml.language.model import Model
 from jausml.language.project import OneDocument, one_document
-from jausml.live.workers.pool import Work
-from jausml.live.workers.pool_processes import PoolError
+from jausml.live.workers.pool import PoolError, Work
 from jausml.live.workers.worker import WorkerError
 from jausml.proving.compiled_form import (
     NAME,

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from fnmatch import fnmatchcase
 from pathlib import PurePath
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml import __version__
 from jausml.generation.target import name_of
@@ -16,13 +16,11 @@ from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.model import Location
 from jausml.language.model.model import digests
 from jausml.language.semantics.subject import Subject, remembering
+from jausml.language.validation.rule import Report
 from jausml.safety_case import evidence as kinds
 from jausml.safety_case.evidence import RULES, Evidence, GeneratedTests
 from jausml.safety_case.hazards import HAZARDS, Answer, Hazard, Row, carried_maps
 from jausml_generators.python.names import snake_case
-
-if TYPE_CHECKING:
-    from jausml.language.validation.rule import Report
 
 ASSUMPTIONS = (
     "Components, nodes and code of users outside of what is generated behave as the model says.",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar, cast
+from typing import Any, Generic, TypeAlias, TypeVar, cast
 
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.semantics.assignments.meanings import unknown_targets
@@ -23,9 +23,8 @@ from jausml.language.semantics.paths.scopes import sound_connections
 from jausml.language.semantics.subject import Subject
 from jausml.safety_case.evidence import FAULT_RUNS, MODEL_CHECK, MUTATIONS, PROOF, TEST_RUN
 
-if TYPE_CHECKING:
-    Commander: TypeAlias = bridge.Connection | bridge.RosActionConnection
-    Carrier: TypeAlias = Commander | bridge.RosServiceConnection
+Commander: TypeAlias = "bridge.Connection | bridge.RosActionConnection"
+Carrier: TypeAlias = "Commander | bridge.RosServiceConnection"
 
 ElementT = TypeVar("ElementT")
 

@@ -11,20 +11,23 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from math import ceil, hypot
 from pathlib import PurePath
-from typing import TYPE_CHECKING
 from urllib.parse import quote
 
 from markupsafe import Markup
 
-from jausml.safety_case.argument import SUPPORTED, UNDEVELOPED, counted
+from jausml.safety_case.argument import (
+    SUPPORTED,
+    UNDEVELOPED,
+    Goal,
+    HazardCase,
+    SafetyCase,
+    counted,
+)
 from jausml.views.diagrams.layout.graphviz import place
 from jausml.views.diagrams.layout.sheet import Box, Course, Line, Places, Point, Sheet
 from jausml.views.diagrams.writers.shapes import LINE_HEIGHT, ROW, SMALL, cut, style, width
 from jausml.views.diagrams.writers.svg import MARGIN, TOP, curve, opening, text_element
 from jausml.views.pages import page
-
-if TYPE_CHECKING:
-    from jausml.safety_case.argument import Goal, HazardCase, SafetyCase
 
 _GOAL, _STRATEGY, _SOLUTION = "goal", "strategy", "solution"
 _CONTEXT, _JUSTIFICATION = "context", "justification"

@@ -7,7 +7,7 @@ import jinja2
 import pytest
 
 from jausml.mutating.outcomes import Campaign, Outcome
-from jausml.mutating.report import page as campaign_page
+from jausml.mutating.outcomes import page as campaign_page
 from jausml.proving.results import MapResult
 from jausml.proving.summary import pages as proof_pages
 from jausml.views.pages import hashed, markdown_table, page

@@ -13,8 +13,8 @@ import pytest
 import warm
 
 from jausml import __version__, installing
-from jausml.cli.live import message_packages, supervisor
 from jausml.cli.live import run as run_verb
+from jausml.cli.live import supervisor
 
 READY = """\
 import signal, sys, time
@@ -464,7 +464,7 @@ def test_own_messages_that_are_not_built_are_named(jausml, workspace, tmp_path):
     ],
 )
 def test_missing_messages_of_others_are_named(jausml, workspace, monkeypatch, package, cure):
-    monkeypatch.setattr(message_packages, "PathFinder", SimpleNamespace(find_spec=lambda *_: None))
+    monkeypatch.setattr(run_verb, "PathFinder", SimpleNamespace(find_spec=lambda *_: None))
     result = jausml("run", needing(workspace, package))
     assert result.exit_code == 2
     assert f"front needs {package}, which Python does not find" in result.stderr

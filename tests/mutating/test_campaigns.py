@@ -9,8 +9,7 @@ import pytest
 from click.testing import CliRunner
 
 from jausml.cli import main
-from jausml.mutating.outcomes import Campaign, Outcome
-from jausml.mutating.report import render
+from jausml.mutating.outcomes import Campaign, Outcome, render
 
 GUARDS = ("jausml/mutating", "jausml/cli/models/prove.py")
 ROOT = Path(__file__).resolve().parents[2]

@@ -8,8 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from jausml.live.workers.pool import Work
-from jausml.live.workers.pool_processes import PoolError
+from jausml.live.workers.pool import PoolError, Work
 
 GUARDS = ("jausml/live/workers", "jausml/proving/running.py", "jausml/mutating/running.py")
 

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
 
 from jausml.generation.literals import python_literal, python_string
-from jausml.language.metamodel.classes import bridge
-from jausml.language.semantics.assignments.named_places import named_places
+from jausml.language.metamodel.classes import bridge, jaus
+from jausml.language.semantics.assignments.named_places import NamedPlaces, named_places
 from jausml.language.semantics.connections import stops
 from jausml.language.semantics.connections.calls import told_command
-from jausml.language.semantics.connections.reports import freshness_of, joined_reports
+from jausml.language.semantics.connections.reports import JoinedReport, freshness_of, joined_reports
 from jausml.language.semantics.jaus.commands import chosen_fields, guard_of_receivers, is_emergency
 from jausml_generators.bridge.ends import (
     JoinView,
@@ -24,18 +24,11 @@ from jausml_generators.bridge.ends import (
     query_of_join,
     topic_call,
 )
+from jausml_generators.bridge.translation.translating import Translated
 from jausml_generators.common.ros import RosType, ros_type
 from jausml_generators.python.codec.message_builder import build_unnamed
+from jausml_generators.python.codec.messages import MessageView
 from jausml_generators.python.statements import call, condition, tuple_of
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-
-    from jausml.language.metamodel.classes import jaus
-    from jausml.language.semantics.assignments.named_places import NamedPlaces
-    from jausml.language.semantics.connections.reports import JoinedReport
-    from jausml_generators.bridge.translation.translating import Translated
-    from jausml_generators.python.codec.messages import MessageView
 
 
 @dataclass(frozen=True)

@@ -2,24 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Container, Iterable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from jausml.generation.literals import python_literal, python_string
-from jausml.language.metamodel.classes import jaus
-from jausml.language.semantics.connections.reports import joined_reports
+from jausml.language.metamodel.classes import bridge, jaus, ros
+from jausml.language.semantics.connections.reports import JoinedReport, joined_reports
 from jausml.language.semantics.connections.topics import policies, reliability
 from jausml.language.wire.kinds import PRESENCE_VECTOR
 from jausml_generators.common.components import address_call, query_for, search_call
+from jausml_generators.python.codec.messages import MessageView
 from jausml_generators.python.names import snake_case
 from jausml_generators.python.statements import call
-
-if TYPE_CHECKING:
-    from collections.abc import Container, Iterable, Iterator
-
-    from jausml.language.metamodel.classes import bridge, ros
-    from jausml.language.semantics.connections.reports import JoinedReport
-    from jausml_generators.python.codec.messages import MessageView
 
 
 @dataclass(frozen=True)

@@ -4,26 +4,28 @@ from __future__ import annotations
 
 import functools
 import keyword
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml.generation.errors import GenerationError
 from jausml.generation.literals import clean, python_literal, python_string
 from jausml.generation.python import Imports, Origin, offered
-from jausml.language.cdr import PRIMITIVES, CdrError, Sizes, fields_of, nested, types_within
+from jausml.language.cdr import (
+    PRIMITIVES,
+    CdrError,
+    FieldLayout,
+    Sizes,
+    fields_of,
+    nested,
+    types_within,
+)
+from jausml.language.metamodel.classes import ros
 from jausml_generators.bridge.light_serializing import Runs, reading_lines, writing_lines
-from jausml_generators.common.ros import local_names, ros_type
+from jausml_generators.common.ros import RosClasses, local_names, ros_type
 from jausml_generators.python.names import snake_case
 from jausml_generators.python.package import LIGHT
 from jausml_generators.python.statements import call, tuple_of
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
-
-    from jausml.language.cdr import FieldLayout
-    from jausml.language.metamodel.classes import ros
-    from jausml_generators.common.ros import RosClasses
-
 
 _TAKEN = ("ClassVar", "Layout", "LightMessage")
 

@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
-from jausml.language.cdr import fields_of
+from jausml.language.cdr import FieldLayout, Sizes, fields_of
+from jausml.language.metamodel.classes import ros
 from jausml_generators.python.names import Scope, snake_case
 from jausml_generators.python.statements import call, long_string
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from jausml.language.cdr import FieldLayout, Sizes
-    from jausml.language.metamodel.classes import ros
 
 
 def reading_lines(

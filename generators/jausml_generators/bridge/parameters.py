@@ -5,25 +5,19 @@ The runtime declares them (`runtime/bridge/ends/parameters.py`); tests compare b
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from jausml.generation.literals import printable
+from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.connections.topics import policies, reliability, resolve_topic
+from jausml_generators.bridge.connections import ConnectionView
 from jausml_generators.bridge.ends import JoinView
-from jausml_generators.bridge.services_and_actions import ActionView
+from jausml_generators.bridge.services_and_actions import ActionView, CallView
 from jausml_generators.bridge.translation.places import PathError
 from jausml_generators.bridge.translation.values import AssignmentError
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from jausml.language.metamodel.classes import bridge
-    from jausml_generators.bridge.connections import ConnectionView
-    from jausml_generators.bridge.services_and_actions import CallView
-    from jausml_generators.bridge.views import BridgeView
-
+from jausml_generators.bridge.views import BridgeView
 
 QUEUE_AGE_LIMIT = 2.0
 """Seconds, as the runtime has them."""

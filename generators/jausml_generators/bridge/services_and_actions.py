@@ -7,14 +7,15 @@ among the connections, with a translation, tests and parameters of its own.
 from __future__ import annotations
 
 import functools
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 from jausml.generation.errors import GenerationError
 from jausml.generation.literals import docstring, printable, python_literal, python_string
-from jausml.language.metamodel.classes import bridge
+from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.semantics.connections import calls
 from jausml.language.semantics.connections.calls import (
+    DriverMessages,
     answers,
     driver_messages,
     knows_speed,
@@ -22,6 +23,7 @@ from jausml.language.semantics.connections.calls import (
 )
 from jausml.language.semantics.connections.reports import requested_in
 from jausml.language.semantics.jaus.commands import (
+    Answer,
     answer_alike,
     guard_of_executors,
     guard_of_receivers,
@@ -30,19 +32,12 @@ from jausml.language.semantics.jaus.commands import (
 from jausml.language.semantics.jaus.services import code
 from jausml_generators.bridge.connections import ConnectionView
 from jausml_generators.bridge.ends import peers_of, priority_of, query_call
+from jausml_generators.bridge.translation.translating import TranslatedCall
 from jausml_generators.common.ros import ros_type
+from jausml_generators.python.codec.messages import MessageView
 from jausml_generators.python.codec.scalars import Blob, Fixed
 from jausml_generators.python.names import snake_case
 from jausml_generators.python.statements import call, condition, tuple_of
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from jausml.language.metamodel.classes import jaus
-    from jausml.language.semantics.connections.calls import DriverMessages
-    from jausml.language.semantics.jaus.commands import Answer
-    from jausml_generators.bridge.translation.translating import TranslatedCall
-    from jausml_generators.python.codec.messages import MessageView
 
 
 def carried(owner: bridge.Bridge) -> list[bridge.Connection]:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from jausml.generation import native
 from jausml.generation.target import (
     FileTask,
@@ -14,6 +12,7 @@ from jausml.generation.target import (
     system_of,
     templates_beside,
 )
+from jausml.language.model.model import Model
 from jausml_generators.bridge.checks.module import TestModule
 from jausml_generators.bridge.views import BridgeView, bridge_views
 from jausml_generators.cpp.types import CORE, support
@@ -24,9 +23,6 @@ from jausml_generators.python.package import (
     package_tasks,
     program_tasks,
 )
-
-if TYPE_CHECKING:
-    from jausml.language.model.model import Model
 
 
 def tasks(model: Model) -> list[Task]:

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Collection, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from jausml.generation.artifact import MethodContract, SkeletonContract
 from jausml.generation.literals import python_literal, python_string
 from jausml.generation.python import Imports, offered
 from jausml.generation.target import source_of, system_of
+from jausml.language.metamodel.classes import bridge, jaus, ros
+from jausml.language.metamodel.classes.bridge import Bridge, Connection
+from jausml.language.metamodel.classes.system import System
+from jausml.language.model.model import Model
 from jausml.language.semantics.connections import calls, stops
 from jausml.language.semantics.connections.calls import told_command
 from jausml.language.semantics.connections.reports import requested_fields
@@ -42,19 +46,11 @@ from jausml_generators.common.components import (
     transport_settings,
     with_inherited,
 )
+from jausml_generators.cpp.core import Core
 from jausml_generators.python.codec.message_builder import build_message_map
+from jausml_generators.python.codec.messages import MessageView
 from jausml_generators.python.package import FACE, EntryPoint, ProgramView, laid_out, runtime_names
 from jausml_generators.python.statements import long_string
-
-if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Iterator
-
-    from jausml.language.metamodel.classes import bridge, jaus, ros
-    from jausml.language.metamodel.classes.bridge import Bridge, Connection
-    from jausml.language.metamodel.classes.system import System
-    from jausml.language.model.model import Model
-    from jausml_generators.cpp.core import Core
-    from jausml_generators.python.codec.messages import MessageView
 
 _HANDOFF_CONTROLLER = "urn:jaus:jss:iop:HandoffController"
 _HOOKS: dict[str, tuple[str, ...]] = {"on_not_ready": (), "on_control_lost": ()}

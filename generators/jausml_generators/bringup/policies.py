@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TypeAlias
 
 from jausml.language.metamodel.classes import ros
+from jausml.language.metamodel.classes.bridge import Bridge
 from jausml.language.semantics.connections.topics import endpoints, resolve_topic
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-    from typing import TypeAlias
-
-    from jausml.language.metamodel.classes.bridge import Bridge
-
-    _Use: TypeAlias = tuple[str, str]
+_Use: TypeAlias = "tuple[str, str]"
 
 _PUBLISHED = ("/parameter_events", "/rosout")
 """What every node publishes besides its own topics."""

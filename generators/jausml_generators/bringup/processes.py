@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from jausml.generation.literals import printable, python_string, yaml_string
 from jausml_generators.bridge.parameters import ParameterLine, parameter_lines
+from jausml_generators.bridge.views import BridgeView
 from jausml_generators.common.ros import OWN_PARAMETERS
 from jausml_generators.python.names import package_name
 from jausml_generators.python.statements import call
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from jausml_generators.bridge.views import BridgeView
 
 _YAML_WORDS = frozenset(["y", "n", "yes", "no", "on", "off", "true", "false", "null"])
 """Plain scalars that YAML 1.1 reads as another type than text, in any case."""

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from typing import Any
 
 from jausml.generation.target import FileTask, Target, Task, source_of, system_of, templates_beside
+from jausml.language.model.model import Model
 from jausml_generators.bridge.views import bridge_views
+from jausml_generators.bringup.processes import ProcessView
 from jausml_generators.bringup.views import LAUNCH_IMPORTS, BringupView
 from jausml_generators.python.package import PACKAGE_TEMPLATES, package_tasks, package_view
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from jausml.language.model.model import Model
-    from jausml_generators.bringup.processes import ProcessView
 
 
 def tasks(model: Model) -> list[Task]:

@@ -3,25 +3,21 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from jausml.generation.literals import python_string
 from jausml.generation.python import Imports, offered
 from jausml.language.metamodel.classes import jaus, ros
+from jausml.language.metamodel.classes.bridge import Bridge
+from jausml.language.metamodel.classes.system import Host, System
 from jausml.language.semantics.hosts import host_of
+from jausml_generators.bridge.views import BridgeView
 from jausml_generators.bringup.policies import PolicyView
 from jausml_generators.bringup.processes import SETTINGS, ConfigView, ProcessView, Setting
 from jausml_generators.common.components import TRANSPORTS, plain_components
 from jausml_generators.common.ros import parameter_value
 from jausml_generators.python.names import package_name
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from jausml.language.metamodel.classes.bridge import Bridge
-    from jausml.language.metamodel.classes.system import Host, System
-    from jausml_generators.bridge.views import BridgeView
 
 LAUNCH_IMPORTS = Imports(
     {

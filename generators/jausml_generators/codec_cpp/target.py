@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Sequence
 
 from jausml.generation.errors import GenerationError
 from jausml.generation.literals import clean
@@ -18,18 +18,14 @@ from jausml.generation.target import (
     system_of,
     templates_beside,
 )
+from jausml.language.metamodel.classes import jaus
+from jausml.language.model.model import Model
 from jausml_generators.common.components import library_services, used_services
 from jausml_generators.cpp.jaus_codec import JausCodec
 from jausml_generators.cpp.types import JAUS, UnprintableError, laid_out, support
 from jausml_generators.python.codec.message_builder import build_messages
+from jausml_generators.python.codec.messages import MessageView
 from jausml_generators.python.names import snake_case
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
-    from jausml.language.metamodel.classes import jaus
-    from jausml.language.model.model import Model
-    from jausml_generators.python.codec.messages import MessageView
 
 
 class HeaderView:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Iterator, Mapping
 
 from jausml.generation.errors import GenerationError
 from jausml.generation.literals import python_string
 from jausml.generation.target import system_of
 from jausml.language.metamodel.classes import bridge, jaus
+from jausml.language.metamodel.classes.system import Host, System
+from jausml.language.model.model import Model
 from jausml.language.project import library
 from jausml.language.semantics.connections import calls
 from jausml.language.semantics.hosts import endpoint_of, host_of
@@ -25,12 +27,6 @@ from jausml.language.semantics.jaus.services import (
     service_versions,
 )
 from jausml_generators.python.statements import call
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
-
-    from jausml.language.metamodel.classes.system import Host, System
-    from jausml.language.model.model import Model
 
 SUBSYSTEM_TYPES = {
     "vehicle": 10001,

@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
+from jausml.language.metamodel.classes import ros
 from jausml.language.semantics.ros_types import kind_of, package_of
 from jausml_generators.python.names import Scope, class_name
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-    from jausml.language.metamodel.classes import ros
 
 _POLICIES = {
     "reliability": ("ReliabilityPolicy", "reliable"),

@@ -9,29 +9,23 @@ import functools
 import hashlib
 import re
 from collections import ChainMap
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import islice
-from typing import TYPE_CHECKING
 
 from jausml.generation.literals import printable
 from jausml.language.cdr import types_within
-from jausml_generators.common.ros import ros_type
+from jausml.language.metamodel.classes import ros
+from jausml_generators.bridge.light_module import LightModule
+from jausml_generators.bridge.translation.steps import Step
+from jausml_generators.bridge.translation.surroundings import Surroundings
+from jausml_generators.common.ros import RosClasses, ros_type
 from jausml_generators.cpp.jaus_codec import JausCodec
-from jausml_generators.cpp.printing import printed
+from jausml_generators.cpp.printing import Printed, printed
 from jausml_generators.cpp.ros_codec import RosCodec
 from jausml_generators.cpp.types import CORE, Struct, UnprintableError, cpp_name, laid_out, support
 from jausml_generators.cpp.values import Used
 from jausml_generators.python.codec.messages import FORM_CLASS, MessageView
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping
-
-    from jausml.language.metamodel.classes import ros
-    from jausml_generators.bridge.light_module import LightModule
-    from jausml_generators.bridge.translation.steps import Step
-    from jausml_generators.bridge.translation.surroundings import Surroundings
-    from jausml_generators.common.ros import RosClasses
-    from jausml_generators.cpp.printing import Printed
 
 _PARAMETERS = (("const Source&", "source"), ("Target&", "target"), ("jausml::Check&", "check"))
 

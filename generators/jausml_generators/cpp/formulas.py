@@ -7,25 +7,21 @@ Each operation gives the bits that Python's gives: the file is compiled without 
 from __future__ import annotations
 
 import functools
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
 
 from jausml.language.attributes.expressions import (
     COMPARISONS,
     Call,
     Conditional,
+    Expression,
     Number,
     Operation,
     Variable,
 )
+from jausml.language.semantics.conversions.conversion import Conversion
 from jausml.language.semantics.conversions.definition import PARTS, QUATERNION, Definition
 from jausml.language.semantics.paths.attributes import TIME, TIME_STAMP
 from jausml_generators.cpp.types import UnprintableError, cpp_name, cpp_number, laid_out
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from jausml.language.attributes.expressions import Expression
-    from jausml.language.semantics.conversions.conversion import Conversion
 
 _TOTAL = {
     "atan": "std::atan",

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import ast
 import textwrap
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 from jausml.generation.literals import LINE_WIDTH
 from jausml_generators.cpp.jaus_numbers import (
@@ -39,17 +39,13 @@ from jausml_generators.python.codec.classes import (
     BitFieldClass,
     ContainerClass,
     Enumeration,
+    SubField,
     VariableFieldClass,
 )
 from jausml_generators.python.codec.members import ArrayValue, ListValue, PartValue, VariantValue
+from jausml_generators.python.codec.members import Member as View
+from jausml_generators.python.codec.messages import MessageView
 from jausml_generators.python.codec.scalars import Bits, Blob, Fixed
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from jausml_generators.python.codec.classes import SubField
-    from jausml_generators.python.codec.members import Member as View
-    from jausml_generators.python.codec.messages import MessageView
 
 Value = Fixed | Blob | PartValue | VariantValue | ListValue | ArrayValue
 

@@ -2,14 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-from jausml_generators.cpp.types import Plain, UnprintableError, cpp_integer, cpp_number
-
-if TYPE_CHECKING:
-    from jausml_generators.cpp.types import Type
-    from jausml_generators.python.codec.classes import SubField
-    from jausml_generators.python.codec.scalars import Fixed
+from jausml_generators.cpp.types import Plain, Type, UnprintableError, cpp_integer, cpp_number
+from jausml_generators.python.codec.classes import SubField
+from jausml_generators.python.codec.scalars import Fixed
 
 NUMBERS = {
     "b": "std::int8_t",

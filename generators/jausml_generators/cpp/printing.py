@@ -7,8 +7,8 @@ message, a value that is kept) is left to Python as a whole.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 from jausml_generators.bridge.translation import expressions as values
 from jausml_generators.bridge.translation.expressions import Constant, Expression, Limit, New
@@ -40,9 +40,6 @@ from jausml_generators.cpp.types import (
     find,
 )
 from jausml_generators.cpp.values import Used, Values, literal
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
 
 _INDENT = "    "
 _MOST_UNKNOWN = 64

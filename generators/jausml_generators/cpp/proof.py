@@ -7,26 +7,26 @@ or conditions, or that come back as more than themselves, have no such sweep: wh
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import fields, is_dataclass, replace
-from typing import TYPE_CHECKING
 
 from jausml.generation import native
-from jausml.language.cdr import fields_of
+from jausml.language.cdr import FieldLayout, fields_of
+from jausml.language.metamodel.classes import ros
 from jausml_generators.bridge.translation.places import Local, Place, There
-from jausml_generators.bridge.translation.steps import Choose, Let, Require, Write
+from jausml_generators.bridge.translation.steps import Choose, Let, Require, Step, Write
+from jausml_generators.cpp.core import Compiled, Core
 from jausml_generators.cpp.jaus_numbers import NUMBERS, read_number, write_number
-from jausml_generators.cpp.types import Places, Plain, UnprintableError, cpp_number, laid_out
+from jausml_generators.cpp.types import (
+    Places,
+    Plain,
+    Struct,
+    UnprintableError,
+    cpp_number,
+    laid_out,
+)
+from jausml_generators.python.codec.members import Member as View
 from jausml_generators.python.codec.scalars import Bits, Fixed
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
-
-    from jausml.language.cdr import FieldLayout
-    from jausml.language.metamodel.classes import ros
-    from jausml_generators.bridge.translation.steps import Step
-    from jausml_generators.cpp.core import Compiled, Core
-    from jausml_generators.cpp.types import Struct
-    from jausml_generators.python.codec.members import Member as View
 
 PROOF = "proof.hpp"
 """The header of sweeps."""

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Mapping
 
 from jausml.language.cdr import FieldLayout, Sizes, fields_of
+from jausml.language.metamodel.classes import ros
 from jausml_generators.cpp.jaus_numbers import NUMBERS
 from jausml_generators.cpp.types import (
     INTEGER,
@@ -22,11 +23,6 @@ from jausml_generators.cpp.types import (
     cpp_number,
     cpp_string,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
-
-    from jausml.language.metamodel.classes import ros
 
 _INDENT = "    "
 

@@ -5,18 +5,15 @@ from __future__ import annotations
 import functools
 import json
 import re
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 from jausml.generation.literals import LINE_WIDTH
 from jausml.generation.target import templates_beside
 from jausml_generators.bridge.translation import places
+from jausml_generators.bridge.translation.places import Condition, Local, Place
 from jausml_generators.python.names import names_in
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
-
-    from jausml_generators.bridge.translation.places import Condition, Local, Place
 
 _RESERVED = names_in(
     """

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import ast
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 from jausml.language.semantics.conversions import CONVERSIONS
 from jausml.language.semantics.conversions.definition import PARTS, QUATERNION
@@ -12,7 +12,7 @@ from jausml.language.semantics.conversions.numbers import Negate
 from jausml.language.semantics.paths.attributes import TIME, TIME_STAMP
 from jausml_generators.bridge.translation import expressions as values
 from jausml_generators.bridge.translation.expressions import Constant, Expression, Limit, New
-from jausml_generators.bridge.translation.places import HasValue
+from jausml_generators.bridge.translation.places import Condition, HasValue, Place
 from jausml_generators.cpp.formulas import conversion_lines, joined_truth, number
 from jausml_generators.cpp.types import (
     INTEGER,
@@ -31,11 +31,6 @@ from jausml_generators.cpp.types import (
     cpp_string,
     find,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
-
-    from jausml_generators.bridge.translation.places import Condition, Place
 
 _TYPES = {values.REAL: REAL, values.INTEGER: INTEGER, values.BOOLEAN: TRUTH, values.TEXT: TEXT}
 _KINDS = {QUATERNION: values.QUATERNION, TIME: values.TIME, TIME_STAMP: values.BITS}

@@ -3,22 +3,18 @@
 from __future__ import annotations
 
 import ipaddress
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from jausml.generation.errors import GenerationError
 from jausml.generation.target import system_of
+from jausml.language.metamodel.classes import jaus
+from jausml.language.metamodel.classes.bridge import Bridge
+from jausml.language.metamodel.classes.system import Host, System
+from jausml.language.model.model import Model
 from jausml.language.semantics.hosts import endpoint_of, host_of, is_ipv4
 from jausml.language.semantics.paths.scopes import carriers_of
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
-
-    from jausml.language.metamodel.classes import jaus
-    from jausml.language.metamodel.classes.bridge import Bridge
-    from jausml.language.metamodel.classes.system import Host, System
-    from jausml.language.model.model import Model
-    from jausml_generators.bringup.processes import ProcessView
+from jausml_generators.bringup.processes import ProcessView
 
 
 @dataclass(frozen=True)

@@ -3,25 +3,20 @@
 from __future__ import annotations
 
 import ipaddress
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from jausml.generation.artifact import Kind
 from jausml.generation.target import FileTask, Target, Task, templates_beside
 from jausml.language.metamodel.classes import ros
+from jausml.language.metamodel.classes.system import System
+from jausml.language.model.model import Model
 from jausml.language.semantics.connections.topics import resolve_topic
+from jausml_generators.bringup.processes import ProcessView
 from jausml_generators.bringup.target import bringup_view
-from jausml_generators.deployment.network import dds_ports, deployed_hosts
+from jausml_generators.deployment.network import Deployed, dds_ports, deployed_hosts
 from jausml_generators.python.names import package_name
 from jausml_generators.ros_interfaces.target import declared_packages
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from jausml.language.metamodel.classes.system import System
-    from jausml.language.model.model import Model
-    from jausml_generators.bringup.processes import ProcessView
-    from jausml_generators.deployment.network import Deployed
 
 
 @dataclass(frozen=True)

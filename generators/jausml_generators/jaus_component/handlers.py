@@ -7,27 +7,29 @@ of X. ExecuteList belongs to ReportActiveElement.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from textwrap import indent
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 from jausml.generation.artifact import MethodContract
 from jausml.generation.errors import GenerationError
 from jausml.generation.literals import clean, docstring, python_literal, sentence
+from jausml.language.metamodel.classes import jaus
 from jausml_generators.common.components import address_call, search_call
 from jausml_generators.python import names
 from jausml_generators.python.codec.classes import ContainerClass, VariableFieldClass
-from jausml_generators.python.codec.members import ArrayValue, ListValue, PartValue, VariantValue
+from jausml_generators.python.codec.members import (
+    ArrayValue,
+    ListValue,
+    Member,
+    PartValue,
+    VariantValue,
+)
+from jausml_generators.python.codec.messages import MessageView
 from jausml_generators.python.codec.scalars import Bits, Fixed
 from jausml_generators.python.package import laid_out
 from jausml_generators.python.statements import call
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-    from jausml.language.metamodel.classes import jaus
-    from jausml_generators.python.codec.members import Member
-    from jausml_generators.python.codec.messages import MessageView
 
 GUARD_TEXTS = {
     "ANY": "from whoever sends it",

@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 from collections import defaultdict, deque
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from jausml.generation.literals import clean, docstring, python_string
 from jausml.language.attributes.guards import AllOf, AnyOf, Condition, Guard, Negation, parse_guard
+from jausml.language.metamodel.classes import jaus
 from jausml.language.semantics.jaus.inherited_machines import Machine, event_name
 from jausml_generators.jaus_component.handlers import Method
 from jausml_generators.python.statements import call, tuple_of
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from jausml.language.metamodel.classes import jaus
-    from jausml.language.semantics.jaus.inherited_machines import Machine
 
 _BODY = 8
 

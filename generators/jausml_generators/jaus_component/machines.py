@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Iterator, Mapping
 
 from jausml.generation.literals import clean, python_string, sentence
 from jausml.language.attributes.guards import (
@@ -15,6 +15,7 @@ from jausml.language.attributes.guards import (
     conditions,
     parse_guard,
 )
+from jausml.language.metamodel.classes import jaus
 from jausml.language.semantics.jaus.commands import guard_of
 from jausml.language.semantics.jaus.inherited_machines import (
     Machine,
@@ -31,13 +32,8 @@ from jausml_generators.jaus_component.machine_views import (
     walks,
 )
 from jausml_generators.python import names
+from jausml_generators.python.codec.messages import MessageView
 from jausml_generators.python.statements import call, condition, tuple_of
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
-
-    from jausml.language.metamodel.classes import jaus
-    from jausml_generators.python.codec.messages import MessageView
 
 STANDARD_GUARDS = {
     "isControllingClient": "is_controlling_client",

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from jausml.generation.target import FileTask, Target, Task, system_of, templates_beside
+from jausml.language.model.model import Model
 from jausml_generators.jaus_component.views import component_views
 from jausml_generators.messages.target import SystemMessages
 from jausml_generators.python.package import FACE, PACKAGE_TEMPLATES, package_tasks, program_tasks
-
-if TYPE_CHECKING:
-    from jausml.language.model.model import Model
 
 
 def tasks(model: Model) -> list[Task]:

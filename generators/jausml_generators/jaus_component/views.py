@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 from jausml.generation.artifact import MethodContract, SkeletonContract
 from jausml.generation.literals import clean, docstring, python_string, sentence
 from jausml.generation.python import Imports, Origin, offered
 from jausml.generation.target import source_of, system_of
+from jausml.language.metamodel.classes import jaus
+from jausml.language.metamodel.classes.system import System
+from jausml.language.model.model import Model
 from jausml.language.semantics.jaus.commands import guard_of
 from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME, is_core_message
 from jausml.language.semantics.jaus.services import provided_services
@@ -26,20 +29,13 @@ from jausml_generators.jaus_component.handlers import (
     documented,
     simulated,
 )
+from jausml_generators.jaus_component.machine_views import EventView, MachineView
 from jausml_generators.python import names
 from jausml_generators.python.codec.examples import examples, numbers
 from jausml_generators.python.codec.message_builder import build_message_map
+from jausml_generators.python.codec.messages import MessageView
 from jausml_generators.python.package import MESSAGES, EntryPoint, ProgramView, runtime_names
 from jausml_generators.python.statements import condition, long_string, may_set_limits
-
-if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator, Mapping
-
-    from jausml.language.metamodel.classes import jaus
-    from jausml.language.metamodel.classes.system import System
-    from jausml.language.model.model import Model
-    from jausml_generators.jaus_component.machine_views import EventView, MachineView
-    from jausml_generators.python.codec.messages import MessageView
 
 # Hooks of every component, with their parameters; the base does nothing in them.
 _HOOKS = {

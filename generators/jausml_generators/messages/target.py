@@ -3,25 +3,20 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from jausml.generation.literals import clean
 from jausml.generation.python import Origin, statements
 from jausml.generation.target import FileTask, Target, Task, source_of, system_of
+from jausml.language.metamodel.classes import jaus
+from jausml.language.model.model import Model
 from jausml_generators.bridge.views import BridgeView, bridge_views
 from jausml_generators.jaus_component.views import ComponentView, component_views
 from jausml_generators.python.codec.message_builder import build_message_map
-from jausml_generators.python.codec.messages import MessagesModule
+from jausml_generators.python.codec.messages import MessagesModule, MessageView
 from jausml_generators.python.names import Scope, package_name, snake_case
 from jausml_generators.python.package import FACE, PACKAGE_TEMPLATES, package_tasks, package_view
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from jausml.language.metamodel.classes import jaus
-    from jausml.language.model.model import Model
-    from jausml_generators.python.codec.messages import MessageView
 
 
 @dataclass(frozen=True)

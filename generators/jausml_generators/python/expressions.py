@@ -6,8 +6,8 @@ Python is written from the tree of an expression, never from its text.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 from jausml.generation.literals import python_literal
 from jausml.language.attributes.expressions import (
@@ -20,13 +20,8 @@ from jausml.language.attributes.expressions import (
     Variable,
     operands_of,
 )
-from jausml_generators.python.statements import Assign, If
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from jausml_generators.python.names import Scope
-    from jausml_generators.python.statements import Statement
+from jausml_generators.python.names import Scope
+from jausml_generators.python.statements import Assign, If, Statement
 
 _FUNCTIONS = {
     "sin": "sine",

@@ -5,24 +5,20 @@ from __future__ import annotations
 import ast
 import functools
 from abc import ABC, abstractmethod
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 import jausml
 from jausml.generation import native
-from jausml.generation.artifact import Kind
+from jausml.generation.artifact import Kind, SkeletonContract
 from jausml.generation.literals import LINE_WIDTH, python_string
 from jausml.generation.python import Imports, Origin, layout, offered
 from jausml.generation.target import FileTask, Task, TextFile, TextTask, templates_beside
+from jausml.language.metamodel.classes import jaus, ros
+from jausml.language.metamodel.classes.system import System
 from jausml_generators.python.names import Scope, class_name, package_name
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-
-    from jausml.generation.artifact import SkeletonContract
-    from jausml.language.metamodel.classes import jaus, ros
-    from jausml.language.metamodel.classes.system import System
 
 API_VERSION = (1, 0)
 """API of the runtime that generated code is written for."""

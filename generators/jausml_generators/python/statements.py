@@ -6,15 +6,12 @@ Expressions are text on one line: what is too long is broken when the whole modu
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 from jausml.generation.literals import printable, python_string
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-    from jausml.language.metamodel.classes import jaus
+from jausml.language.metamodel.classes import jaus
 
 _STEP = " " * 4
 # Characters of a string that stands on a line of its own, wherever that begins.

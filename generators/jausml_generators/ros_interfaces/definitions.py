@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 from jausml.generation.errors import GenerationError
 from jausml.generation.literals import printable
@@ -16,12 +16,7 @@ from jausml.language.interfaces.definitions import (
     write_value,
 )
 from jausml.language.metamodel.classes import ros
-from jausml.language.semantics.ros_types import kind_of, parts_of, type_of
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from jausml.language.semantics.ros_types import InterfaceType
+from jausml.language.semantics.ros_types import InterfaceType, kind_of, parts_of, type_of
 
 
 class DefinitionSection(Section):

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import keyword
 import re
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterable
 
 from jausml.generation.errors import GenerationError
 from jausml.language import wire
@@ -22,6 +22,7 @@ from jausml.language.interfaces.definitions import (
     FieldDefinition,
     FieldType,
 )
+from jausml.language.metamodel.classes import jaus
 from jausml.language.semantics import names as words
 from jausml_generators.python import names
 from jausml_generators.ros_interfaces.definitions import (
@@ -29,11 +30,6 @@ from jausml_generators.ros_interfaces.definitions import (
     DefinitionSection,
     described,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
-
-    from jausml.language.metamodel.classes import jaus
 
 _LONGEST_SEQUENCE = 2**16 - 1
 """A sequence that may be longer is not bounded: nobody would reserve the memory."""

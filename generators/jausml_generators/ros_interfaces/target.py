@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import PurePath
-from typing import TYPE_CHECKING
 
 from jausml.generation.target import (
     FileTask,
@@ -16,19 +16,14 @@ from jausml.generation.target import (
 )
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.metamodel.classes import system as system_language
+from jausml.language.metamodel.classes.system import System
 from jausml.language.metamodel.filling import new_object
+from jausml.language.model.model import Model
 from jausml.language.semantics.jaus.core_services import CORE
 from jausml_generators.common.components import services_of, with_inherited
 from jausml_generators.python.names import package_name
-from jausml_generators.ros_interfaces.definitions import package_files
+from jausml_generators.ros_interfaces.definitions import DefinitionFile, package_files
 from jausml_generators.ros_interfaces.jaus_types import MessagesPackage
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
-
-    from jausml.language.metamodel.classes.system import System
-    from jausml.language.model.model import Model
-    from jausml_generators.ros_interfaces.definitions import DefinitionFile
 
 
 def declared_tasks(model: Model) -> list[Task]:
@@ -49,7 +44,9 @@ def tasks(model: Model) -> list[Task]:
 
 def whole_library_tasks(model: Model) -> list[Task]:
     """Returns the files of the package of all messages of the model's services."""
-    return _messages_tasks(model, all_messages(model))
+    own = model.instances(jaus.Service, library=False)
+    services = [*own, *with_inherited(_used_services(model))]
+    return _messages_tasks(model, _messages(services))
 
 
 def _messages_tasks(model: Model, chosen: Iterable[jaus.MessageDef]) -> list[Task]:
@@ -146,12 +143,6 @@ def declared_packages(model: Model) -> list[ros.InterfacePackage]:
     packages = model.instances(ros.InterfacePackage, library=False)
     documents = [(package, model.document_of(package)) for package in packages]
     return [package for package, place in documents if place is not None and place.is_input]
-
-
-def all_messages(model: Model) -> list[jaus.MessageDef]:
-    """Returns the messages of all services of a model and of those that it uses."""
-    own = model.instances(jaus.Service, library=False)
-    return _messages([*own, *with_inherited(_used_services(model))])
 
 
 def unmapped_messages(model: Model) -> list[jaus.MessageDef]:

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import functools
 import math
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeAlias, TypeVar
 
 from jausml.generation.artifact import MethodContract, SkeletonContract
 from jausml.generation.literals import python_literal, python_string
 from jausml.generation.python import Imports, Origin, offered
 from jausml.generation.target import FileTask, Target, Task, source_of, system_of, templates_beside
+from jausml.language.metamodel.classes import ros
+from jausml.language.model.model import Model
 from jausml_generators.common.ros import (
     LONGEST_DURATION,
     OWN_PARAMETERS,
@@ -34,14 +37,7 @@ from jausml_generators.python.package import (
 )
 from jausml_generators.python.statements import long_string
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
-    from typing import TypeAlias
-
-    from jausml.language.metamodel.classes import ros
-    from jausml.language.model.model import Model
-
-    Endpoint: TypeAlias = ros.TopicEndpoint | ros.ServiceEndpoint
+Endpoint: TypeAlias = "ros.TopicEndpoint | ros.ServiceEndpoint"
 
 
 NamedT = TypeVar("NamedT", bound="ros.NamedElement")

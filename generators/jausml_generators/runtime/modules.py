@@ -9,18 +9,15 @@ from __future__ import annotations
 import ast
 import functools
 import re
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import jausml
 from jausml.generation.artifact import CANNOT_PARSE
 from jausml.generation.python import layout
 from jausml_generators.python.package import FACE
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
 
 _FOLDER = Path(jausml.__file__).parent / "runtime"
 _WHOLE = "*"

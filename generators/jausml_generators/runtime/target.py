@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 import sys
-from typing import TYPE_CHECKING
+from collections.abc import Iterable
 
 import jausml
 from jausml.generation.target import Target, Task, TextFile, TextTask, WholeLibrary
+from jausml.language.model.model import Model
 from jausml_generators.python.package import FACE, PACKAGE_TEMPLATES, PackageView, package_tasks
 from jausml_generators.runtime.modules import copied, needed, runtime_modules
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-    from jausml.language.model.model import Model
 
 
 def tasks_for(code: Iterable[tuple[str, str]]) -> list[Task]:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml.generation.errors import GenerationError
 from jausml.generation.literals import printable
@@ -17,17 +18,13 @@ from jausml.generation.target import (
     templates_beside,
 )
 from jausml.language import wire
+from jausml.language.metamodel.classes import jaus
+from jausml.language.metamodel.classes.system import System
+from jausml.language.model.model import Model
 from jausml.language.semantics import names as words
 from jausml_generators.common.components import library_services, used_services
 from jausml_generators.python import names
 from jausml_generators.python.names import Scope
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
-
-    from jausml.language.metamodel.classes import jaus
-    from jausml.language.metamodel.classes.system import System
-    from jausml.language.model.model import Model
 
 JAUS_PORT = 3794
 """The port that IANA assigned to JAUS (AS5669A)."""

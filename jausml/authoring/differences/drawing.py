@@ -14,9 +14,9 @@ from typing import TypeVar
 
 from jausml.authoring.differences.changes import Change, Kind
 from jausml.authoring.differences.matching import Matching
-from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model import refs
 from jausml.language.model.model import Model
+from jausml.language.model.names import with_owners
 from jausml.language.model.refs import Ref
 from jausml.views.diagrams.graph import ADDED, CHANGED, REMOVED, Edge, End, Graph, Group, Node, Port
 
@@ -51,18 +51,16 @@ def _texts(
     shown = {part.element for part in _parts(new.graph) if part.element}
     texts: dict[Ref, list[str]] = defaultdict(list)
     for change in changes:
-        obj: EObject | None = change.new_element
-        side = new
+        obj, side = change.new_element, new
         if change.kind is Kind.REMOVED:
             obj, side = change.old_element, old
         text = f"{change.element} {change.path}: {change.text}"
-        while obj is not None:
-            ref = refs.ref_of(obj, side.model, side.root)
+        for element in with_owners(obj):
+            ref = refs.ref_of(element, side.model, side.root)
             ref = ref if side is new else same.get(ref, "")
             if ref in shown:
                 texts[ref].append(text)
                 break
-            obj = obj.eContainer()
     return texts
 
 

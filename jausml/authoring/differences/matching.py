@@ -12,6 +12,7 @@ from jausml.language.metamodel import FeatureKind, FeatureTable
 from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model.documents import Document
 from jausml.language.model.model import Model
+from jausml.language.model.names import name_of, with_owners
 
 _KEYS = ("target", "path", "jaus", "value", "index", "text")
 """Attributes that tell elements without a name apart, the first that a class has."""
@@ -130,14 +131,12 @@ def address(value: Any) -> str:
     if not hasattr(value, "eContainer"):
         return ""
     steps: list[str] = []
-    obj: EObject | None = value
-    while obj is not None:
-        urn = getattr(obj, "urn", None)
+    for element in with_owners(value):
+        urn = getattr(element, "urn", None)
         if urn:
-            steps.append(f"{urn} {getattr(obj, 'version', '')}")
+            steps.append(f"{urn} {getattr(element, 'version', '')}")
             break
-        steps.append(str(getattr(obj, "name", None) or obj.eClass.name))
-        obj = obj.eContainer()
+        steps.append(name_of(element) or element.eClass.name)
     return "/".join(reversed(steps))
 
 

@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING
 from jausml.authoring.editing.commands import Add, EditError, Set
 from jausml.authoring.editing.describing import described
 from jausml.language.metamodel.classes import bridge
-from jausml.language.metamodel.filling import new_object, set_values
+from jausml.language.metamodel.filling import make, set_values
 from jausml.language.model import refs
 from jausml.language.model.diagnostics import Severity
-from jausml.language.model.names import name_of
+from jausml.language.model.names import around, name_of
 from jausml.language.model.reading.reader import read_models
 from jausml.language.model.xmi.printing import UnwritableError
 from jausml.language.text.notation import NOTATIONS, Ros2Jaus
@@ -130,14 +130,12 @@ def _elements(model: Model, features: Sequence[str]) -> Iterator[tuple[EObject, 
 
 def _left_out(model: Model, obj: EObject | None, diagnostic: Diagnostic) -> LeftOut:
     """Notes what is left out, at the nearest element of which a decision may be open."""
-    around = obj
-    while around is not None and not isinstance(around, bridge.DecisionOwner):
-        around = around.eContainer()
-    if isinstance(around, bridge.DecisionOwner):
-        decision = new_object(model.metamodels.classes["bridge.OpenDecision"])
-        decision.text = f"say what is meant where this was pasted: {diagnostic.message}"
-        decisions = model.metamodels.class_of(around).features["openDecisions"]
-        set_values(around, decisions, [*around.openDecisions, decision])
+    owner = around(obj, bridge.DecisionOwner)
+    if owner is not None:
+        text = f"say what is meant where this was pasted: {diagnostic.message}"
+        decision = make(model.metamodels, bridge.OpenDecision, text=text)
+        decisions = model.metamodels.class_of(owner).features["openDecisions"]
+        set_values(owner, decisions, [*owner.openDecisions, decision])
     return LeftOut(name_of(obj) if obj is not None else "", diagnostic.message)
 
 

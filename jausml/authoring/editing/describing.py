@@ -13,7 +13,7 @@ from jausml.language.metamodel import FeatureKind, FeatureTable
 from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.metamodel.filling import contents
 from jausml.language.model.model import Model
-from jausml.language.model.names import name_of
+from jausml.language.model.names import name_of, with_owners
 from jausml.language.model.refs import Ref
 
 _NAME = "name"
@@ -241,12 +241,12 @@ def pasted(
 def _place(command: Add, chosen: EObject, model: Model) -> tuple[EObject, str]:
     """Returns the nearest owner that can own what is described, and the feature."""
     table = model.metamodels.classes.get(command.kind)
-    owner: EObject | None = chosen
-    while owner is not None and table is not None:
+    supertypes = table.supertypes if table is not None else ()
+    for owner in with_owners(chosen):
         features = [
             feature
             for feature in model.metamodels.class_of(owner).contained
-            if feature.target in table.supertypes and (feature.many or not contents(owner, feature))
+            if feature.target in supertypes and (feature.many or not contents(owner, feature))
         ]
         names = [
             feature.name
@@ -254,7 +254,6 @@ def _place(command: Add, chosen: EObject, model: Model) -> tuple[EObject, str]:
         ]
         if names:
             return owner, command.feature if command.feature in names else names[0]
-        owner = owner.eContainer()
     what = table.name if table is not None else command.kind
     raise EditError(f"a {what} has no place in {name_of(chosen) or chosen.eClass.name}")
 

@@ -23,14 +23,12 @@ from jausml.authoring.editing.reading import (
 from jausml.authoring.editing.records import FileChange, Stored, data_of
 from jausml.authoring.editing.working_copy import ElementCopy, WorkingCopy
 from jausml.language.metamodel import (
-    ClassTable,
     FeatureKind,
-    FeatureTable,
     Metamodels,
     load_metamodels,
 )
 from jausml.language.metamodel.classes.ecore import EObject
-from jausml.language.metamodel.filling import new_object, set_value, set_values
+from jausml.language.metamodel.filling import fill, new_object
 from jausml.language.model import refs
 from jausml.language.model.documents import Document
 from jausml.language.model.library import SUFFIXES
@@ -185,7 +183,7 @@ def _root(command: Create, metamodels: Metamodels) -> tuple[Any, dict[str, Value
         if feature.kind is FeatureKind.CROSS_REFERENCE:
             later[name] = tuple(values)
         elif feature.kind is FeatureKind.ATTRIBUTE:
-            _fill(root, feature, tuple(values))
+            fill(root, feature, converted(tuple(values), feature))
         else:
             raise EditError(f"{name} of a new {table.name} owns elements: add them afterwards")
     return root, later
@@ -203,14 +201,6 @@ def check_new_file(file: str, draft: Draft) -> None:
         raise EditError(f"{file} would not be among the models of the opened folder")
     if file in draft.files or (draft.root / file).exists():
         raise EditError(f"there is a {file} already")
-
-
-def _fill(root: object, feature: FeatureTable, texts: Values) -> None:
-    values = converted(texts, feature)
-    if feature.many:
-        set_values(root, feature, values)
-    elif values:
-        set_value(root, feature, values[0])
 
 
 @dataclass(frozen=True)
@@ -245,11 +235,6 @@ class Context:
     def ref(self, copy: ElementCopy) -> Ref:
         """Returns the ref of an element as it was read."""
         return f"{copy.file}#{self.working_copy.identifiers.get(copy) or self.paths[copy]}"
-
-    def find_class(self, ref: Ref) -> ClassTable:
-        """Returns the class of the element of a ref."""
-        obj, model = self.locate(ref)
-        return model.metamodels.class_of(obj)
 
     def is_own(self, obj: EObject | None) -> bool:
         """Tells whether an element stands in the file."""

@@ -90,8 +90,11 @@ class Rebasing:
         """Remembers that an entry was undone, or done again; tells whether commands say how."""
         shifts = self._shifts.get(entry.number)
         if back and shifts is not None:
-            # The last shift was made on top of the others, so it is undone first.
-            shifts = tuple(_inverted(shift) for shift in reversed(shifts))
+            # The last shift was made on top of the others, so it is undone first. What went has no
+            # new ref that could lead back.
+            shifts = tuple(
+                {new: old for old, new in shift.items() if new} for shift in reversed(shifts)
+            )
         self._pass(revision, entry, shifts)
         return shifts is not None
 
@@ -128,11 +131,6 @@ class Rebasing:
 def _forgotten(what: str) -> EditError:
     message = f"{what} has changed since: look at it again, and repeat the edit"
     return EditError(message, conflict=True)
-
-
-def _inverted(shift: Shift) -> Shift:
-    # What went has no new ref that could lead back.
-    return {new: old for old, new in shift.items() if new}
 
 
 class OutsideChange:

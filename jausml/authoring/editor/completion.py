@@ -24,7 +24,7 @@ from jausml.language.metamodel import ClassTable, FeatureTable, ValueKind, docum
 from jausml.language.metamodel.classes import jaus, ros
 from jausml.language.model.names import qualified_name
 from jausml.language.model.values import show
-from jausml.language.semantics.conversions import CONVERSIONS, Conversion
+from jausml.language.semantics.conversions import CONVERSIONS
 from jausml.language.semantics.jaus.services import with_inherited
 from jausml.language.text.reading.imports import library_files, library_maps
 from jausml.language.text.reading.parsing import parsed_text
@@ -174,13 +174,9 @@ def _path(bench: Workbench, path: Path, context: Context) -> Iterator[Completion
 
 
 def _conversion(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:  # noqa: ARG001
-    yield from map(conversion_completion, CONVERSIONS.values())
-
-
-def conversion_completion(conversion: Conversion) -> Completion:
-    """Returns a conversion with its signature and what it does."""
-    shown = (conversion.signature, conversion.documentation)
-    return Completion(conversion.name, "Function", *shown)
+    for conversion in CONVERSIONS.values():
+        shown = (conversion.signature, conversion.documentation)
+        yield Completion(conversion.name, "Function", *shown)
 
 
 def _argument(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:

@@ -2,34 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, TypeVar
+from pathlib import Path
+from typing import TypeVar
 
-from jausml.authoring.editor.context import Part, context_at
-from jausml.authoring.editor.names import Declaration, find
+from lark import Token
+
+from jausml.authoring.editor.context import Context, Part, context_at
+from jausml.authoring.editor.names import Declaration, Reference, find
 from jausml.authoring.editor.places import Place, is_within
-from jausml.authoring.editor.workbench import imported_file, imports_of, names_in
+from jausml.authoring.editor.workbench import Workbench, imported_file, imports_of, names_in
 from jausml.language.metamodel.classes import jaus, ros
+from jausml.language.metamodel.classes.ecore import EObject
+from jausml.language.semantics.paths import attributes
 from jausml.language.semantics.paths.attributes import UNSTATED, Attribute
 from jausml.language.semantics.paths.jaus_paths import JausPlace, message_place
 from jausml.language.semantics.paths.ros_paths import RosPlace
+from jausml.language.semantics.paths.wholes import PathPlace
 from jausml.language.text import tree
 from jausml.language.text.reading.parsing import parsed_text
 from jausml.language.text.reading.shaping import span_of, word_text
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-    from pathlib import Path
-
-    from lark import Token
-
-    from jausml.authoring.editor.context import Context
-    from jausml.authoring.editor.names import Reference
-    from jausml.authoring.editor.workbench import Workbench
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.semantics.paths import attributes
-    from jausml.language.semantics.paths.wholes import PathPlace
-    from jausml.language.text.tree import Item
+from jausml.language.text.tree import Item
 
 MessageT = TypeVar("MessageT", "jaus.MessageDef", "ros.MessageType")
 
@@ -181,7 +175,8 @@ def define(bench: Workbench, path: Path, place: Place) -> Definition | None:
         return Definition(declared[0], declared[1].name.span)
     reference = names_in(text).reference_at(place)
     if reference is not None:
-        return _in_models(bench, path, reference)
+        element = bench.find(path, reference.wanted.python_class, reference.text)
+        return _element(bench, path, element)
     token = word_at(text, place)
     context = context_at(text, parsed_text(text), place)
     if token is None or context.part not in (Part.SOURCE, Part.TARGET):
@@ -216,11 +211,6 @@ def _imported(bench: Workbench, path: Path, place: Place) -> Definition | None:
             file = imported_file(item, path)
             return Definition(file, tree.Span()) if file is not None and file.is_file() else None
     return None
-
-
-def _in_models(bench: Workbench, path: Path, reference: Reference) -> Definition | None:
-    element = bench.find(path, reference.wanted.python_class, reference.text)
-    return _element(bench, path, element)
 
 
 def _element(bench: Workbench, path: Path, element: EObject | None) -> Definition | None:

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
-from jausml.authoring.editor.context import Part, context_at, features_of, keywords, table
+from lark import Token
+
+from jausml.authoring.editor.context import Context, Part, context_at, features_of, keywords, table
 from jausml.authoring.editor.definition import declaration_at, facts, sides_at, word_at
 from jausml.authoring.editor.places import Place
-from jausml.authoring.editor.workbench import names_in
+from jausml.authoring.editor.workbench import Workbench, names_in
 from jausml.language.metamodel import documentation
 from jausml.language.metamodel.classes import jaus, ros
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model.names import qualified_name
 from jausml.language.semantics.conversions import CONVERSIONS
 from jausml.language.semantics.paths.markers import in_words
@@ -21,16 +26,6 @@ from jausml.live.messages.errors import DefinitionError
 from jausml.live.messages.ros_rows import ros_rows
 from jausml.live.messages.text import rows_of
 from jausml.views.pages import markdown_table
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-    from pathlib import Path
-
-    from lark import Token
-
-    from jausml.authoring.editor.context import Context
-    from jausml.authoring.editor.workbench import Workbench
-    from jausml.language.metamodel.classes.ecore import EObject
 
 _MOST_ROWS = 60
 

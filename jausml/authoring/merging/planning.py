@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from types import MappingProxyType
 
 from jausml.authoring.differences.changes import NOTHING, feature_text, words
 from jausml.authoring.differences.finding import is_ordered
@@ -24,7 +23,7 @@ CHANGED_TWICE, GONE_HERE, LOST_TARGET, ELSEWHERE, AS_LINES, LEFT_OUT = (
     "JML816",
 )
 
-_RULES = {
+MERGE_RULES: Mapping[str, RuleInfo] = {
     CHANGED_TWICE: RuleInfo(
         "merge: changed on both sides",
         "Both sides of a merge gave an element other values of the same feature, changed the same "
@@ -59,8 +58,6 @@ _RULES = {
         "a comment. Good: write it where it belongs, and commit.",
     ),
 }
-
-MERGE_RULES: Mapping[str, RuleInfo] = MappingProxyType(_RULES)
 """The rules of conflicts by id."""
 
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import NEW, Add, Child, Command, Set, with_created
 from jausml.authoring.editing.describing import described
 from jausml.authoring.proposals.elements import Scope, literal, values_of
 from jausml.authoring.proposals.new_elements import free_address, name_among, participant_name
 from jausml.language.metamodel.classes import bridge, jaus, ros, system
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model.names import name_of
 from jausml.language.semantics.connections.exchanges import EVENT, MESSAGE, TO_JAUS, TO_ROS
 from jausml.language.semantics.jaus.commands import is_command, is_emergency
@@ -26,10 +26,6 @@ from jausml.language.semantics.jaus.services import (
     with_inherited,
 )
 from jausml.language.semantics.paths.ros_paths import ros_name
-
-if TYPE_CHECKING:
-    from jausml.language.metamodel.classes.ecore import EObject
-
 
 _QUERY = "Query"
 

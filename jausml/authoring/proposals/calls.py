@@ -130,11 +130,8 @@ def _needs_map(
     fields = attributes(message)
     if to_ros:
         return bool(members)
-    return bool(fields) and (bool(members) or not all(map(_may_be_absent, fields)))
-
-
-def _may_be_absent(field: jaus.Field) -> bool:
-    return bool(getattr(field, "optional", False))
+    are_optional = all(getattr(field, "optional", False) for field in fields)
+    return bool(fields) and (bool(members) or not are_optional)
 
 
 def member_named(owner: ros.MessageType, names: Sequence[str], kind: str) -> str:

@@ -7,22 +7,20 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
+from jausml.authoring.editing.commands import Command
 from jausml.language.metamodel import ClassTable, FeatureTable
 from jausml.language.metamodel.classes import bridge, jaus, ros, system
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model import Document, Model, refs
-from jausml.language.model.names import name_of
+from jausml.language.model.names import around, name_of
 from jausml.language.model.values import suggest
 from jausml.language.project import library, own_instances
 from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
 from jausml.language.semantics.jaus.services import lineage, outputs
 from jausml.language.semantics.paths.markers import in_words
 from jausml.language.semantics.paths.ros_paths import ros_name
-
-if TYPE_CHECKING:
-    from jausml.authoring.editing.commands import Command
-    from jausml.language.metamodel.classes.ecore import EObject
 
 FoundT = TypeVar("FoundT", bound="EObject")
 
@@ -102,13 +100,6 @@ class Scope:
     def is_text(self) -> bool:
         """Whether the file that was asked for is text and no XMI."""
         return self.model.documents[0].notation is not None
-
-
-def around(element: EObject | None, *kinds: type[FoundT]) -> FoundT | None:
-    """Returns the element itself or its nearest owner of some classes, None without one."""
-    while element is not None and not isinstance(element, kinds):
-        element = element.eContainer()
-    return element
 
 
 def label_of(element: EObject) -> str:
@@ -292,12 +283,12 @@ def legal_targets(scope: Scope, element: EObject, feature: FeatureTable) -> tupl
     if feature.name == "query":
         query = getattr(element, "query", None)
         own = scope.ref(query) if query is not None else ""
-        return tuple(choice for choice in choices if _is_query(choice) or choice.value == own)
+        return tuple(
+            choice
+            for choice in choices
+            if choice.value == own or choice.label.rpartition(".")[2].startswith("Query")
+        )
     return choices
-
-
-def _is_query(choice: Choice) -> bool:
-    return choice.label.rpartition(".")[2].startswith("Query")
 
 
 def everywhere(

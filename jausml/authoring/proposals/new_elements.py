@@ -6,12 +6,12 @@ from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import chain, count
-from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Child
 from jausml.authoring.proposals.elements import AnswerError
 from jausml.language.metamodel import FeatureKind, FeatureTable
 from jausml.language.metamodel.classes import jaus, system
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model import Model
 from jausml.language.model.names import name_of
 from jausml.language.semantics.jaus.core_services import CORE
@@ -20,9 +20,6 @@ from jausml.language.semantics.jaus.services import lineage
 from jausml.language.semantics.names import LONGEST, package_key, snake_case
 from jausml.language.text.reading.declared_messages import FIRST_CODE
 from jausml.language.validation.rules.bridge.maps import decisions_made
-
-if TYPE_CHECKING:
-    from jausml.language.metamodel.classes.ecore import EObject
 
 _LAST = 254
 _LONGEST_BEGIN = LONGEST - 10

@@ -6,22 +6,17 @@ import gc
 import logging
 import threading
 import time
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import EditError
+from jausml.authoring.editing.project import Project
+from jausml.authoring.editing.records import Freshness
 from jausml.authoring.studio.views.palette import library_entries
+from jausml.language.model.reading.reader import ReadResult
 from jausml.language.validation.engine import RuleError, SupersededError, check
 from jausml.language.validation.rule import Report
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
-
-    from jausml.authoring.editing.project import Project
-    from jausml.authoring.editing.records import Freshness
-    from jausml.language.model.reading.reader import ReadResult
-
 
 _LOG = logging.getLogger(__name__)
 

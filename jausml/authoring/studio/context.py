@@ -5,14 +5,17 @@ from __future__ import annotations
 import logging
 import threading
 from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import partial
 from itertools import count
-from typing import TYPE_CHECKING, Any, Literal
+from pathlib import Path
+from typing import Any, Literal
 
-from jausml.authoring.editing.commands import Add, Create, Place
-from jausml.authoring.editing.records import Freshness
+from jausml.authoring.editing.commands import Add, Command, Create, Place
+from jausml.authoring.editing.project import Project
+from jausml.authoring.editing.records import Change, Freshness
 from jausml.authoring.proposals.elements import Scope
 from jausml.authoring.studio.checking import Verdict, Verdicts
 from jausml.authoring.studio.drawing import Drawings
@@ -20,6 +23,7 @@ from jausml.authoring.studio.recordings import Recordings
 from jausml.authoring.studio.rpc import files_as_json, log_as_json
 from jausml.authoring.studio.views.trying import Trials
 from jausml.language.model import refs
+from jausml.language.model.model import Model
 from jausml.language.model.refs import file_of
 from jausml.live.peers.network import (
     DEFAULT_GROUP,
@@ -29,15 +33,6 @@ from jausml.live.peers.network import (
     make_network,
 )
 from jausml.live.serving.subscribers import Subscribers
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Sequence
-    from pathlib import Path
-
-    from jausml.authoring.editing.commands import Command
-    from jausml.authoring.editing.project import Project
-    from jausml.authoring.editing.records import Change
-    from jausml.language.model.model import Model
 
 _MOST_KEPT = 64
 

@@ -5,21 +5,17 @@ from __future__ import annotations
 import logging
 import threading
 from collections import OrderedDict
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 from jausml.authoring.studio.memory import Memory
 from jausml.views.diagrams.bundling import framed, is_crowded
 from jausml.views.diagrams.folding import is_large
-from jausml.views.diagrams.layout.sheet import LayoutError
+from jausml.views.diagrams.graph import Graph, Node
+from jausml.views.diagrams.layout.sheet import LayoutError, Point
 from jausml.views.diagrams.writers import values
-
-if TYPE_CHECKING:
-    from collections.abc import Collection, Mapping
-    from pathlib import Path
-
-    from jausml.views.diagrams.graph import Graph, Node
-    from jausml.views.diagrams.layout.sheet import Point
 
 _LOG = logging.getLogger(__name__)
 

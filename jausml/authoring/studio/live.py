@@ -4,28 +4,30 @@ from __future__ import annotations
 
 import time
 from collections import Counter, defaultdict
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
+from pathlib import Path
 from threading import Lock
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.studio.live_places import Places, is_known, machine_boxes, places_of
+from jausml.language.model import Model
 from jausml.live.messages.of_project import messages_of
+from jausml.live.peers.network import Network
+from jausml.live.peers.operator import Operator
 from jausml.live.systems.declarations import components_of, declarations_of
 from jausml.live.systems.inspection import Inspection
+from jausml.live.systems.ros_diagnostics import RosDiagnostics
 from jausml.live.systems.running import LONGEST, RunningSystem
-from jausml.live.systems.state import Level, state_as_json
+from jausml.live.systems.state import (
+    ComponentState,
+    ConnectionState,
+    Level,
+    SystemState,
+    state_as_json,
+)
 from jausml.live.systems.tables import cell, state_text
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping, Sequence
-    from pathlib import Path
-
-    from jausml.language.model import Model
-    from jausml.live.peers.network import Network
-    from jausml.live.peers.operator import Operator
-    from jausml.live.systems.ros_diagnostics import RosDiagnostics
-    from jausml.live.systems.state import ComponentState, ConnectionState, SystemState
 
 
 def live_values(state: SystemState, places: Places) -> dict[str, Any]:

@@ -3,26 +3,23 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml.language.metamodel.classes import bridge, jaus
+from jausml.language.model import Model
 from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
 from jausml.language.semantics.jaus.inherited_machines import machine_with
 from jausml.live.systems.declarations import node_of
+from jausml.live.systems.machines import MachineState
+from jausml.live.systems.state import SystemState
 from jausml.live.systems.tables import cell, share_text
 from jausml.views.diagrams.bundling import framed, is_crowded
 from jausml.views.diagrams.folding import frames_of, is_large
+from jausml.views.diagrams.graph import Graph
 from jausml.views.diagrams.views import SYSTEM, graph_of, view_names
 from jausml.views.diagrams.views.context import Context
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from jausml.language.model import Model
-    from jausml.live.systems.machines import MachineState
-    from jausml.live.systems.state import SystemState
-    from jausml.views.diagrams.graph import Graph
 
 
 @dataclass(frozen=True)

@@ -9,18 +9,14 @@ from __future__ import annotations
 import json
 import logging
 import threading
+from collections.abc import Mapping
 from functools import partial
-from pathlib import PurePosixPath
-from typing import TYPE_CHECKING
+from pathlib import Path, PurePosixPath
 
 from jausml.authoring.editing.commands import EditError
 from jausml.authoring.editing.reading import Disk
 from jausml.live.serving.rpc import TypedError, typed
 from jausml.views.diagrams.writers.values import Standing
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-    from pathlib import Path
 
 _LOG = logging.getLogger(__name__)
 

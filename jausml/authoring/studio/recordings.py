@@ -5,19 +5,16 @@ from __future__ import annotations
 import pickle
 import threading
 from collections import OrderedDict
+from collections.abc import Iterable, Mapping
 from itertools import count, islice
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from jausml.authoring.proposals.elements import AnswerError
 from jausml.language.model.project import walk
 from jausml.live.recording.bags import MCAP
 from jausml.live.recording.mcap_files import RecordingError
 from jausml.live.systems.playback import AT_ONCE, Indexing, RecordedSystem
-from jausml.live.workers.pool_processes import PoolError, PoolProcess
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+from jausml.live.workers.pool import PoolError, PoolProcess
 
 MOST_LISTED = 200
 """Files that are offered."""

@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from typing import Any
 
 from jausml.authoring.editing import commands
-from jausml.authoring.editing.commands import EditError
+from jausml.authoring.editing.commands import Command, EditError
+from jausml.authoring.editing.project import Project
+from jausml.authoring.editing.records import Entry, Freshness
 from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.studio.views.wording import for_people
 from jausml.live.serving.rpc import REFUSED, RpcError, TypedError, typed
 from jausml.views.diagrams.layout.sheet import LayoutError
 from jausml.views.diagrams.views import UnknownViewError
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from jausml.authoring.editing.commands import Command
-    from jausml.authoring.editing.project import Project
-    from jausml.authoring.editing.records import Entry, Freshness
 
 _COMMANDS: Mapping[str, type[Command]] = {
     kind.NAME: kind

@@ -3,22 +3,138 @@
 from __future__ import annotations
 
 import asyncio
+import json
 import logging
+import os
+from collections.abc import Awaitable, Callable, Mapping
+from contextlib import AbstractAsyncContextManager
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
-from jausml.authoring.studio.language_socket import LanguageSocket
+from starlette.websockets import WebSocket
+
+from jausml.authoring.studio.session import Session
+from jausml.live.serving import rpc
+from jausml.live.serving.rpc import Request, RpcError
+from jausml.live.serving.security import Token
 from jausml.live.serving.server import Site, Sockets
-from jausml.live.serving.sockets import PageSocket
+from jausml.live.serving.sockets import PACE, Outgoing, Pace, PageSocket, greeted, received
 
-if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, Mapping
-    from contextlib import AbstractAsyncContextManager
+METHODS = frozenset(
+    {
+        "$/cancelRequest",
+        "$/setTrace",
+        "initialize",
+        "initialized",
+        "shutdown",
+        "textDocument/completion",
+        "textDocument/definition",
+        "textDocument/didChange",
+        "textDocument/didClose",
+        "textDocument/didOpen",
+        "textDocument/documentSymbol",
+        "textDocument/formatting",
+        "textDocument/hover",
+        "textDocument/prepareRename",
+        "textDocument/rename",
+    }
+)
+"""What a page may ask; the rest is about processes and files."""
 
-    from starlette.websockets import WebSocket
 
-    from jausml.authoring.studio.session import Session
+class LanguageSocket:
+    """One conversation with a language server of its own; messages are JSON without headers."""
+
+    def __init__(self, socket: WebSocket, root: Path) -> None:
+        # It takes longer to load than all else, and who draws only never needs it.
+        from jausml.authoring.editor.server import make_server  # noqa: PLC0415
+
+        self._socket = socket
+        self._root = root
+        self._server = make_server(root)
+        self._server.protocol.set_writer(self, include_headers=False)
+        self._outgoing = Outgoing(socket)
+
+    async def run(self, token: Token) -> None:
+        """Serves an editor until it goes."""
+        hello = await greeted(self._socket, token)
+        if hello is None:
+            return
+        self._outgoing.send(rpc.answer(hello.id, {}))
+        coroutines = (self._receive_all(), self._outgoing.send_all())
+        tasks = [asyncio.create_task(coroutine) for coroutine in coroutines]
+        await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+
+    async def _receive_all(self) -> None:
+        loop, pace = asyncio.get_running_loop(), Pace()
+        async for text in received(self._socket):
+            self._take(text or "")
+            await asyncio.sleep(pace.wait(loop.time(), PACE, len(text or "")))
+
+    def _take(self, text: str) -> None:
+        if _is_answer(text):
+            return  # nothing was asked that matters
+        try:
+            request = rpc.parsed(text)
+            self._check(request)
+        except RpcError as error:
+            self._outgoing.send(rpc.refusal(error))
+            return
+        from pygls.exceptions import JsonRpcException  # noqa: PLC0415 - as above
+
+        protocol = self._server.protocol
+        try:
+            protocol.handle_message(json.loads(text, object_hook=protocol.structure_message))
+        except JsonRpcException:
+            return  # the server has answered
+        except (AttributeError, KeyError, TypeError, ValueError):
+            fault = RpcError(rpc.INVALID_PARAMS, f"{request.method} has other parameters")
+            self._outgoing.send(rpc.refusal(fault, request.id))
+
+    def _check(self, request: Request) -> None:
+        """Sees to it that only texts below the root are spoken of."""
+        if request.method not in METHODS:
+            message = f"there is no method {request.method[:80]!r}"
+            raise RpcError(rpc.METHOD_NOT_FOUND, message, id_=request.id)
+        if request.method.startswith("textDocument/"):
+            document = request.params.get("textDocument")
+            uri = document.get("uri") if isinstance(document, dict) else None
+            if not isinstance(uri, str) or not self._is_below(uri):
+                message = "only texts of the opened folder are spoken of"
+                raise RpcError(rpc.INVALID_PARAMS, message, id_=request.id)
+
+    def _is_below(self, uri: str) -> bool:
+        from pygls.uris import to_fs_path  # noqa: PLC0415 - as above
+
+        path = to_fs_path(uri) if uri.startswith("file:///") else None
+        if path is None or "\0" in path:
+            return False
+        return Path(os.path.realpath(path)).is_relative_to(self._root)
+
+    # What the server writes
+
+    def write(self, data: bytes) -> None:
+        """Sends a message of the language server; what failed is told without its innards."""
+        message: dict[str, Any] = json.loads(data)
+        if isinstance(message.get("error"), dict):
+            message["error"].pop("data", None)
+        self._outgoing.send(json.dumps(message))
+
+    def close(self) -> None:
+        """Ends nothing: the socket ends when the page closes it."""
+
+
+def _is_answer(text: str) -> bool:
+    """Tells whether a message answers the server, which asks for nothing that it needs."""
+    try:
+        message = json.loads(text)
+    except (ValueError, RecursionError):
+        return False
+    return isinstance(message, dict) and "method" not in message and "id" in message
 
 
 PAGE = Path(__file__).resolve().parent / "page"

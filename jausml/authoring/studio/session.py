@@ -6,19 +6,21 @@ import asyncio
 import logging
 import os
 import threading
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from functools import partial
-from typing import TYPE_CHECKING
+from pathlib import Path
 
-from watchfiles import awatch
+from watchfiles import Change, awatch
 
 from jausml.authoring.editing.layout import SUFFIXES
-from jausml.authoring.studio.checking import Checking, prepare
+from jausml.authoring.studio.checking import Checking, Verdict, prepare
+from jausml.authoring.studio.context import StudioContext
 from jausml.authoring.studio.handlers import (
     editing,
     modelling,
     partitioning,
-    playing,
+    recordings,
     showing,
     stepping,
 )
@@ -29,16 +31,7 @@ from jausml.language.model.project import is_model_file
 from jausml.live.serving.rpc import Answering, Method
 from jausml.live.serving.sockets import PACE
 
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
-    from pathlib import Path
-
-    from watchfiles import Change
-
-    from jausml.authoring.studio.checking import Verdict
-    from jausml.authoring.studio.context import StudioContext
-
-_MODULES = (showing, editing, modelling, partitioning, stepping, playing)
+_MODULES = (showing, editing, modelling, partitioning, stepping, recordings)
 _LOG = logging.getLogger(__name__)
 
 DEBOUNCE_MS, STEP_MS = 50, 10

@@ -5,20 +5,15 @@ from __future__ import annotations
 import importlib.util
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from importlib.machinery import PathFinder
 from pathlib import Path
 
 import click
 
 from jausml import installing
 from jausml.cli.live.build import build_before_run, workspace_of
-from jausml.cli.live.message_packages import require_packages
-from jausml.cli.live.process_arguments import (
-    ProcessArguments,
-    process_arguments,
-    split_arguments,
-    with_frequency,
-)
 from jausml.cli.live.processes import ProcessEntry, process_entries
 from jausml.cli.live.supervisor import Command, Supervisor
 from jausml.cli.shared.files import PROBLEMS, EnvironmentFault
@@ -150,3 +145,122 @@ def _environment(folder: Path) -> dict[str, str]:
     inherited = os.environ.get("PYTHONPATH", "")
     path = os.pathsep.join([*packages, *([inherited] if inherited else [])])
     return {**os.environ, "PYTHONPATH": path}
+
+
+_INTERFACES = ("msg", "srv", "action")
+_MESSAGE_SUFFIX = "_msgs"
+
+
+def require_packages(entries: Sequence[ProcessEntry], folder: Path, python_path: str) -> None:
+    """Refuses to start processes whose messages nobody has built or installed."""
+    path = [*filter(None, python_path.split(os.pathsep)), *sys.path]
+    for entry in entries:
+        for name in _dependencies(folder / entry.package / "package.xml"):
+            is_own = any((folder / name / kind).is_dir() for kind in _INTERFACES)
+            # Without an __init__ it is the folder of definitions beside us, or nothing at all.
+            spec = PathFinder.find_spec(name, path)
+            if (is_own or name.endswith(_MESSAGE_SUFFIX)) and (spec is None or spec.origin is None):
+                raise EnvironmentFault(
+                    f"{entry.name} needs {name}, {_remedy(name, folder, is_own)}"
+                )
+
+
+def _remedy(name: str, folder: Path, is_own: bool) -> str:
+    from jausml.language.model.library import has_package
+    from jausml.live.machine import package_cure
+
+    if not (is_own or has_package(name)):
+        return (
+            "which Python does not find: it is a package of yours, or was imported: run"
+            f" `colcon build` where the sources of {name} are, source install/setup.bash,"
+            " then run this again"
+        )
+    if not is_own:
+        return (
+            "which Python does not find: source a ROS 2 installation that has it, or"
+            f" {package_cure(name)}"
+        )
+    root = folder.parent if folder.name == "src" else folder
+    return (
+        "whose messages are not built yet: in a shell with ROS 2, run `colcon build` in"
+        f" {root} and source install/setup.bash, then run this again"
+    )
+
+
+def _dependencies(file: Path) -> Iterator[str]:
+    """Yields the names of packages that a package.xml says its package needs to run."""
+    from lxml import etree
+
+    if not file.is_file():
+        return
+    parser = etree.XMLParser(resolve_entities=False, no_network=True)
+    try:
+        root = etree.parse(file, parser).getroot()
+    except etree.XMLSyntaxError:
+        return
+    for element in root.iter("depend", "exec_depend"):
+        if element.text:
+            yield element.text.strip()
+
+
+_ROS_ARGUMENTS = "--ros-args"
+_IDENTITY = "--jaus-id"
+
+
+@dataclass(frozen=True, slots=True)
+class ProcessArguments:
+    """Arguments for one process.
+
+    `ros`: for ROS, `--ros-args` included; empty when there are none.
+    """
+
+    own: tuple[str, ...] = ()
+    ros: tuple[str, ...] = ()
+
+
+def split_arguments(rest: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Returns the name of the process, if there is one, and the arguments."""
+    number = 1 if rest and not rest[0].startswith("-") else 0
+    return tuple(rest[:number]), tuple(rest[number:])
+
+
+def process_arguments(
+    entries: Sequence[ProcessEntry], arguments: Sequence[str], *, is_named: bool
+) -> list[ProcessArguments]:
+    """Returns the arguments of each process, in the order of the processes."""
+    has_ros = _ROS_ARGUMENTS in arguments
+    ros_start = arguments.index(_ROS_ARGUMENTS) if has_ros else len(arguments)
+    own, ros = tuple(arguments[:ros_start]), tuple(arguments[ros_start:])
+    jaus = [entry.name for entry in entries if entry.speaks_jaus]
+    nodes = [entry.name for entry in entries if entry.speaks_ros]
+    if own and not own[0].startswith("-"):
+        raise click.UsageError(f"'{own[0]}' is no option of a process")
+    if own and not jaus and not is_named:
+        raise click.UsageError(f"no process speaks JAUS, which {own[0]} is for")
+    if ros and not nodes:
+        raise click.UsageError(f"no process is a ROS node, which {_ROS_ARGUMENTS} is for")
+    if len(jaus) > 1 and any(argument.partition("=")[0] == _IDENTITY for argument in own):
+        names = ", ".join(jaus)
+        raise click.UsageError(f"name the process that gets this {_IDENTITY}: one of {names}")
+    return [
+        ProcessArguments(
+            own if is_named or entry.name in jaus else (), ros if entry.name in nodes else ()
+        )
+        for entry in entries
+    ]
+
+
+def with_frequency(
+    entries: Sequence[ProcessEntry], passed: Sequence[ProcessArguments], frequency: float
+) -> list[ProcessArguments]:
+    """Returns what each process gets, with the frequency before the ROS arguments of bridges."""
+    if not any(entry.kind == "bridge" for entry in entries):
+        raise click.UsageError("no process is a bridge, which --frequency is for")
+    # A number without a point is an integer to ROS, which the parameter is not.
+    frequency_arguments = (_ROS_ARGUMENTS, "-p", f"frequency:={frequency!r}")
+    return [
+        replace(arguments, ros=(*frequency_arguments, *arguments.ros))
+        if entry.kind == "bridge"
+        else arguments
+        for entry, arguments in zip(entries, passed, strict=True)
+    ]

@@ -78,7 +78,9 @@ def command(
             time.sleep(duration)
             _print(monitor.state(), as_json=as_json)
         elif as_json:
-            _print_each(monitor, interval)
+            while True:
+                time.sleep(interval)
+                _print(monitor.state(), as_json=True)
         else:
             _show(monitor, operator, ros, interval)
     if once:
@@ -166,12 +168,6 @@ def _print(state: SystemState, *, as_json: bool) -> None:
         tables.summary(state),
     ):
         click.echo(line)
-
-
-def _print_each(monitor: Monitor, interval: float) -> None:
-    while True:
-        time.sleep(interval)
-        _print(monitor.state(), as_json=True)
 
 
 def _show(

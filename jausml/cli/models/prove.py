@@ -116,7 +116,7 @@ def _ready(name: str) -> list[str]:
 def _proved(model: Model, trips: Sequence[RoundTrip], settings: Settings) -> list[MapResult]:
     """Returns the results of maps, in their order."""
     from jausml.language.model.xmi.printing import UnwritableError
-    from jausml.live.workers.pool_processes import PoolError
+    from jausml.live.workers.pool import PoolError
     from jausml.proving.running import program, prove_all
 
     with ending_at(PoolError, UnwritableError):
@@ -215,8 +215,7 @@ def mutate(
     import json
 
     from jausml.language.model.model import digests
-    from jausml.mutating.outcomes import Campaign
-    from jausml.mutating.report import page, render
+    from jausml.mutating.outcomes import Campaign, page, render
     from jausml.mutating.running import Settings, mutations, sample
     from jausml.proving.running import processors
 
@@ -236,7 +235,8 @@ def mutate(
     else:
         write_report(f"{render(campaign)}\n", None)
     if output is not None:
-        _write_page(page(campaign), Path(output))
+        made_folder(Path(output))
+        write_report(page(campaign), str(Path(output, "index.html")))
     if campaign.survivors() or len(campaign.outcomes) < campaign.chosen:
         raise click.exceptions.Exit(PROBLEMS)
 
@@ -275,15 +275,10 @@ def _run(
     campaign: Campaign, document: OneDocument, chosen: Sequence[int], settings: running.Settings
 ) -> None:
     """Fills a campaign with what becomes of mutations, in their order."""
-    from jausml.live.workers.pool_processes import PoolError
+    from jausml.live.workers.pool import PoolError
     from jausml.mutating.running import CampaignError, outcomes
 
     with ending_at(CampaignError, PoolError):
         trials = gathered("mutating", len(chosen), outcomes(document, chosen, settings))
     campaign.remarks = list(dict.fromkeys(remark for trial in trials for remark in trial.remarks))
     campaign.outcomes = [trial.outcome for trial in trials if trial.outcome is not None]
-
-
-def _write_page(text: str, folder: Path) -> None:
-    made_folder(folder)
-    write_report(text, str(folder / "index.html"))

@@ -5,16 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import Any, TypeAlias
 
 import click
 from click.core import ParameterSource
 
 from jausml.cli.shared.terminal import verbosity
 
-if TYPE_CHECKING:
-    Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
-    OptionMaker = Callable[..., Decorator]
+Decorator: TypeAlias = "Callable[[Callable[..., Any]], Callable[..., Any]]"
+OptionMaker: TypeAlias = "Callable[..., Decorator]"
 
 
 # What options offer, without the modules that know more of it: they load slowly; tests compare.

@@ -12,7 +12,6 @@ from enum import Enum
 from functools import cached_property
 from itertools import groupby
 from pathlib import Path
-from types import MappingProxyType
 
 from jausml.generation.contract.interface import module_of
 from jausml.generation.contract.scopes import last_name
@@ -39,7 +38,7 @@ class FindingKind(Enum):
 STALE = "JML901"
 """The rule of files that are not what the model makes of them."""
 
-_RULES = {
+CODE_RULES: Mapping[str, RuleInfo] = {
     STALE: RuleInfo(
         "code: generated file out of date",
         "A generated file is not there, is not what the model makes of it, or was edited by hand. "
@@ -94,8 +93,6 @@ _RULES = {
         Severity.INFO,
     ),
 }
-
-CODE_RULES: Mapping[str, RuleInfo] = MappingProxyType(_RULES)
 """The rules of users' files and of generated ones by id."""
 
 

@@ -115,11 +115,6 @@ def read(text: str) -> Statement | None:
     return Statement(tuple(parts), comment)
 
 
-def is_comprehension(parts: Sequence[Part]) -> bool:
-    """Tells whether what stands in a bracket is a comprehension or a generator."""
-    return any(is_word(part, "for") for part in parts)
-
-
 def _commas(parts: Sequence[Part]) -> bool:
     return any(isinstance(part, Token) and part.text == "," for part in parts)
 
@@ -205,7 +200,8 @@ def split_at(parts: Sequence[Part], positions: Sequence[int]) -> list[tuple[Part
 
 def items(bracket: Bracket) -> list[tuple[Part, ...]]:
     """Returns what stands between the commas of a bracket."""
-    if is_comprehension(bracket.inside):
+    # Of a comprehension or a generator, commas part nothing.
+    if any(is_word(part, "for") for part in bracket.inside):
         return [bracket.inside]
     elements: list[tuple[Part, ...]] = []
     current: list[Part] = []

@@ -5,7 +5,6 @@ Nothing here imports ROS: definition files are read, not the classes that were g
 
 from jausml.language.interfaces.definitions import ConstantDefinition as ConstantDefinition
 from jausml.language.interfaces.definitions import Definition as Definition
-from jausml.language.interfaces.definitions import Fault as Fault
 from jausml.language.interfaces.definitions import FieldDefinition as FieldDefinition
 from jausml.language.interfaces.definitions import FieldType as FieldType
 from jausml.language.interfaces.definitions import Section as Section

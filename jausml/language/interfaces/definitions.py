@@ -8,6 +8,7 @@ import re
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from jausml.language.model.diagnostics import ReadFault
 from jausml.language.model.values import nearest
 
 SINGLE = "single"
@@ -24,17 +25,6 @@ INTEGER_RANGES = {
 """The smallest and the largest value of each integer type."""
 PRIMITIVES = ("bool", *INTEGER_RANGES, "float32", "float64", "string", "wstring")
 TEXTS = ("string", "wstring")
-
-
-@dataclass(frozen=True, slots=True)
-class Fault:
-    """A fault of a definition; lines and columns are counted from 1."""
-
-    rule: str
-    line: int
-    column: int
-    message: str
-    hint: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,7 +107,7 @@ class Definition:
     """
 
     sections: list[Section]
-    faults: list[Fault]
+    faults: list[ReadFault]
 
 
 _ARRAY = re.compile(r"\[(?P<bounded><=)?(?P<size>[0-9]{1,10})?\]")

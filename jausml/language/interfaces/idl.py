@@ -11,7 +11,6 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import PurePath
-from types import MappingProxyType
 
 from jausml.language.interfaces.definitions import (
     BOUNDED,
@@ -23,7 +22,6 @@ from jausml.language.interfaces.definitions import (
     UNBOUNDED,
     ConstantDefinition,
     Definition,
-    Fault,
     FieldDefinition,
     FieldType,
     Section,
@@ -31,6 +29,7 @@ from jausml.language.interfaces.definitions import (
     parse_value,
 )
 from jausml.language.interfaces.parsing import PARTS, parse_definition
+from jausml.language.model.diagnostics import ReadFault
 
 SUFFIX = ".idl"
 
@@ -42,22 +41,18 @@ _TOKEN = re.compile(
 )
 _MARKS = re.compile(r"^\s*(?:/\*+|///?<?|\*+/?)|\*/\s*$", re.MULTILINE)
 _ESCAPE = re.compile(r"\\(?:([0-7]{1,3})|x([0-9a-fA-F]{1,2})|u([0-9a-fA-F]{1,4})|(.))", re.DOTALL)
-_ESCAPED = MappingProxyType(
-    {"n": "\n", "t": "\t", "v": "\v", "b": "\b", "r": "\r", "f": "\f", "a": "\a"}
-)
+_ESCAPED = {"n": "\n", "t": "\t", "v": "\v", "b": "\b", "r": "\r", "f": "\f", "a": "\a"}
 _BITS = {"short": "int16", "long": "int32", "long long": "int64"}
-_PRIMITIVES: Mapping[str, str] = MappingProxyType(
-    {
-        "boolean": "bool",
-        "octet": "byte",
-        "char": "char",
-        "float": "float32",
-        "double": "float64",
-        **_BITS,
-        **{f"unsigned {words}": f"u{name}" for words, name in _BITS.items()},
-        **{f"{u}int{bits}": f"{u}int{bits}" for u in ("", "u") for bits in (8, 16, 32, 64)},
-    }
-)
+_PRIMITIVES: Mapping[str, str] = {
+    "boolean": "bool",
+    "octet": "byte",
+    "char": "char",
+    "float": "float32",
+    "double": "float64",
+    **_BITS,
+    **{f"unsigned {words}": f"u{name}" for words, name in _BITS.items()},
+    **{f"{u}int{bits}": f"{u}int{bits}" for u in ("", "u") for bits in (8, 16, 32, 64)},
+}
 _EMPTY = "structure_needs_at_least_one_member"
 """What rosidl writes into a structure without members, which IDL does not have."""
 
@@ -77,7 +72,7 @@ class _Token:
 class _SyntaxError(Exception):
     def __init__(self, token: _Token, message: str, hint: str = "", rule: str = "JML652") -> None:
         super().__init__(message)
-        self.fault = Fault(rule, token.line, token.column, message, hint)
+        self.fault = ReadFault(rule, message, hint, token.line, token.column)
 
 
 def parse_interface(path: str, kind: str, text: str) -> Definition:
@@ -96,12 +91,12 @@ def parse_interface(path: str, kind: str, text: str) -> Definition:
     except _SyntaxError as error:
         return Definition([], [error.fault])
     except RecursionError:
-        return Definition([], [Fault("JML652", 1, 1, "the file is nested too deeply")])
+        return Definition([], [ReadFault("JML652", "the file is nested too deeply")])
     missing = [section_name for section_name in names if section_name not in reader.sections]
     if missing and not reader.faults:
         message = f"the file has no structure {missing[0]!r}"
         hint = f"it defines {', '.join(names)}, as its name says"
-        reader.faults.append(Fault("JML652", 1, 1, message, hint))
+        reader.faults.append(ReadFault("JML652", message, hint))
     return Definition([] if missing else [reader.sections[n] for n in names], reader.faults)
 
 
@@ -137,7 +132,7 @@ class _Reader:
     kind: str
     names: list[str]
     sections: dict[str, Section] = field(default_factory=dict)
-    faults: list[Fault] = field(default_factory=list)
+    faults: list[ReadFault] = field(default_factory=list)
     _tokens: list[_Token] = field(default_factory=list)
     _at: int = 0
     _constants: dict[str, list[ConstantDefinition]] = field(default_factory=dict)
@@ -351,7 +346,7 @@ class _Reader:
         return token
 
     def _report(self, token: _Token, rule: str, message: str) -> None:
-        self.faults.append(Fault(rule, token.line, token.column, message))
+        self.faults.append(ReadFault(rule, message, line=token.line, column=token.column))
 
 
 def _character(match: re.Match[str]) -> str:

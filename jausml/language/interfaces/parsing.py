@@ -20,7 +20,6 @@ from jausml.language.interfaces.definitions import (
     PRIMITIVES,
     ConstantDefinition,
     Definition,
-    Fault,
     FieldDefinition,
     FieldType,
     Section,
@@ -30,6 +29,7 @@ from jausml.language.interfaces.definitions import (
     parse_type,
     parse_value,
 )
+from jausml.language.model.diagnostics import ReadFault
 from jausml.language.model.values import nearest
 
 PARTS = {
@@ -46,7 +46,7 @@ _NOT_TEXT = re.compile("[\0-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
 
 def parse_definition(text: str, kind: str) -> Definition:
     """Reads a definition; never raises."""
-    faults: list[Fault] = []
+    faults: list[ReadFault] = []
     sections = []
     for first_line, lines in _sections(text.removeprefix("\ufeff")):
         reader = _SectionReader(first_line, faults)
@@ -58,7 +58,7 @@ def parse_definition(text: str, kind: str) -> Definition:
         expected = expected if len(parts) > 1 else f"no {_SEPARATOR}"
         message = f"a .{kind} file has {expected}; here are {len(sections)} sections"
         line = sections[len(parts)].line - 1 if len(sections) > len(parts) else 1
-        faults.append(Fault("JML649", max(line, 1), 1, message))
+        faults.append(ReadFault("JML649", message, line=max(line, 1)))
     faults.sort(key=lambda fault: (fault.line, fault.column))
     return Definition(sections, faults)
 
@@ -80,7 +80,7 @@ class _SectionReader:
     Comments wait until the element that they are about is read.
     """
 
-    def __init__(self, first_line: int, faults: list[Fault]) -> None:
+    def __init__(self, first_line: int, faults: list[ReadFault]) -> None:
         self.section = Section(line=first_line)
         self._faults = faults
         self._waiting: list[str] = []
@@ -233,7 +233,7 @@ class _SectionReader:
             self._report("JML642", number, wrong.start() + 1, message)
 
     def _report(self, rule: str, line: int, column: int, message: str, hint: str = "") -> None:
-        self._faults.append(Fault(rule, line, column, message, hint))
+        self._faults.append(ReadFault(rule, message, hint, line, column))
 
 
 def _joined(lines: Iterable[str]) -> str:

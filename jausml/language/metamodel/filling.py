@@ -11,13 +11,22 @@ The value of an attribute stands in the element itself, without a holder, as Pyt
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import Any
+from typing import Any, TypeVar
 
 from ordered_set import OrderedSet
 from pyecore.innerutils import InternalSet
 from pyecore.valuecontainer import ECollection, EList, EOrderedSet, EValue
 
-from jausml.language.metamodel.tables import ClassTable, FeatureKind, FeatureTable, ValueKind
+from jausml.language.metamodel.classes.ecore import EObject
+from jausml.language.metamodel.tables import (
+    ClassTable,
+    FeatureKind,
+    FeatureTable,
+    Metamodels,
+    ValueKind,
+)
+
+ElementT = TypeVar("ElementT", bound="EObject")
 
 # The state behind the setters is private to pyecore.
 # ruff: noqa: SLF001
@@ -57,6 +66,14 @@ def set_values(obj: Any, table: FeatureTable, values: Iterable[Any]) -> None:
     obj._isset[table.feature] = None
 
 
+def fill(obj: Any, table: FeatureTable, values: Sequence[Any]) -> None:
+    """Gives an attribute its values, of which there may be none."""
+    if table.many:
+        set_values(obj, table, values)
+    elif values:
+        set_value(obj, table, values[0])
+
+
 def assign(obj: Any, table: FeatureTable, value: Any) -> None:
     """Sets a feature, or adds to one with many values; an enumeration by the name of a literal."""
     if table.kind is not FeatureKind.ATTRIBUTE:
@@ -69,6 +86,21 @@ def assign(obj: Any, table: FeatureTable, value: Any) -> None:
         if data_type is not None and data_type.kind is ValueKind.ENUMERATION:
             value = data_type.literals[value]
         set_value(obj, table, value)
+
+
+def make(metamodels: Metamodels, kind: type[ElementT], /, **features: Any) -> ElementT:
+    """Makes an element of a class.
+
+    Args:
+        features: Values, names of literals, elements, or lists of these. None leaves a feature
+            alone.
+    """
+    table = metamodels.class_of(kind)
+    element: ElementT = new_object(table)
+    for name, value in features.items():
+        if value is not None:
+            assign(element, table.features[name], value)
+    return element
 
 
 def link(obj: Any, table: FeatureTable, target: Any) -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
-from types import MappingProxyType
 
 
 class Severity(Enum):
@@ -92,7 +91,7 @@ class RuleInfo:
     severity: Severity = Severity.ERROR
 
 
-_RULES = {
+READER_RULES: Mapping[str, RuleInfo] = {
     "JML001": RuleInfo(
         "unreadable file",
         "The file does not exist, is a folder, a pipe or a device, or may not be read.",
@@ -264,6 +263,4 @@ _RULES = {
         "before it; or `query: LocalVectorDriver.QueryTravelSpeed`.",
     ),
 }
-
-READER_RULES: Mapping[str, RuleInfo] = MappingProxyType(_RULES)
 """The rules of the reader by id. Ids are never used again for something else."""

@@ -11,6 +11,7 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from difflib import get_close_matches
 from functools import cache
+from typing import TypeVar
 
 from jausml.language.metamodel import ClassTable, FeatureKind, Metamodels
 from jausml.language.metamodel.classes import jaus, ros
@@ -25,6 +26,8 @@ from jausml.language.model.library import (
     place_in_library,
 )
 from jausml.language.model.model import Model
+
+ElementT = TypeVar("ElementT", bound="EObject")
 
 _CODE = re.compile(r'\bcode="0x([0-9A-Fa-f]{4})"')
 _VERSION = re.compile(r"([0-9]{1,9})\.([0-9]{1,9})")
@@ -162,7 +165,7 @@ class NameFinder:
         A topic names a join of the map that its connection refers to, wherever that map stands.
         """
         text = _normal(name)
-        for scope in _lineage(owner)[1:]:
+        for scope in list(with_owners(owner))[1:]:
             elements = [
                 element
                 for target in self._referred(scope)
@@ -186,8 +189,8 @@ class NameFinder:
         others = [candidate for candidate in candidates if candidate is not owner]
         if len(others) <= 1:
             return others
-        around = {id(other): set(map(id, _lineage(other))) for other in others}
-        for scope in _lineage(owner):
+        around = {id(other): set(map(id, with_owners(other))) for other in others}
+        for scope in with_owners(owner):
             inside = [other for other in others if id(scope) in around[id(other)]]
             if inside:
                 return inside
@@ -241,22 +244,20 @@ def _version_of(element: EObject) -> tuple[tuple[str, int], int] | None:
 
     None when it stands in no service with such a version.
     """
-    for owner in _lineage(element):
-        if isinstance(owner, jaus.Service):
-            match = _VERSION.fullmatch(owner.version or "")
-            return ((owner.urn or "", int(match[1])), int(match[2])) if match else None
-    return None
+    service = around(element, jaus.Service)
+    match = _VERSION.fullmatch(service.version or "") if service is not None else None
+    return ((service.urn or "", int(match[1])), int(match[2])) if service and match else None
 
 
 def qualified_name(element: EObject) -> str:
     """Returns the names of an element and of its owners, joined by dots."""
-    names = map(name_of, _lineage(element))
+    names = map(name_of, with_owners(element))
     return ".".join(reversed([name for name in names if name]))
 
 
 def depth(element: EObject) -> int:
     """Returns how many owners an element has, and itself."""
-    return len(_lineage(element))
+    return len(list(with_owners(element)))
 
 
 @cache
@@ -360,10 +361,13 @@ def name_of(element: EObject) -> str:
     return getattr(element, "name", None) or ""
 
 
-def _lineage(element: EObject | None) -> list[EObject]:
-    """Returns an element and its owners, from the inside out."""
-    elements = []
+def with_owners(element: EObject | None) -> Iterator[EObject]:
+    """Yields an element and its owners, from the inside out."""
     while element is not None:
-        elements.append(element)
+        yield element
         element = element.eContainer()
-    return elements
+
+
+def around(element: EObject | None, *kinds: type[ElementT]) -> ElementT | None:
+    """Returns the element itself or its nearest owner of some classes, None without one."""
+    return next((owner for owner in with_owners(element) if isinstance(owner, kinds)), None)

@@ -14,7 +14,7 @@ from typing import Protocol
 
 from jausml.language.metamodel import ClassTable, FeatureTable, Metamodels
 from jausml.language.metamodel.classes.ecore import EObject
-from jausml.language.model.diagnostics import RuleInfo
+from jausml.language.model.diagnostics import ReadFault, RuleInfo
 from jausml.language.model.xmi.parsing import Node
 
 NOTATION = "http://www.jausml.org/notation"
@@ -23,21 +23,14 @@ BY_NAME = f"{NOTATION} name"
 
 
 @dataclass(frozen=True, slots=True)
-class Fault:
+class Fault(ReadFault):
     """Something wrong that a notation finds in a document.
-
-    Lines and columns, in characters, are counted from 1.
 
     Attributes:
         feature: The feature of that element whose value is lost, or empty.
         hides: Whether any feature of that element may be lost, since it could not be read.
     """
 
-    rule: str
-    message: str
-    hint: str = ""
-    line: int = 1
-    column: int = 1
     owner: Node | None = None
     feature: str = ""
     hides: bool = False

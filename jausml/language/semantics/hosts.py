@@ -3,13 +3,9 @@
 from __future__ import annotations
 
 import ipaddress
-from typing import TYPE_CHECKING
 
-from jausml.language.metamodel.classes import jaus
-
-if TYPE_CHECKING:
-    from jausml.language.metamodel.classes import ros
-    from jausml.language.metamodel.classes.system import Host, System
+from jausml.language.metamodel.classes import jaus, ros
+from jausml.language.metamodel.classes.system import Host, System
 
 JAUS_PORT = 3794
 """Port of an endpoint that states none (AS5669A)."""

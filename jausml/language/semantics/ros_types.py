@@ -19,6 +19,7 @@ from jausml.language.interfaces.idl import parse_interface
 from jausml.language.metamodel.classes import ros
 from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model.inputs import read_text
+from jausml.language.model.names import around
 
 InterfaceType: TypeAlias = "ros.MessageType | ros.ServiceType | ros.ActionType"
 
@@ -197,10 +198,8 @@ def parts_of(element: InterfaceType) -> list[ros.MessageType]:
 
 def package_of(element: EObject) -> str:
     """Returns the name of the package that owns a type or a part of one; empty without."""
-    around: EObject | None = element
-    while around is not None and not isinstance(around, ros.InterfacePackage):
-        around = around.eContainer()
-    return str(around.name) if around is not None else ""
+    package = around(element, ros.InterfacePackage)
+    return str(package.name) if package is not None else ""
 
 
 def _fields(message: ros.MessageType, section: Section, package: str) -> Iterator[TypeDifference]:

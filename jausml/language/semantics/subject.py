@@ -18,6 +18,7 @@ from jausml.language.metamodel.classes import jaus, ros
 from jausml.language.metamodel.classes.ecore import EClass, EObject
 from jausml.language.model.diagnostics import Diagnostic, Severity
 from jausml.language.model.model import Model
+from jausml.language.model.names import with_owners
 
 AskedT = TypeVar("AskedT", bound=Hashable)
 AnswerT = TypeVar("AnswerT")
@@ -75,10 +76,7 @@ class Subject:
 
     def _mark(self, element: EObject, unread: _Unread) -> None:
         self._unread[element] = unread
-        around: EObject | None = element
-        while around is not None:
-            self._damaged.add(around)
-            around = around.eContainer()
+        self._damaged.update(with_owners(element))
 
     def elements(self) -> list[EObject]:
         """Returns all elements that are judged, be they read well or not."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import codecs
-from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel import FeatureKind
@@ -21,7 +20,7 @@ if TYPE_CHECKING:
     from jausml.language.text.reading.document import TextDocument
     from jausml.language.text.reading.parsing import Parsed
 
-_RULES = {
+TEXT_RULES: Mapping[str, RuleInfo] = {
     "JML701": RuleInfo(
         "text that cannot be read",
         "The text does not follow the grammar of ros2jaus at this place. Reading continues behind "
@@ -116,9 +115,8 @@ _RULES = {
         "a component. Good: the option with a file of maps.",
     ),
 }
-
-TEXT_RULES: Mapping[str, RuleInfo] = MappingProxyType(_RULES)
 """The rules of the text language by id. Ids are never used again for something else."""
+
 
 SUFFIX = ".ros2jaus"
 

@@ -4,18 +4,14 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+from collections.abc import AsyncIterator, Awaitable, Callable, Coroutine, Generator
 from contextlib import asynccontextmanager
 from functools import partial, wraps
 from inspect import iscoroutinefunction
-from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeVar
+from typing import Any, Concatenate, ParamSpec, TypeVar
 
 from jausml.live.api.component import Component
-from jausml.live.api.messages import MOST_WAITING
-
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Awaitable, Callable, Coroutine, Generator
-
-    from jausml.live.api.messages import Fields, Received
+from jausml.live.api.messages import MOST_WAITING, Fields, Received
 
 P = ParamSpec("P")
 R = TypeVar("R")

@@ -6,26 +6,29 @@ with Component("10.1.1") as operator:
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
-from jausml.live.api.messages import Declarations, Received, Subscription, catalogue, taking
+from jausml.live.api.messages import (
+    Declarations,
+    Fields,
+    Models,
+    Received,
+    Subscription,
+    catalogue,
+    taking,
+)
+from jausml.live.messages import MessageEntry
 from jausml.live.peers.discovery import controller_of, label_of
 from jausml.live.peers.network import DEFAULT_GROUP, Network, component_address, fault, identified
 from jausml.live.peers.operator import Operator, running_operator
 from jausml.live.peers.requesting import request
+from jausml.live.peers.watching import Reply
+from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.settings import JUDP_PORT, TransportSettings
 from jausml.runtime.messages import Resume
 from jausml.runtime.services.definitions import Status
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
-
-    from jausml.live.api.messages import Fields, Models
-    from jausml.live.messages import MessageEntry
-    from jausml.live.peers.watching import Reply
-    from jausml.runtime.base.address import JausAddress
 
 _REMEDY = "Give all components that speak with each other another port="
 

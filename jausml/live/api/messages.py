@@ -4,31 +4,26 @@ from __future__ import annotations
 
 import logging
 import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from inspect import iscoroutinefunction
 from pathlib import Path
 from queue import Empty, Full, Queue
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 from jausml.language.model.project import made_project
 from jausml.language.text.notation import NOTATIONS
-from jausml.live.messages import load_catalogue
+from jausml.live.messages import Catalogue, DecodedMessage, MessageEntry, load_catalogue
 from jausml.live.messages.of_project import project_catalogue
 from jausml.live.peers.entry_messages import find_exchange, find_message
-from jausml.live.peers.operator import Identity
+from jausml.live.peers.operator import Identity, Operator
+from jausml.live.peers.watching import Reply
+from jausml.runtime.base.address import JausAddress
 from jausml.runtime.services.definitions import ServiceIdentity
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
-
-    from jausml.live.messages import Catalogue, DecodedMessage, MessageEntry
-    from jausml.live.peers.operator import Operator
-    from jausml.live.peers.watching import Reply
-    from jausml.runtime.base.address import JausAddress
-
-    Models: TypeAlias = str | os.PathLike[str] | Sequence[str | os.PathLike[str]]
-    """One file, or several."""
+Models: TypeAlias = "str | os.PathLike[str] | Sequence[str | os.PathLike[str]]"
+"""One file, or several."""
 
 
 _LOG = logging.getLogger(__name__)

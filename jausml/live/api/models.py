@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
+import os
+from collections.abc import Collection
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from jausml.generation.target import load_targets
+from jausml.generation.workspace import Result, select
 from jausml.generation.workspace import generate as generate_workspace
-from jausml.generation.workspace import select
 from jausml.language.model.reading.reader import ReadResult, read_models
 from jausml.language.text.notation import NOTATIONS
 from jausml.language.validation.engine import check
 from jausml.language.validation.formats import text
-
-if TYPE_CHECKING:
-    import os
-    from collections.abc import Collection
-
-    from jausml.generation.workspace import Result
-    from jausml.language.validation.rule import Report
+from jausml.language.validation.rule import Report
 
 
 class ModelError(Exception):

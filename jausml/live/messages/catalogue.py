@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml.live.messages.entries import (
     MAXIMUM_DEPTH,
@@ -25,9 +26,6 @@ from jausml.live.messages.errors import (
     similar,
 )
 from jausml.live.messages.values import check_names, shown
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
 
 _KEYS = ("message", "code", "service", "service_version", "fields")
 _CODE = re.compile(r"(?:0[xX])?[0-9A-Fa-f]{4}")

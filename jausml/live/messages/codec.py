@@ -8,7 +8,8 @@ that are too short. The fields have the shapes of JSON: objects, lists, numbers,
 from __future__ import annotations
 
 import struct
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
 
 from jausml.language import wire
 from jausml.live.messages.counted import (
@@ -40,9 +41,6 @@ from jausml.live.messages.values import (
     options_in_words,
     shown,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
 
 PRESENCE = "_pv"
 """Name under which a presence vector stands among the members."""

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Mapping
+from typing import Any
 
+from jausml.language import wire
 from jausml.live.messages.errors import DecodeError, EncodeError, did_you_mean, similar
 from jausml.live.messages.items import Codec, Item, Named, item_of, single, too_short
 from jausml.live.messages.values import (
@@ -19,11 +20,6 @@ from jausml.live.messages.values import (
     shown,
     symbol,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from jausml.language import wire
 
 MESSAGE = "message"
 """Name under which the decoded form of an embedded message stands beside its `hex`."""

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import os
+from collections.abc import Sequence
 from functools import cache, cached_property, partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml.language import wire
 from jausml.language.metamodel.classes import jaus
-from jausml.language.model import read_models
+from jausml.language.model import Model, ReadResult, read_models
 from jausml.language.model.diagnostics import Severity
 from jausml.language.model.library import library_paths
 from jausml.language.model.model import without_collector
+from jausml.language.model.notation import Notation
 from jausml.language.project import services_alone
 from jausml.language.semantics.jaus.commands import (
     is_command,
@@ -19,17 +22,9 @@ from jausml.language.semantics.jaus.commands import (
     told_after,
 )
 from jausml.live.messages.catalogue import Catalogue
-from jausml.live.messages.entries import MessageEntry, ServiceEntry
+from jausml.live.messages.counted import EncodeMessage
+from jausml.live.messages.entries import DecodeMessage, MessageEntry, ServiceEntry
 from jausml.live.messages.errors import CatalogueError, MessageError
-
-if TYPE_CHECKING:
-    import os
-    from collections.abc import Sequence
-
-    from jausml.language.model import Model, ReadResult
-    from jausml.language.model.notation import Notation
-    from jausml.live.messages.counted import EncodeMessage
-    from jausml.live.messages.entries import DecodeMessage
 
 
 def load_catalogue(

@@ -8,22 +8,16 @@ from __future__ import annotations
 import json
 import re
 import struct
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml.language import wire
 from jausml.live.messages.codec import PRESENCE, TAG, codec_of, may_hold
-from jausml.live.messages.counted import MESSAGE
+from jausml.live.messages.counted import MESSAGE, EncodeMessage
 from jausml.live.messages.errors import DecodeError, DefinitionError, EncodeError, MessageError
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
-
-    from jausml.live.messages.counted import EncodeMessage
-    from jausml.live.messages.items import Codec
-
+from jausml.live.messages.items import Codec
 
 MAXIMUM_DEPTH = 8
 """Messages inside messages that are decoded; what stands deeper remains hex."""

@@ -7,16 +7,13 @@ long pause. They are values of our own process, from a pipe of ours.
 from __future__ import annotations
 
 import pickle
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 from jausml.language import wire
 from jausml.live.messages.catalogue import Catalogue
 from jausml.live.messages.entries import MessageEntry, ServiceEntry
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
 
 Numbers = tuple[int, ...]
 """Places of messages, or of services, in their list."""

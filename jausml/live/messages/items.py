@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import struct
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, NamedTuple
 
 from jausml.language import wire
 from jausml.live.messages.errors import CodecError, DecodeError, DefinitionError, EncodeError
 from jausml.live.messages.values import (
+    NamedValue,
     as_number,
     as_object,
     check_names,
@@ -18,11 +20,6 @@ from jausml.live.messages.values import (
     number_of,
     shown,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping, Sequence
-
-    from jausml.live.messages.values import NamedValue
 
 
 class Item(NamedTuple):

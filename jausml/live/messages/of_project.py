@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterable
+from pathlib import Path
 
 from jausml.language.model.diagnostics import Severity
 from jausml.language.model.project import shown
 from jausml.language.model.reading.reader import read_models
 from jausml.language.project import Index
 from jausml.language.text.notation import NOTATIONS
-from jausml.live.messages.defined import load_catalogue
+from jausml.live.messages.defined import DefinedCatalogue, load_catalogue
 from jausml.live.messages.errors import CatalogueError
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
-    from pathlib import Path
-
-    from jausml.live.messages.defined import DefinedCatalogue
 
 
 def project_catalogue(warn: Callable[[str], None]) -> DefinedCatalogue:

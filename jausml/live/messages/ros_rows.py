@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 from jausml.language.interfaces.definitions import FieldType
 from jausml.language.metamodel.classes import ros
 from jausml.language.semantics.paths.markers import in_words
 from jausml.language.semantics.paths.ros_paths import ros_name
 from jausml.live.messages.text import Row
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 
 def ros_rows(

@@ -3,22 +3,19 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, SupportsInt
 
 from jausml.language import wire
 from jausml.live.messages.codec import TAG
 from jausml.live.messages.counted import MESSAGE
-from jausml.live.messages.entries import parts
+from jausml.live.messages.entries import DecodedMessage, EmbeddedMessage, MessageEntry, parts
 from jausml.live.messages.errors import DefinitionError
 from jausml.live.messages.values import in_units, integers_in_words
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
-
     from jausml.language.metamodel.classes import jaus
-    from jausml.live.messages.entries import DecodedMessage, EmbeddedMessage, MessageEntry
-
 
 _INDENT = "  "
 _SHOWN_OCTETS = 32

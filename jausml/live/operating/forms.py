@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml.language import wire
-from jausml.live.messages import MessageError
+from jausml.live.messages import MessageEntry, MessageError
 from jausml.live.messages.values import symbol
+from jausml.live.operating.sticks import Sticks
+from jausml.live.operating.watching import WatchedSystem
 from jausml.live.peers.discovery import label_of
 from jausml.live.peers.query_client import Refused
 from jausml.live.peers.rendering import shown_fields
-
-if TYPE_CHECKING:
-    from jausml.live.messages import MessageEntry
-    from jausml.live.operating.sticks import Sticks
-    from jausml.live.operating.watching import WatchedSystem
-    from jausml.runtime.base.address import JausAddress
+from jausml.runtime.base.address import JausAddress
 
 
 def offers_of(system: WatchedSystem, sticks: Sticks, target: JausAddress) -> dict[str, Any]:

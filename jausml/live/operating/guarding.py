@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml.live.operating.stops import stop_of
+from jausml.live.peers.operator import Operator
+from jausml.runtime.base.address import JausAddress
 from jausml.runtime.guardian.ward import PERIOD, Ward
 from jausml.runtime.transports.packets.packet import Priority
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Sequence
-
-    from jausml.live.peers.operator import Operator
-    from jausml.runtime.base.address import JausAddress
-    from jausml.runtime.wire.message import Message
+from jausml.runtime.wire.message import Message
 
 
 class Guarding:

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from contextlib import AbstractContextManager
+from typing import Any
 
+from jausml.live.messages import MessageEntry
 from jausml.live.messages.errors import CodecError
+from jausml.live.operating.journal import Journal
+from jausml.live.operating.watching import WatchedSystem
 from jausml.live.peers.query_client import NoAnswer, Refused
 from jausml.live.peers.rendering import printable, shown_fields
+from jausml.runtime.base.address import JausAddress
 from jausml.runtime.services.list_elements import ELEMENTS_OF_DRIVERS
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-    from contextlib import AbstractContextManager
-
-    from jausml.live.messages import MessageEntry
-    from jausml.live.operating.journal import Journal
-    from jausml.live.operating.watching import WatchedSystem
-    from jausml.runtime.base.address import JausAddress
 
 MOST_ELEMENTS = 1000
 

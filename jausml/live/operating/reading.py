@@ -9,13 +9,15 @@ from __future__ import annotations
 import os
 import pickle
 import sys
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from threading import Thread
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from watchfiles import watch
 
 from jausml.language.metamodel.classes import bridge, system
+from jausml.language.model import Model
 from jausml.language.model.diagnostics import Severity
 from jausml.language.model.project import is_model_file
 from jausml.language.model.reading.reader import read_models
@@ -24,17 +26,10 @@ from jausml.language.semantics.connections import calls, stops
 from jausml.language.semantics.paths.scopes import target_paths
 from jausml.language.text.notation import NOTATIONS
 from jausml.live.messages import CatalogueError, load_catalogue
-from jausml.live.messages.frozen import frozen
+from jausml.live.messages.frozen import FrozenMessages, frozen
 from jausml.live.messages.of_project import sound_files
-from jausml.live.operating.knowledge import LENGTH, DeclaredStop, Knowledge
+from jausml.live.operating.knowledge import LENGTH, Declarations, DeclaredStop, Knowledge
 from jausml.live.systems.declarations import components_of, declarations_of
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
-    from jausml.language.model import Model
-    from jausml.live.messages.frozen import FrozenMessages
-    from jausml.live.operating.knowledge import Declarations
 
 _DEBOUNCE_MS, _STEP_MS = 100, 20
 _NICE = 10

@@ -4,32 +4,27 @@ from __future__ import annotations
 
 import threading
 import time
-from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, Literal
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import AbstractContextManager, contextmanager
+from typing import Any, Literal
 
 from jausml.live.messages import MessageError
 from jausml.live.messages.errors import CodecError
 from jausml.live.operating.forms import form_of
-from jausml.live.operating.lists import Drawn  # noqa: TC001 - methods are read with their types
-from jausml.live.operating.unit import WORD
+from jausml.live.operating.lists import Drawn
+from jausml.live.operating.unit import WORD, OperatorUnit
 from jausml.live.peers.network import component_address
 from jausml.live.peers.query_client import NoAnswer, Refused
 from jausml.live.peers.rendering import printable, shown_fields
 from jausml.live.peers.requesting import request
+from jausml.live.serving import rpc
 from jausml.live.serving.rpc import REFUSED, UNAUTHORIZED, Answering, Method, RpcError
+from jausml.live.serving.subscribers import Subscribers
 from jausml.runtime import HandoffDecision
+from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.api import JausError
 from jausml.runtime.messages import Resume, Standby
 from jausml.runtime.services.definitions import Status
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
-    from contextlib import AbstractContextManager
-
-    from jausml.live.operating.unit import OperatorUnit
-    from jausml.live.serving import rpc
-    from jausml.live.serving.subscribers import Subscribers
-    from jausml.runtime.base.address import JausAddress
 
 LONGEST_NAME = 40
 MOST_POINTS = 2000

@@ -5,27 +5,20 @@ from __future__ import annotations
 import asyncio
 import gc
 import sys
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from contextlib import asynccontextmanager, suppress
 from itertools import count
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from starlette.websockets import WebSocketDisconnect
+from starlette.websockets import WebSocket, WebSocketDisconnect
 
+from jausml.live.operating.knowledge import Knowledge, Learning
 from jausml.live.operating.seats import Seat
-from jausml.live.operating.unit import OperatorUnit
+from jausml.live.operating.unit import OperatorUnit, Powers
+from jausml.live.peers.network import Network
 from jausml.live.serving.server import MOST_SOCKETS, TRY_AGAIN_LATER, Site, Sockets
 from jausml.live.serving.sockets import PageSocket
 from jausml.live.serving.subscribers import Subscribers
-
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
-
-    from starlette.websockets import WebSocket
-
-    from jausml.live.operating.knowledge import Knowledge, Learning
-    from jausml.live.operating.unit import Powers
-    from jausml.live.peers.network import Network
 
 PAGE = Path(__file__).resolve().parent / "page"
 """Where the built page lies; `make studio` builds it."""

@@ -5,25 +5,21 @@ What lasts only while a page says so again and again, such as a stick, has a lea
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from threading import Condition, Lock, RLock, Thread
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from jausml.live.operating.stops import deliver
+from jausml.live.messages import MessageEntry
+from jausml.live.operating.guarding import Guarding
+from jausml.live.operating.journal import Journal
+from jausml.live.operating.knowledge import DeclaredStop
+from jausml.live.operating.stops import Stops, deliver
+from jausml.live.operating.watching import WatchedSystem
 from jausml.live.peers.query_client import Refused
+from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.standstill import steady
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from jausml.live.messages import MessageEntry
-    from jausml.live.operating.guarding import Guarding
-    from jausml.live.operating.journal import Journal
-    from jausml.live.operating.knowledge import DeclaredStop
-    from jausml.live.operating.stops import Stops
-    from jausml.live.operating.watching import WatchedSystem
-    from jausml.runtime.base.address import JausAddress
-    from jausml.runtime.wire.message import Message
+from jausml.runtime.wire.message import Message
 
 _LOOK = 0.25
 """Seconds between two looks at the time of a lease."""

@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from threading import Event, Lock, Thread
-from typing import TYPE_CHECKING
 
+from jausml.live.operating.journal import Journal
 from jausml.live.operating.stops import deliver, stop_of
+from jausml.live.operating.watching import WatchedSystem
+from jausml.live.peers.operator import Operator
 from jausml.live.peers.query_client import NoAnswer, Refused
 from jausml.runtime import ControlState
+from jausml.runtime.base.address import JausAddress
 from jausml.runtime.services.definitions import Status
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from jausml.live.operating.journal import Journal
-    from jausml.live.operating.watching import WatchedSystem
-    from jausml.live.peers.operator import Operator
-    from jausml.runtime.base.address import JausAddress
 
 LONGEST_STOP = 30.0
 """Seconds for which a stop is waited for."""

@@ -7,23 +7,19 @@ none, and the reason is told.
 from __future__ import annotations
 
 import json
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from jausml.live.messages import Catalogue, MessageEntry
 from jausml.live.messages.entries import by_name, parse_fields
 from jausml.live.messages.text import sample
-from jausml.live.operating.knowledge import DeclaredStop
+from jausml.live.operating.knowledge import Declarations, DeclaredStop
+from jausml.live.peers.operator import Operator
 from jausml.live.peers.query_client import Refused
+from jausml.runtime.base.address import JausAddress
 from jausml.runtime.messages import SetEmergency, Standby
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping
-
-    from jausml.live.messages import Catalogue, MessageEntry
-    from jausml.live.operating.knowledge import Declarations
-    from jausml.live.peers.operator import Operator
-    from jausml.runtime.base.address import JausAddress
-    from jausml.runtime.wire.message import Message
+from jausml.runtime.wire.message import Message
 
 WORDS = ("standby", "emergency")
 """What the stop of everything may be (AS5710, Management)."""

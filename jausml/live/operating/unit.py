@@ -7,33 +7,30 @@ from __future__ import annotations
 
 import gc
 import time
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from threading import Event, Lock, RLock, Thread
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml.live.operating.forms import offers_of
 from jausml.live.operating.guarding import Guarding
 from jausml.live.operating.journal import Journal
+from jausml.live.operating.knowledge import Knowledge
 from jausml.live.operating.lists import Lists
 from jausml.live.operating.sticks import GIVEN_UP, STOPPED, Lease, Sticks
 from jausml.live.operating.stopping import LONGEST_STOP, Gate, Stopping, obeying
 from jausml.live.operating.stops import Stops, told_stop
 from jausml.live.operating.values import Values
 from jausml.live.operating.watching import WatchedSystem
+from jausml.live.peers.control import Hold
+from jausml.live.peers.network import Network
+from jausml.live.peers.operator import Operator
 from jausml.live.peers.query_client import Refused
 from jausml.live.serving.rpc import UNAUTHORIZED, RpcError
 from jausml.live.serving.security import Token
+from jausml.live.systems.state import SystemState
 from jausml.runtime import HandoffDecision
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
-
-    from jausml.live.operating.knowledge import Knowledge
-    from jausml.live.peers.control import Hold
-    from jausml.live.peers.network import Network
-    from jausml.live.peers.operator import Operator
-    from jausml.live.systems.state import SystemState
-    from jausml.runtime.base.address import JausAddress
+from jausml.runtime.base.address import JausAddress
 
 WORD = 0.5
 """Seconds from one word to pages to the next: who misses one shows nothing as current."""

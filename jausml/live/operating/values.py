@@ -5,22 +5,18 @@ from __future__ import annotations
 import base64
 import time
 from collections import deque
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from threading import Lock
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml.language import wire
+from jausml.live.messages import MessageEntry
+from jausml.live.peers.operator import Operator
 from jausml.live.peers.query_client import Refused
-from jausml.live.peers.rendering import field_texts, leaves
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
-
-    from jausml.live.messages import MessageEntry
-    from jausml.live.peers.operator import Operator
-    from jausml.live.peers.rendering import Leaf
-    from jausml.runtime import EventSubscription
-    from jausml.runtime.base.address import JausAddress
+from jausml.live.peers.rendering import Leaf, field_texts, leaves
+from jausml.runtime import EventSubscription
+from jausml.runtime.base.address import JausAddress
 
 MOST_WATCHED = 32
 MOST_FIELDS = 64

@@ -3,24 +3,18 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from threading import Event
-from typing import TYPE_CHECKING
 
 from jausml.live.messages.frozen import ThawedCatalogue
-from jausml.live.peers.operator import Identity
+from jausml.live.operating.journal import Journal
+from jausml.live.operating.knowledge import Knowledge
+from jausml.live.peers.network import Network
+from jausml.live.peers.operator import Identity, Operator
 from jausml.live.peers.query_client import Refused
+from jausml.live.systems.ros_diagnostics import RosDiagnostics
 from jausml.live.systems.running import RunningSystem
-from jausml.live.systems.state import Level
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from jausml.live.operating.journal import Journal
-    from jausml.live.operating.knowledge import Knowledge
-    from jausml.live.peers.network import Network
-    from jausml.live.peers.operator import Operator
-    from jausml.live.systems.ros_diagnostics import RosDiagnostics
-    from jausml.live.systems.state import ConnectionState, SystemState
+from jausml.live.systems.state import ConnectionState, Level, SystemState
 
 _TIMEOUT = 2.0
 

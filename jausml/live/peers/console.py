@@ -4,29 +4,24 @@ from __future__ import annotations
 
 import shlex
 import time
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from jausml.live.messages import MessageError
+from jausml.live.messages import MessageEntry, MessageError
 from jausml.live.messages.entries import parse_fields
 from jausml.live.messages.errors import did_you_mean, similar
 from jausml.live.messages.text import paths_of
 from jausml.live.peers.discovery import label_of
+from jausml.live.peers.operator import Operator
 from jausml.live.peers.query_client import NoAnswer, Refused
 from jausml.live.peers.rendering import report_line, service_lines, status_line, subsystem_lines
 from jausml.live.peers.requesting import outcome, request
-from jausml.runtime import HandoffDecision
+from jausml.runtime import EventSubscription, HandoffDecision
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.messages import Resume, Standby
 from jausml.runtime.services.definitions import Status
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping
-
-    from jausml.live.messages import MessageEntry
-    from jausml.live.peers.operator import Operator
-    from jausml.runtime import EventSubscription
 
 _REPORTING = ("query", "watch")
 _SENDING = ("command", "request", "send")

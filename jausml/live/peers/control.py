@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from queue import Empty, SimpleQueue
 from threading import Condition
-from typing import TYPE_CHECKING
 
-from jausml.live.peers.query_client import Refused
-from jausml.runtime import ControlState, HandoffAnswer, HandoffDecision
+from jausml.live.peers.query_client import NoAnswer, Refused
+from jausml.runtime import (
+    ControlSession,
+    ControlState,
+    HandoffAnswer,
+    HandoffDecision,
+    HandoffRequest,
+    JausComponent,
+)
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.messages import ReportStatus
 from jausml.runtime.services.definitions import Status
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from jausml.live.peers.query_client import NoAnswer
-    from jausml.runtime import ControlSession, HandoffRequest, JausComponent
-    from jausml.runtime.base.address import JausAddress
-    from jausml.runtime.messages import ReportStatus
-
 
 HELD = (ControlState.CONTROLLED, ControlState.READY)
 

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
+from jausml.live.peers.network import Network
 from jausml.runtime import ComponentSettings, JausComponent, Scope
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.clients.discovery_client import ServicesById, query_services, reported_services
@@ -17,17 +19,11 @@ from jausml.runtime.messages import (
     QueryStatus,
     ReportControl,
     ReportIdentification,
+    ReportServiceList,
     ReportServices,
     ReportStatus,
 )
 from jausml.runtime.services.definitions import ServiceIdentity
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from jausml.live.peers.network import Network
-    from jausml.runtime.messages import ReportServiceList
-
 
 Services = dict[JausAddress, tuple[ServiceIdentity, ...]]
 """The services of components."""

@@ -5,22 +5,24 @@ Queries are so plain that only the code matters, or so full that all is asked fo
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from copy import deepcopy
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 from jausml.language import wire
 from jausml.language.wire.kinds import PRESENCE_VECTOR
-from jausml.live.messages import AmbiguousMessageError, MessageError, UnknownMessageError
+from jausml.live.messages import (
+    AmbiguousMessageError,
+    Catalogue,
+    MessageEntry,
+    MessageError,
+    UnknownMessageError,
+)
 from jausml.live.messages.text import sample
 from jausml.live.peers.discovery import label_of
+from jausml.runtime.services.definitions import ServiceIdentity
 from jausml.runtime.wire.message import DecodeError, EncodeError, Message
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from jausml.live.messages import Catalogue, MessageEntry
-    from jausml.runtime.services.definitions import ServiceIdentity
 
 _EVERYTHING = {"NodeRec": {"NodeID": 255}, "ComponentList": [{"ComponentID": 255}]}
 

@@ -3,26 +3,21 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
 from queue import Empty, SimpleQueue
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from jausml.live.messages import MessageError
+from jausml.live.messages import Catalogue, MessageError, ServiceEntry
 from jausml.live.messages.values import listed
 from jausml.live.peers.discovery import label_of
+from jausml.live.peers.network import Network
 from jausml.live.peers.rendering import printable
-from jausml.runtime.wire.message import DecodeError, read_code
-
-if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator, Sequence
-
-    from jausml.live.messages import Catalogue, ServiceEntry
-    from jausml.live.peers.network import Network
-    from jausml.runtime import JausComponent, PendingQuery
-    from jausml.runtime.base.address import JausAddress
-    from jausml.runtime.base.counters import Counters
-    from jausml.runtime.services.definitions import ServiceIdentity
-    from jausml.runtime.wire.message import Message
+from jausml.runtime import JausComponent, PendingQuery
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.base.counters import Counters
+from jausml.runtime.services.definitions import ServiceIdentity
+from jausml.runtime.wire.message import DecodeError, Message, read_code
 
 _MOST_COMPONENTS = 1024
 _MOST_MESSAGES = 64

@@ -5,14 +5,18 @@ from __future__ import annotations
 import math
 import statistics
 import time
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml.language.metamodel.classes import bridge
-from jausml.live.messages import MessageError
+from jausml.language.model.model import Model
+from jausml.live.messages import MessageEntry, MessageError
 from jausml.live.peers.entry_messages import full_query, message_class
-from jausml.live.peers.query_client import NoAnswer, Refused
+from jausml.live.peers.operator import Operator
+from jausml.live.peers.query_client import NoAnswer, QueryClient, Refused
+from jausml.runtime import EventSubscription
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.conversions import ConversionError, Time, TimeStamp, timestamp_to_time
 from jausml.runtime.messages import (
@@ -26,16 +30,7 @@ from jausml.runtime.messages import (
     ReportStatus,
 )
 from jausml.runtime.services.definitions import Scope
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
-    from jausml.language.model.model import Model
-    from jausml.live.messages import MessageEntry
-    from jausml.live.peers.operator import Operator
-    from jausml.live.peers.query_client import QueryClient
-    from jausml.runtime import EventSubscription
-    from jausml.runtime.wire.message import Message
+from jausml.runtime.wire.message import Message
 
 _STAMP = ("Milliseconds", "Seconds", "Minutes", "Hour", "Day")
 

@@ -10,9 +10,9 @@ import logging
 import os
 import socket
 import sys
+from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.settings import (
@@ -23,10 +23,6 @@ from jausml.runtime.base.settings import (
     TransportSettings,
 )
 from jausml.runtime.transports.ports import manager_folder, who_holds
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
 
 TRANSPORTS = tuple(kind.value for kind in TransportKind)
 """How messages may travel."""

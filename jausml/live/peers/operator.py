@@ -3,35 +3,36 @@
 from __future__ import annotations
 
 import time
-from contextlib import contextmanager, nullcontext
+from collections.abc import Callable, Collection, Iterator
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass
 from itertools import count
 from queue import Empty, SimpleQueue
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from jausml.live.messages import UnknownMessageError
+from jausml.live.messages import Catalogue, MessageEntry, UnknownMessageError
 from jausml.live.peers.control import Handoffs, Hold
 from jausml.live.peers.discovery import POLL, controller_of
 from jausml.live.peers.heard import Heard
+from jausml.live.peers.network import Network
 from jausml.live.peers.query_client import NoAnswer, Refused, status_of
 from jausml.live.peers.watching import AnsweringClient, ListingClient, WatchingClient
-from jausml.runtime import ComponentSettings, ControlState, HandoffDecision, JausComponent, Scope
+from jausml.runtime import (
+    ComponentSettings,
+    ControlState,
+    HandoffDecision,
+    HandoffRequest,
+    JausComponent,
+    Scope,
+)
 from jausml.runtime import messages as core_messages
+from jausml.runtime.base.address import JausAddress
 from jausml.runtime.component.process import running_transport
 from jausml.runtime.services.definitions import CORE, ServiceIdentity, Status
+from jausml.runtime.transports.delivery import Take
 from jausml.runtime.transports.packets.packet import Priority
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterator
-    from contextlib import AbstractContextManager
-
-    from jausml.live.messages import Catalogue, MessageEntry
-    from jausml.live.peers.network import Network
-    from jausml.runtime import HandoffRequest
-    from jausml.runtime.base.address import JausAddress
-    from jausml.runtime.transports.delivery import Take
-    from jausml.runtime.transports.transport import Transport
-    from jausml.runtime.wire.message import Message
+from jausml.runtime.transports.transport import Transport
+from jausml.runtime.wire.message import Message
 
 OCU_TYPE = 20001
 """Type of an operator control unit (AS5710, ReportIdentification)."""

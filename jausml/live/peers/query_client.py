@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable, Sequence
 from functools import partial
 from queue import SimpleQueue
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
-from jausml.live.messages import AmbiguousMessageError, MessageError
+from jausml.live.messages import AmbiguousMessageError, Catalogue, MessageEntry, MessageError
 from jausml.live.peers.discovery import Survey, awaited, controller_of
 from jausml.live.peers.entry_messages import find_exchange, find_message, full_query, message_class
-from jausml.live.peers.heard import asked
+from jausml.live.peers.heard import Heard, Question, asked
+from jausml.live.peers.network import Network
+from jausml.runtime import JausComponent
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.base.quirks import Learnt
 from jausml.runtime.messages import (
     QueryControl,
     QueryStatus,
@@ -19,21 +24,9 @@ from jausml.runtime.messages import (
     ReportStatus,
     ReportTimeout,
 )
-from jausml.runtime.services.definitions import Status
-from jausml.runtime.wire.message import EncodeError
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from jausml.live.messages import Catalogue, MessageEntry
-    from jausml.live.peers.heard import Heard, Question
-    from jausml.live.peers.network import Network
-    from jausml.runtime import JausComponent
-    from jausml.runtime.base.address import JausAddress
-    from jausml.runtime.base.quirks import Learnt
-    from jausml.runtime.services.definitions import ServiceIdentity
-    from jausml.runtime.transports.transport import Transport
-    from jausml.runtime.wire.message import Message
+from jausml.runtime.services.definitions import ServiceIdentity, Status
+from jausml.runtime.transports.transport import Transport
+from jausml.runtime.wire.message import EncodeError, Message
 
 M = TypeVar("M", bound="Message")
 

@@ -3,26 +3,21 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable, Iterator, Sequence
 from datetime import datetime, timezone
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml.language import wire
+from jausml.live.messages import EmbeddedMessage, MessageEntry
 from jausml.live.messages.codec import TAG
 from jausml.live.messages.counted import MESSAGE
 from jausml.live.messages.entries import parts
 from jausml.live.messages.text import named
 from jausml.live.messages.values import with_unit
-from jausml.live.peers.discovery import controller_of, type_name
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
-
-    from jausml.live.messages import EmbeddedMessage, MessageEntry
-    from jausml.live.peers.discovery import KnownComponent, KnownSubsystem
-    from jausml.runtime.base.address import JausAddress
-    from jausml.runtime.messages import ReportControl
-    from jausml.runtime.services.definitions import ServiceIdentity, Status
-
+from jausml.live.peers.discovery import KnownComponent, KnownSubsystem, controller_of, type_name
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.messages import ReportControl
+from jausml.runtime.services.definitions import ServiceIdentity, Status
 
 _CLOCK = {"Hour", "Minutes", "Seconds", "Milliseconds"}
 """Bits of a TimeStamp (AS5710, ReportTime; AS6009)."""

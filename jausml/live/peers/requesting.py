@@ -4,27 +4,22 @@ from __future__ import annotations
 
 import math
 import time
-from contextlib import nullcontext
+from collections.abc import Callable, Collection, Iterator
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from queue import Empty
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml.language import wire
-from jausml.live.messages import MessageError, UnknownMessageError, read_code
+from jausml.live.messages import MessageEntry, MessageError, UnknownMessageError, read_code
+from jausml.live.peers.control import Hold
 from jausml.live.peers.entry_messages import full_query, message_class
+from jausml.live.peers.operator import Operator
 from jausml.live.peers.query_client import NoAnswer, Refused
 from jausml.live.peers.rendering import field_texts, printable, shown_fields, status_line
+from jausml.runtime.base.address import JausAddress
 from jausml.runtime.services.definitions import Status
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterator
-    from contextlib import AbstractContextManager
-
-    from jausml.live.messages import MessageEntry
-    from jausml.live.peers.control import Hold
-    from jausml.live.peers.operator import Operator
-    from jausml.runtime.base.address import JausAddress
-    from jausml.runtime.wire.message import Message
+from jausml.runtime.wire.message import Message
 
 
 @dataclass(frozen=True)

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from contextlib import nullcontext
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from queue import Empty, SimpleQueue
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from jausml.live.messages import MessageEntry
 from jausml.live.peers.discovery import awaited
 from jausml.live.peers.entry_messages import EntryMessage, full_query, message_class
 from jausml.live.peers.query_client import M, NoAnswer, QueryClient, Refused
 from jausml.live.peers.rendering import printable
-from jausml.runtime import chain
+from jausml.runtime import EventSubscription, ListElement, ListRequest, chain
+from jausml.runtime.base.address import JausAddress
 from jausml.runtime.messages import (
     QueryElementCount,
     QueryElementList,
@@ -20,16 +23,7 @@ from jausml.runtime.messages import (
 )
 from jausml.runtime.services.definitions import Guard
 from jausml.runtime.transports.packets.packet import Priority
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-    from contextlib import AbstractContextManager
-
-    from jausml.live.messages import MessageEntry
-    from jausml.runtime import EventSubscription, ListElement, ListRequest
-    from jausml.runtime.base.address import JausAddress
-    from jausml.runtime.wire.message import Message
-
+from jausml.runtime.wire.message import Message
 
 _LATE_REPORTS = 3
 """Periodic reports that may be missing before it is told."""

@@ -6,14 +6,14 @@ import re
 import sqlite3
 import tempfile
 from collections import Counter
+from collections.abc import Iterator
 from contextlib import ExitStack, closing
 from dataclasses import dataclass, replace
 from pathlib import Path, PurePath
-from typing import TYPE_CHECKING
 
 from jausml import installing
 from jausml.language.model.inputs import open_input, read_text
-from jausml.live.recording.mcap_files import CDR, WHOLE, RecordingError
+from jausml.live.recording.mcap_files import CDR, WHOLE, RecordingError, TimeSpan
 from jausml.live.recording.mcap_reading import (
     UNDEFINED,
     McapRecording,
@@ -21,11 +21,6 @@ from jausml.live.recording.mcap_reading import (
     definition_in,
 )
 from jausml.live.recording.unpacking import DamageError, unpack_file, unpacked
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from jausml.live.recording.mcap_files import TimeSpan
 
 MCAP, SQLITE = ".mcap", ".db3"
 _METADATA = "metadata.yaml"

@@ -6,23 +6,17 @@ Reports come out of the events that carry them.
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
-from jausml.live.messages import MessageError
+from jausml.live.messages import Catalogue, MessageError
 from jausml.live.messages.values import as_numbers
+from jausml.live.recording.mcap_files import McapFile
+from jausml.live.traffic.frames import Datagram
 from jausml.live.traffic.observing import Observer
 from jausml.runtime.messages import Event
+from jausml.runtime.transports.packets.packet import Packet
 from jausml.runtime.wire.message import DecodeError
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
-    from jausml.live.messages import Catalogue
-    from jausml.live.recording.mcap_files import McapFile
-    from jausml.live.traffic.frames import Datagram
-    from jausml.runtime.transports.packets.packet import Packet
-
 
 _LEAST = 2
 _EVENT = Event.CODE.to_bytes(2, "little")

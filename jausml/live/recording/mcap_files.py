@@ -6,7 +6,7 @@ import io
 import json
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
-from typing import TYPE_CHECKING, Any, BinaryIO, TypeVar
+from typing import TYPE_CHECKING, Any, BinaryIO, TypeAlias, TypeVar
 
 from jausml import __version__, installing
 from jausml.live.recording.mcap_records import END
@@ -17,13 +17,12 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping
 
     from mcap.records import Channel, Message, Schema
-    from typing_extensions import Self
 
     from jausml.live.messages import MessageEntry
     from jausml.live.traffic.frames import Datagram
 
-    Found = tuple[Schema | None, Channel, Message]
-    """A message with its channel, and the schema of that."""
+Found: TypeAlias = "tuple[Schema | None, Channel, Message]"
+"""A message with its channel, and the schema of that."""
 
 T = TypeVar("T")
 
@@ -138,7 +137,7 @@ class McapFile:
         self._channels: dict[tuple[object, ...], int] = {}
         self._of_jaus: dict[tuple[str, MessageEntry], int] = {}  # a schema takes long to make
 
-    def __enter__(self) -> Self:
+    def __enter__(self) -> McapFile:
         return self
 
     def __exit__(self, *_: object) -> None:

@@ -4,13 +4,10 @@ from __future__ import annotations
 
 import struct
 import zlib
+from collections.abc import Iterator
 from enum import IntEnum
-from typing import TYPE_CHECKING
 
 from jausml.live.recording.unpacking import MOST_UNPACKED, DamageError, unpacked
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 
 class Opcode(IntEnum):

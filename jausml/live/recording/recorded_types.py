@@ -6,19 +6,14 @@ definition are wrong values: fields in another order, or of another size.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
 
-from jausml.language.interfaces.definitions import FIXED, SINGLE
+from jausml.language.interfaces.definitions import FIXED, SINGLE, FieldDefinition, FieldType
+from jausml.language.metamodel.classes import ros
 from jausml.live.recording.mcap_files import RecordingError
+from jausml.live.recording.mcap_reading import RecordedDefinition
 from jausml.live.recording.ros_values import defined_fields, defined_parts
 from jausml.live.recording.schemas import full_name, modelled_definition
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from jausml.language.interfaces.definitions import FieldDefinition, FieldType
-    from jausml.language.metamodel.classes import ros
-    from jausml.live.recording.mcap_reading import RecordedDefinition
 
 _OCTETS = frozenset({"byte", "char"})
 """Other names of uint8."""

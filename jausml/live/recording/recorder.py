@@ -6,30 +6,24 @@ import os
 import re
 import time
 from collections import Counter
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
+from pathlib import Path
 from threading import Event, Lock, Thread
-from typing import TYPE_CHECKING, Any, BinaryIO, cast
+from typing import Any, BinaryIO, cast
 
 from jausml.language.interfaces import Installation
-from jausml.language.metamodel.classes import bridge, system
+from jausml.language.metamodel.classes import bridge, ros, system
+from jausml.language.model import Model
 from jausml.language.semantics.connections.topics import endpoints, resolve_topic
+from jausml.live.messages import Catalogue
 from jausml.live.recording.captured import CapturedMessages, JausWriter
-from jausml.live.recording.mcap_files import McapFile, need_library
+from jausml.live.recording.mcap_files import McapFile, TrafficFilter, need_library
 from jausml.live.recording.mcap_records import END
 from jausml.live.recording.schemas import installed_definition, modelled_definition
-from jausml.live.traffic.frames import PcapWriter
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
-    from pathlib import Path
-
-    from jausml.language.metamodel.classes import ros
-    from jausml.language.model import Model
-    from jausml.live.messages import Catalogue
-    from jausml.live.recording.mcap_files import TrafficFilter
-    from jausml.live.traffic.captures import CapturedFrame
-    from jausml.live.traffic.frames import Datagram
+from jausml.live.traffic.captures import CapturedFrame
+from jausml.live.traffic.frames import Datagram, PcapWriter
 
 CAPTURE = ".pcap"
 """Ending of the capture that stands beside an MCAP file."""

@@ -10,19 +10,15 @@ import re
 import struct
 import sys
 from array import array
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Mapping
+from typing import Any, TypeAlias
 
 from jausml.language.cdr import PRIMITIVES
 from jausml.language.interfaces import parse_definition
-from jausml.language.interfaces.definitions import FIXED, SINGLE
+from jausml.language.interfaces.definitions import FIXED, SINGLE, FieldDefinition, FieldType
 from jausml.live.recording.mcap_files import RecordingError
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-
-    from jausml.language.interfaces.definitions import FieldDefinition, FieldType
-
-    Read = Callable[["_Bytes"], Any]
+Read: TypeAlias = "Callable[['_Bytes'], Any]"
 
 _PART = re.compile(r"^=+\nMSG: (\S+)\n", re.MULTILINE)
 _PART_OF_CALL = re.compile(r"^(?:MSG: )?\w+/[A-Z][A-Za-z0-9]*(?:_[A-Z][A-Za-z0-9]*)+", re.MULTILINE)

@@ -7,7 +7,8 @@ line of `=` and one with its name.
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterable
+from typing import Any
 
 from jausml.language import wire
 from jausml.language.interfaces import Installation, parse_definition
@@ -15,11 +16,7 @@ from jausml.language.interfaces.definitions import is_type_name
 from jausml.language.metamodel.classes import ros
 from jausml.language.model.inputs import read_text
 from jausml.language.semantics.ros_types import package_of
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
-
-    from jausml.live.messages import MessageEntry
+from jausml.live.messages import MessageEntry
 
 Schema = dict[str, Any]
 

@@ -4,29 +4,23 @@ from __future__ import annotations
 
 import time
 from collections import Counter
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from threading import Event
+from typing import Any
 
 from jausml.generation.target import system_of
+from jausml.language.metamodel.classes import bridge, ros
+from jausml.language.model import Model
 from jausml.language.semantics.connections.exchanges import MESSAGE, TO_JAUS
 from jausml.language.semantics.connections.topics import endpoints, resolve_topic
+from jausml.live.recording.bags import RosMessage
 from jausml.live.recording.mcap_files import NANO, RecordingError
 from jausml.live.recording.recorded_types import RecordedTypes
 from jausml.live.workers.worker import Worker, WorkerError, bridge_code
 from jausml_generators.bridge.views import bridge_views
 from jausml_generators.common.components import own_bridges
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-    from threading import Event
-
-    from typing_extensions import Self
-
-    from jausml.language.metamodel.classes import bridge, ros
-    from jausml.language.model import Model
-    from jausml.live.recording.bags import RosMessage
-
 
 _TURN = 0.05
 """Seconds after which a pause begins or ends at the latest."""
@@ -179,7 +173,7 @@ class WireReplay:
             self._worker.close()
             raise RecordingError(str(answer["error"]))
 
-    def __enter__(self) -> Self:
+    def __enter__(self) -> WireReplay:
         return self
 
     def __exit__(self, *_: object) -> None:

@@ -3,35 +3,27 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml.generation.target import system_of
-from jausml.language.metamodel.classes import bridge, system
+from jausml.language.metamodel.classes import bridge, jaus, system
+from jausml.language.metamodel.filling import assign, make
+from jausml.language.model import Model
 from jausml.language.semantics.connections.exchanges import TO_ROS
 from jausml.language.semantics.connections.reports import joined_reports
 from jausml.language.semantics.connections.topics import endpoints
 from jausml.language.semantics.jaus.services import code
-from jausml.live.recording.captured import CapturedMessages
-from jausml.live.recording.mcap_files import RecordingError
+from jausml.live.recording.captured import CapturedMessages, JausMessage, JausWriter
+from jausml.live.recording.mcap_files import McapFile, RecordingError
 from jausml.live.recording.schemas import full_name, modelled_definition
-from jausml.live.workers.worker import Maker, Worker, WorkerError, bridge_code, bridge_of_maps
-from jausml_generators.bridge.views import bridge_views
+from jausml.live.traffic.frames import Datagram
+from jausml.live.workers.worker import Worker, WorkerError, bridge_code, bridge_of_maps
+from jausml_generators.bridge.translation.translating import TranslatedJoin
+from jausml_generators.bridge.views import BridgeView, bridge_views
 from jausml_generators.common.components import own_bridges
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
-
-    from typing_extensions import Self
-
-    from jausml.language.metamodel.classes import jaus
-    from jausml.language.model import Model
-    from jausml.live.recording.captured import JausMessage, JausWriter
-    from jausml.live.recording.mcap_files import McapFile
-    from jausml.live.traffic.frames import Datagram
-    from jausml_generators.bridge.translation.translating import TranslatedJoin
-    from jausml_generators.bridge.views import BridgeView
 
 TRANSLATION_WORKER = Path(__file__).with_name("translation_worker.py")
 _AT_ONCE = 256
@@ -86,7 +78,7 @@ class Translator:
         self._worker = Worker(bridge_code(routed), TRANSLATION_WORKER)
         self._ask({"routes": [_plan(route) for route in self.routes]})
 
-    def __enter__(self) -> Self:
+    def __enter__(self) -> Translator:
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -269,7 +261,6 @@ def _turn(model: Model, owner: bridge.Bridge) -> dict[bridge.Connection, Address
     editable: Any = owner  # its collections are those of pyecore
     editable.serviceConnections.clear()
     editable.actionConnections.clear()
-    make = Maker(model.metamodels)
     own = list(owner.bridgeConnections)
     used = {connection.map for connection in own if connection.direction.name == TO_ROS}
     senders_by_connection = {}
@@ -280,11 +271,16 @@ def _turn(model: Model, owner: bridge.Bridge) -> dict[bridge.Connection, Address
         if other.map not in used and other.map.toRos:
             used.add(other.map)
             topics = [str(topic.name) for topic in other.topics if topic.join is None]
-            turned = make("bridge.Connection", name=str(other.name), direction=TO_ROS)
-            make.link(turned, "map", other.map)
-            for topic in topics:
-                make.link(turned, "topics", make("bridge.Topic", name=topic))
-            make.link(owner, "bridgeConnections", turned)
+            turned = make(
+                model.metamodels,
+                bridge.Connection,
+                name=str(other.name),
+                direction=TO_ROS,
+                map=other.map,
+                topics=[make(model.metamodels, bridge.Topic, name=topic) for topic in topics],
+            )
+            connections = model.metamodels.class_of(owner).features["bridgeConnections"]
+            assign(owner, connections, turned)
             senders_by_connection[turned] = frozenset({str(owner.address)})
     return senders_by_connection
 

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import io
-from typing import TYPE_CHECKING, BinaryIO, cast
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
+from collections.abc import Iterator
+from typing import BinaryIO, cast
 
 MOST_UNPACKED = 256 << 20
 """Bytes that a chunk or a message of a recording may have, unpacked."""

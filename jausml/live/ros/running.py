@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from threading import Condition
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml.live.ros.node import QuietNode, message_class
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping, Sequence
-
-    from jausml.runtime.bridge.ends.topics import Qos
+from jausml.runtime.bridge.ends.topics import Qos
 
 _OF_ROS = frozenset({"/rosout", "/parameter_events"})
 _SERVED_BY_RCL = ("rcl_interfaces/", "type_description_interfaces/")

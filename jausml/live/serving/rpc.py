@@ -7,6 +7,7 @@ import collections.abc
 import json
 import math
 import types
+from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, fields, is_dataclass
 from enum import Enum
@@ -14,7 +15,6 @@ from functools import lru_cache, partial
 from inspect import Parameter, signature
 from pathlib import PurePath
 from typing import (
-    TYPE_CHECKING,
     Any,
     Literal,
     NoReturn,
@@ -24,9 +24,6 @@ from typing import (
     get_origin,
     get_type_hints,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
 
 MadeT = TypeVar("MadeT")
 

@@ -3,27 +3,21 @@
 from __future__ import annotations
 
 import socket
-from contextlib import asynccontextmanager
-from typing import TYPE_CHECKING
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from pathlib import Path
 
 import uvicorn
 from starlette.applications import Starlette
-from starlette.responses import FileResponse
+from starlette.requests import Request
+from starlette.responses import FileResponse, Response
 from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
+from starlette.websockets import WebSocket
 
 from jausml.live.serving.security import Guard, Served, Token
 from jausml.live.serving.sockets import LARGEST_MESSAGE
 from jausml.live.signals import ended_by_signals
-
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
-    from contextlib import AbstractAsyncContextManager
-    from pathlib import Path
-
-    from starlette.requests import Request
-    from starlette.responses import Response
-    from starlette.websockets import WebSocket
 
 _SECONDS_TO_END = 2
 
@@ -97,7 +91,8 @@ def serve(host: str, port: int, site: Site, opened: Callable[[], None]) -> None:
     if not host:
         raise ValueError("an empty host would be all addresses")
     host.encode("idna")
-    with socket.create_server((host, port), family=_family(host)) as listener:
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    with socket.create_server((host, port), family=family) as listener:
         bound, taken = listener.getsockname()[:2]
         served = Served(host, taken, bound)
         site.authority = served.authority
@@ -146,7 +141,3 @@ class Sockets:
     async def _make_place(self, socket: WebSocket) -> bool:  # noqa: ARG002 - of those who keep some
         """Returns whether the socket that came last can be served."""
         return len(self._sockets) <= MOST_SOCKETS
-
-
-def _family(host: str) -> socket.AddressFamily:
-    return socket.AF_INET6 if ":" in host else socket.AF_INET

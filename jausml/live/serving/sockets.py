@@ -5,22 +5,16 @@ from __future__ import annotations
 import asyncio
 import logging
 import math
-from contextlib import suppress
+from collections.abc import AsyncIterator, Callable, Collection, Coroutine
+from contextlib import AbstractContextManager, suppress
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
-from starlette.websockets import WebSocketDisconnect
+from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from jausml.live.serving import rpc
 from jausml.live.serving.rpc import Request, RpcError, TypedError, typed
-
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Callable, Collection, Coroutine
-    from contextlib import AbstractContextManager
-
-    from starlette.websockets import WebSocket
-
-    from jausml.live.serving.security import Token
+from jausml.live.serving.security import Token
 
 LARGEST_MESSAGE = 8 * 1024 * 1024
 """Bytes of a message that a page sends; a text of a file is the longest."""

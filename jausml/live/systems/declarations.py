@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge, jaus, ros
+from jausml.language.model import Model
 from jausml.language.semantics.connections import calls
 from jausml.language.semantics.connections.topics import endpoints, resolve_topic
 from jausml.language.semantics.ros_types import package_of
 from jausml.live.systems.state import DeclaredConnection, TopicName
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from jausml.language.model import Model
 
 
 def declarations_of(model: Model) -> Iterator[DeclaredConnection]:

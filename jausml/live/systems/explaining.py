@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
-from jausml.live.systems.playback import NO_ROS
+from jausml.language.model import Model
+from jausml.live.systems.playback import NO_ROS, Mark, RecordedSystem
 from jausml.live.systems.recorded_facts import BRIDGE
+from jausml.live.systems.state import ComponentState, ConnectionState, SystemState
 from jausml.live.systems.tables import shown_name, state_text
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
-
-    from jausml.language.model import Model
-    from jausml.live.systems.playback import Mark, RecordedSystem
-    from jausml.live.systems.state import ComponentState, ConnectionState, SystemState
 
 MEANINGS: Mapping[str, str] = {
     "aborted": "whoever executed the goal or the list gave it up",

@@ -9,10 +9,12 @@ from __future__ import annotations
 import math
 import re
 from collections import Counter
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from enum import Enum
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from jausml.live.systems.machines import MachineState
 from jausml.live.systems.state import (
     HISTORY,
     SILENCE,
@@ -22,11 +24,6 @@ from jausml.live.systems.state import (
     Level,
     SystemState,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
-
-    from jausml.live.systems.machines import MachineState
 
 _LEVELS = (Level.OK, Level.WARNING, Level.ERROR, Level.STALE)
 _DECLARED = "declared rate (Hz)"

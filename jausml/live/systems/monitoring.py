@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from threading import Event, Lock, Thread
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml.live.peers.discovery import label_of, type_name
 from jausml.live.peers.network import component_address
+from jausml.live.peers.operator import Operator
 from jausml.live.ros.node import RosFault
 from jausml.live.systems.folding import (
     AnswerSource,
     ComponentAnswer,
+    DiagnosticStatus,
     fold_answer,
     fold_model,
     fold_source,
@@ -21,6 +24,9 @@ from jausml.live.systems.folding import (
 )
 from jausml.live.systems.reports import control_in, machines_in, state_in, timeout_in
 from jausml.live.systems.ros_diagnostics import RosDiagnostics
+from jausml.live.systems.state import DeclaredConnection, SystemState
+from jausml.runtime import EventSubscription
+from jausml.runtime.base.address import JausAddress
 from jausml.runtime.messages import (
     QueryControl,
     QueryStatus,
@@ -34,16 +40,6 @@ from jausml.runtime.messages.machine_states import (
     QueryMachineStates,
     ReportMachineStates,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
-
-    from jausml.live.peers.operator import Operator
-    from jausml.live.systems.folding import DiagnosticStatus
-    from jausml.live.systems.state import DeclaredConnection, SystemState
-    from jausml.runtime import EventSubscription
-    from jausml.runtime.base.address import JausAddress
-
 
 ROUND = 1.0
 """Seconds from one round of questions to the next; no component is asked twice in one."""

@@ -10,21 +10,17 @@ import pickle
 import zlib
 from bisect import bisect_right
 from collections import deque
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from itertools import islice
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from jausml.language.model import Model
 from jausml.live.recording.playing import PlayedRecording
 from jausml.live.systems.declarations import components_of, declarations_of
 from jausml.live.systems.folding import fold_model, fold_source, fold_time
 from jausml.live.systems.recorded_facts import Fact, Listener, fold_fact
-from jausml.live.systems.state import SystemState
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
-    from jausml.language.model import Model
-    from jausml.live.systems.state import ComponentState, ConnectionState
+from jausml.live.systems.state import ComponentState, ConnectionState, SystemState
 
 BLOCK = 16
 """Facts from one state that is kept to the next."""

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml.live.peers.discovery import type_name
-from jausml.live.recording.mcap_files import RecordingError
-from jausml.live.recording.playing import JAUS_TOPICS
+from jausml.live.recording.mcap_files import Found, RecordingError
+from jausml.live.recording.playing import JAUS_TOPICS, PlayedRecording
 from jausml.live.recording.recorder import DIAGNOSTICS
 from jausml.live.systems.folding import (
     AnswerSource,
@@ -17,6 +18,7 @@ from jausml.live.systems.folding import (
     fold_statuses,
 )
 from jausml.live.systems.reports import control_in, machines_in, state_in, timeout_in
+from jausml.live.systems.state import SystemState
 from jausml.runtime.messages import (
     ConfirmControl,
     QueryControl,
@@ -29,13 +31,6 @@ from jausml.runtime.messages import (
 )
 from jausml.runtime.messages.machine_states import ReportMachineStates
 from jausml.runtime.wire.message import DecodeError
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from jausml.live.recording.mcap_files import Found
-    from jausml.live.recording.playing import PlayedRecording
-    from jausml.live.systems.state import SystemState
 
 BRIDGE = "jaus state"
 """The status in which a bridge tells its own state and controller."""

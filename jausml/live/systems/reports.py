@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml.live.peers.discovery import controller_of
 from jausml.live.peers.query_client import status_of
 from jausml.live.systems.machines import MOST_MACHINES, MachineState, StateTime
-
-if TYPE_CHECKING:
-    from jausml.runtime.messages import ReportControl, ReportStatus, ReportTimeout
-    from jausml.runtime.messages.machine_states import ReportMachineStates
+from jausml.runtime.messages import ReportControl, ReportStatus, ReportTimeout
+from jausml.runtime.messages.machine_states import ReportMachineStates
 
 
 def state_in(report: ReportStatus, _client: str = "") -> dict[str, Any]:

@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 from collections import deque
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterator
+from typing import Any
 
 from jausml.live.ros.node import QuietNode, message_class
 from jausml.live.systems.folding import DiagnosticStatus
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from jausml.live.systems.state import TopicName
-
+from jausml.live.systems.state import TopicName
 
 _DEPTH = 50
 

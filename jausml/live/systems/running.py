@@ -3,24 +3,18 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import ExitStack
 from threading import Event, Lock, Thread
-from typing import TYPE_CHECKING
 
-from jausml.live.peers.network import fault, identified, silence_log
-from jausml.live.peers.operator import running_operator
+from jausml.live.messages import Catalogue
+from jausml.live.peers.network import Network, fault, identified, silence_log
+from jausml.live.peers.operator import Identity, Operator, running_operator
 from jausml.live.peers.query_client import NoAnswer
 from jausml.live.systems.folding import expected
 from jausml.live.systems.monitoring import Monitor, listening, polling
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping
-
-    from jausml.live.messages import Catalogue
-    from jausml.live.peers.network import Network
-    from jausml.live.peers.operator import Identity, Operator
-    from jausml.live.systems.ros_diagnostics import RosDiagnostics
-    from jausml.live.systems.state import DeclaredConnection
+from jausml.live.systems.ros_diagnostics import RosDiagnostics
+from jausml.live.systems.state import DeclaredConnection
 
 PERIOD = 0.25
 """Seconds from one look at the state to the next."""

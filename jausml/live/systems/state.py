@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from jausml.live.systems.machines import machines_as_json
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
-
-    from jausml.live.systems.machines import MachineState
+from jausml.live.systems.machines import MachineState, machines_as_json
 
 HISTORY = 120
 """Latest rates of a connection that are kept."""

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import takewhile
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml.live.peers.rendering import printable
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from jausml.live.systems.machines import MachineState
-    from jausml.live.systems.state import ComponentState, ConnectionState, SystemState
+from jausml.live.systems.machines import MachineState
+from jausml.live.systems.state import ComponentState, ConnectionState, SystemState
 
 _BARS = "▁▂▃▄▅▆▇█"
 LONGEST_CELL = 48

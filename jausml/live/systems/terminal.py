@@ -5,16 +5,18 @@ It needs textual.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from collections.abc import Callable, Iterable
+from typing import ClassVar
 
 from rich.text import Text
-from textual.app import App
+from textual.app import App, ComposeResult
 from textual.binding import Binding
 from textual.containers import Horizontal, VerticalScroll
 from textual.coordinate import Coordinate
 from textual.widgets import DataTable, Footer, Input, Static
 
-from jausml.live.systems.state import Level
+from jausml.live.systems.inspection import Inspection
+from jausml.live.systems.state import ConnectionState, Level, SystemState
 from jausml.live.systems.tables import (
     COLUMNS,
     COMPONENT_TITLES,
@@ -30,15 +32,6 @@ from jausml.live.systems.tables import (
     state_text,
     summary,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
-
-    from textual.app import ComposeResult
-
-    from jausml.live.systems.inspection import Inspection
-    from jausml.live.systems.state import ConnectionState, SystemState
-
 
 _WIDEST = 400
 _BARS = 40

@@ -6,11 +6,9 @@ import gzip
 import re
 import struct
 import zlib
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, BinaryIO, cast
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
+from typing import BinaryIO, cast
 
 RAW_IP = 101
 """LINKTYPE_RAW: a frame begins with its IP header."""

@@ -11,16 +11,13 @@ import socket
 import struct
 import sys
 import time
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from jausml.live.traffic.captures import RAW_IP, CapturedFrame, TrafficError
 from jausml.live.traffic.frames import Datagram, Endpoint
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from typing_extensions import Self
-
     from jausml.runtime.base.settings import TransportSettings
 
 _ALL_PROTOCOLS, _IPV4, _IPV6 = 0x0003, 0x0800, 0x86DD
@@ -73,7 +70,7 @@ class InterfaceCapture:
             self._socket.bind((_name_of(interface), 0))
         self._socket.settimeout(_TURN)
 
-    def __enter__(self) -> Self:
+    def __enter__(self) -> InterfaceCapture:
         return self
 
     def __exit__(self, *_: object) -> None:

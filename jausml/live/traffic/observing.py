@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from datetime import datetime, timezone
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from jausml.live.messages import MessageError
+from jausml.live.messages import Catalogue, DecodedMessage, MessageError
 from jausml.live.messages import text as messages
+from jausml.live.traffic.frames import Datagram
+from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.counters import Counters
 from jausml.runtime.transports.packets.packet import (
     EMPTY_MESSAGE_SIZE,
@@ -15,19 +18,12 @@ from jausml.runtime.transports.packets.packet import (
     AckNak,
     Broadcast,
     DataFlags,
+    Packet,
     Priority,
     parse_datagram,
 )
 from jausml.runtime.transports.packets.reassembly import Reassembly
 from jausml.runtime.transports.ports import FRAME
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from jausml.live.messages import Catalogue, DecodedMessage
-    from jausml.live.traffic.frames import Datagram
-    from jausml.runtime.base.address import JausAddress
-    from jausml.runtime.transports.packets.packet import Packet
 
 _REASSEMBLY_TIMEOUT = 10.0
 _REASSEMBLY_LIMIT = 4 << 20

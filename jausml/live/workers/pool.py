@@ -6,15 +6,112 @@ makes a worker of what is shared, once, and asks it for one piece after another.
 
 from __future__ import annotations
 
+import contextlib
+import os
 import pickle
+import queue
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Generic, TypeVar
+from pathlib import Path
+from typing import Any, Generic, TypeVar
 
-from jausml.live.workers.pool_processes import PoolProcesses
+_SCRIPT = Path(__file__).with_name("pool_process.py")
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+
+class PoolError(Exception):
+    """A pool cannot work, or does not any more; the text says why."""
+
+
+class PoolProcess:
+    """A process that works for one at a time; close it at the end."""
+
+    def __init__(self, begin: bytes) -> None:
+        # All temporary files are in a folder that is removed, however the process ends.
+        self._folder = tempfile.TemporaryDirectory(
+            prefix="jausml_pool_", ignore_cleanup_errors=True
+        )
+        self._process = subprocess.Popen(  # noqa: S603 - our own script
+            [sys.executable, str(_SCRIPT), self._folder.name],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            env={**os.environ, "TMPDIR": self._folder.name},
+            start_new_session=True,
+        )
+        self._begin = begin
+
+    def ask(self, piece: Any) -> Any:
+        """Returns what becomes of a piece; raises what the worker raises."""
+        try:
+            is_made, answer = self._answer(self._begin + pickle.dumps(piece))
+        except (OSError, EOFError, ValueError, pickle.UnpicklingError) as error:
+            raise PoolError("a process of the work has ended") from error
+        self._begin = b""
+        if not is_made:
+            raise answer
+        return answer
+
+    def _answer(self, request: bytes) -> tuple[bool, Any]:
+        requests, answers = self._process.stdin, self._process.stdout
+        if requests is None or answers is None:
+            raise EOFError
+        requests.write(request)
+        requests.flush()
+        answer: tuple[bool, Any] = pickle.load(answers)  # noqa: S301 - of our own script
+        return answer
+
+    def close(self) -> None:
+        """Ends it, and what it has begun."""
+        with contextlib.suppress(OSError):
+            if hasattr(os, "killpg"):
+                os.killpg(self._process.pid, signal.SIGKILL)
+            self._process.kill()
+        self._process.wait()
+        for pipe in (self._process.stdin, self._process.stdout):
+            if pipe is not None:
+                with contextlib.suppress(OSError):  # of what was not read any more
+                    pipe.close()
+        self._folder.cleanup()
+
+
+class PoolProcesses:
+    """Processes for those who ask at once, one for each; close them at the end."""
+
+    def __init__(self, begin: bytes) -> None:
+        self._begin = begin
+        self._idle: queue.SimpleQueue[PoolProcess] = queue.SimpleQueue()
+        self._all: list[PoolProcess] = []
+        self._lock = threading.Lock()
+        self._is_closed = False
+
+    def ask(self, piece: Any) -> Any:
+        """Returns what becomes of a piece; raises what the worker raises."""
+        process = self._taken()
+        answer = process.ask(piece)
+        self._idle.put(process)
+        return answer
+
+    def _taken(self) -> PoolProcess:
+        with contextlib.suppress(queue.Empty):
+            return self._idle.get_nowait()
+        with self._lock:
+            if self._is_closed:
+                raise PoolError("the work is over")
+            self._all.append(PoolProcess(self._begin))
+            return self._all[-1]
+
+    def close(self) -> None:
+        """Ends them."""
+        with self._lock:
+            self._is_closed = True
+            for pool_process in self._all:
+                pool_process.close()
+
 
 Shared = TypeVar("Shared")
 Piece = TypeVar("Piece")

@@ -12,27 +12,23 @@ import sys
 import tempfile
 import threading
 from collections import deque
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import jausml
 from jausml.generation.artifact import find_problems, text_digest
 from jausml.generation.errors import GenerationError
 from jausml.generation.rendering import render
-from jausml.language.metamodel.classes import bridge
-from jausml.language.metamodel.filling import link, new_object, set_value
+from jausml.language.metamodel import Metamodels
+from jausml.language.metamodel.classes import bridge, system
+from jausml.language.metamodel.filling import make
+from jausml.language.model import Model
 from jausml.language.model.model import made_model
 from jausml.language.semantics.connections.exchanges import TO_JAUS, TO_ROS
 from jausml_generators.bridge.target import TARGET as BRIDGE
 from jausml_generators.messages.target import TARGET as MESSAGES
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
-
-    from jausml.language.metamodel import Metamodels
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model import Model
 
 
 @dataclass(frozen=True)
@@ -63,27 +59,6 @@ def bridge_code(model: Model) -> BridgeCode:
 Element: TypeAlias = "bridge.Connection | bridge.RosServiceConnection | bridge.RosActionConnection"
 
 
-class Maker:
-    """Makes elements of metamodels."""
-
-    def __init__(self, metamodels: Metamodels) -> None:
-        self._metamodels = metamodels
-
-    def __call__(self, kind: str, **values: str) -> Any:
-        """Returns an element of a class with some attributes."""
-        table = self._metamodels.classes[kind]
-        element = new_object(table)
-        for name, value in values.items():
-            feature = table.features[name]
-            literals = feature.data_type.literals if feature.data_type is not None else {}
-            set_value(element, feature, literals.get(value, value))
-        return element
-
-    def link(self, owner: EObject, feature: str, element: EObject) -> None:
-        """Lets an element own another, or refer to it."""
-        link(owner, self._metamodels.class_of(owner).features[feature], element)
-
-
 def bridge_of_maps(
     metamodels: Metamodels,
     name: str,
@@ -95,24 +70,35 @@ def bridge_of_maps(
     Args:
         like: Connections whose policies and quantities count; of several, those of the first.
     """
-    make = Maker(metamodels)
-    owner = make("bridge.Bridge", name=name, address="1.1.1")
-    bridge_connections = []
-    for connection, (used, to_ros) in connections.items():
-        bridge_connections.append(_connection(make, used, connection, to_ros=to_ros))
-        make.link(owner, "bridgeConnections", bridge_connections[-1])
+    bridge_connections = [
+        _connection(metamodels, used, connection, to_ros=to_ros)
+        for connection, (used, to_ros) in connections.items()
+    ]
     quantities: dict[str, bridge.Quantity] = {}
     for example in reversed([*like]):
         for own in bridge_connections:
             if own.direction is example.direction:
                 own.outOfRange = example.outOfRange
         quantities |= {str(known.name): known for known in _quantities(example)}
-    for known in quantities.values():
-        copied = make("bridge.Quantity", name=str(known.name), units=str(known.units or ""))
-        copied.value = known.value
-        make.link(owner, "quantities", copied)
-    whole = make("system.System", name=f"{name}_system")
-    make.link(whole, "bridges", owner)
+    own_quantities = [
+        make(
+            metamodels,
+            bridge.Quantity,
+            name=str(quantity.name),
+            units=str(quantity.units or ""),
+            value=quantity.value,
+        )
+        for quantity in quantities.values()
+    ]
+    owner = make(
+        metamodels,
+        bridge.Bridge,
+        name=name,
+        address="1.1.1",
+        bridgeConnections=bridge_connections,
+        quantities=own_quantities,
+    )
+    whole = make(metamodels, system.System, name=f"{name}_system", bridges=[owner])
     return made_model(metamodels, whole, owner, *bridge_connections)
 
 
@@ -121,21 +107,22 @@ def _quantities(connection: Element) -> Iterable[bridge.Quantity]:
     return owner.quantities if isinstance(owner, bridge.Bridge) else ()
 
 
-def _connection(make: Maker, used: bridge.AttributeMap, name: str, *, to_ros: bool) -> Any:
-    connection = make("bridge.Connection", name=name, direction=TO_ROS if to_ros else TO_JAUS)
-    make.link(connection, "topics", make("bridge.Topic", name=name))
-    if to_ros:
-        for report in used.reportJoins:
-            source = make("bridge.ReportSource")
-            make.link(source, "join", report)
-            make.link(connection, "sources", source)
-    else:
-        for join in used.joins:
-            topic = make("bridge.Topic", name=str(join.name))
-            make.link(topic, "join", join)
-            make.link(connection, "topics", topic)
-    make.link(connection, "map", used)
-    return connection
+def _connection(
+    metamodels: Metamodels, used: bridge.AttributeMap, name: str, *, to_ros: bool
+) -> bridge.Connection:
+    topics = [make(metamodels, bridge.Topic, name=name)]
+    if not to_ros:
+        topics += [make(metamodels, bridge.Topic, name=str(e.name), join=e) for e in used.joins]
+    reports = used.reportJoins if to_ros else ()
+    return make(
+        metamodels,
+        bridge.Connection,
+        name=name,
+        direction=TO_ROS if to_ros else TO_JAUS,
+        topics=topics,
+        sources=[make(metamodels, bridge.ReportSource, join=report) for report in reports],
+        map=used,
+    )
 
 
 _BOOTSTRAP = Path(__file__).with_name("bootstrap.py")

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge, jaus
+from jausml.language.metamodel.classes.system import System
 from jausml.language.semantics.connections import calls, stops
 from jausml.language.semantics.connections.calls import driver_messages
 from jausml.language.semantics.connections.reports import joined_reports, passed_rate
@@ -17,9 +17,6 @@ from jausml.views.analysis.budgets import Budget, asked_rate, budgets_of, warnin
 from jausml.views.analysis.sizes import Assumptions, Size, ros_size
 from jausml.views.analysis.streams import Stream, Traffic, Wire, is_to_ros
 from jausml.views.analysis.traffic import traffic_of
-
-if TYPE_CHECKING:
-    from jausml.language.metamodel.classes.system import System
 
 
 @dataclass(frozen=True)

@@ -7,15 +7,12 @@ import functools
 from collections.abc import Callable, Container, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
 import jausml
 from jausml.language import wire
 from jausml.language.cdr import PRIMITIVES
-from jausml.language.metamodel.classes import jaus, ros
-
-if TYPE_CHECKING:
-    from jausml.language.metamodel.classes import bridge
+from jausml.language.metamodel.classes import bridge, jaus, ros
 
 Value = TypeVar("Value", int, float)
 

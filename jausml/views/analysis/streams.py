@@ -4,19 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import astuple, dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TypeAlias
 
 from jausml.language.metamodel.classes import bridge, jaus
+from jausml.language.metamodel.classes.system import System
 from jausml.language.semantics.connections.reports import JoinedReport, joined_reports
 from jausml.language.semantics.jaus.commands import obeys_controller_alone
-from jausml.language.semantics.jaus.services import find_query
+from jausml.language.semantics.jaus.services import Provider, find_query
 from jausml.views.analysis.sizes import Size, runtime_constants
 
-if TYPE_CHECKING:
-    from jausml.language.metamodel.classes.system import System
-    from jausml.language.semantics.jaus.services import Provider
-
-    Asking = bridge.Connection | jaus.ServiceConnection
+Asking: TypeAlias = "bridge.Connection | jaus.ServiceConnection"
 
 DECLARED, ASSUMED = "declared", "assumed"
 """Where a rate is from: the model, or an assumption."""

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 from jausml.language import wire
 from jausml.language.metamodel.classes import bridge, jaus
+from jausml.language.metamodel.classes.system import System
 from jausml.language.semantics.connections.reports import passed_rate, requested_fields
 from jausml.language.semantics.hosts import host_of
 from jausml.language.semantics.jaus.core_services import standard_services
@@ -21,6 +21,7 @@ from jausml.views.analysis.sizes import Assumptions, Size, jaus_size, runtime_co
 from jausml.views.analysis.streams import (
     ASSUMED,
     DECLARED,
+    Asking,
     Request,
     Stream,
     Traffic,
@@ -31,10 +32,6 @@ from jausml.views.analysis.streams import (
     peers_of,
     requests_of,
 )
-
-if TYPE_CHECKING:
-    from jausml.language.metamodel.classes.system import System
-    from jausml.views.analysis.streams import Asking
 
 _PRESENCE_VECTOR = "PresenceVector"
 

@@ -4,13 +4,8 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
-from jausml.views.diagrams.graph import CHANGED, Edge, End, Group, Port
-
-if TYPE_CHECKING:
-    from jausml.views.diagrams.graph import Graph, Node
-
+from jausml.views.diagrams.graph import CHANGED, Edge, End, Graph, Group, Node, Port
 
 MOST_EDGES = 80
 """Edges that a drawing shows one by one without frames of its own."""
@@ -142,7 +137,8 @@ def framed(graph: Graph) -> Graph:
         graph,
         nodes=tuple(
             replace(node, group=f"{home}{FRAME}")
-            if (home := homes[node.id]) and _is_beside(node, nodes[home])
+            if (home := homes[node.id])
+            and (node.kind == "others" or node.group == nodes[home].group)
             else node
             for node in graph.nodes
         ),
@@ -152,10 +148,6 @@ def framed(graph: Graph) -> Graph:
         ),
         is_crowded=True,
     )
-
-
-def _is_beside(node: Node, bridge: Node) -> bool:
-    return node.kind == "others" or node.group == bridge.group
 
 
 def bridges_around(graph: Graph) -> dict[str, str]:

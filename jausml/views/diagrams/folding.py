@@ -3,15 +3,10 @@
 from __future__ import annotations
 
 from collections import Counter, defaultdict
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
-from jausml.views.diagrams.graph import Edge, End, Finding, Graph, Node, severity
-
-if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Iterator
-
-    from jausml.views.diagrams.graph import Group
+from jausml.views.diagrams.graph import Edge, End, Finding, Graph, Group, Node, severity
 
 MOST_SHOWN = 150
 """Boxes that are shown without closed frames."""

@@ -8,11 +8,9 @@ names, which stays when elements are added before it.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+from typing import Literal
 
 LEFT, RIGHT = "left", "right"
 """Sides of ports."""

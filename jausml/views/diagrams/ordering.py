@@ -9,14 +9,12 @@ from __future__ import annotations
 
 from bisect import bisect_right, insort
 from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations, pairwise
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
-
-    from jausml.views.diagrams.graph import Graph, Node
+from jausml.views.diagrams.graph import Graph, Node
 
 _ROUNDS, _FEW_ROUNDS = 6, 2
 """Rounds after which an order is good enough, and that of a large graph."""
@@ -102,7 +100,7 @@ class _Work:
             before = least
             for siblings in self._siblings.values():
                 least = self._swap(siblings, least)
-            for rows in self._movable_rows():
+            for rows in self._rows.values() if self._graph.view == "system" else ():
                 least = self._swap(rows, least)
             if least == before:
                 return
@@ -110,9 +108,6 @@ class _Work:
     def _order(self) -> tuple[dict[str, list[_Part]], dict[str, list[str]]]:
         siblings = {frame: list(parts) for frame, parts in self._siblings.items()}
         return siblings, {box: list(rows) for box, rows in self._rows.items()}
-
-    def _movable_rows(self) -> list[list[str]]:
-        return list(self._rows.values()) if self._graph.view == "system" else []
 
     def _boxes(self, part: _Part = ("", True)) -> Iterator[str]:
         """Yields the boxes of a part: itself, or those in a frame, from above."""

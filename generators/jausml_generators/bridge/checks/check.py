@@ -4,22 +4,19 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml.generation.literals import python_literal, python_string
 from jausml.language.attributes.expressions import source_names
+from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.assignments.steps import Step, step_of
 from jausml.language.semantics.conversions import NoValueError
 from jausml.language.semantics.paths.attributes import NUMBER
 from jausml_generators.python.codec.messages import FORM_CLASS
 from jausml_generators.python.statements import call
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
-
-    from jausml.language.metamodel.classes import bridge
 
 _WHOLE_MESSAGE = re.compile(r"\w+ = ")
 _LEAST_TOLERANCE = 1e-9

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Iterator
 
 from jausml.generation.errors import GenerationError
 from jausml.generation.literals import python_literal
 from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.connections.stops import stop_assignments, stop_text
 from jausml.language.semantics.paths.scopes import target_paths
-from jausml_generators.bridge.checks.check import Check, equals, holds, store, tidy
+from jausml_generators.bridge.checks.check import Chain, Check, equals, holds, store, tidy
+from jausml_generators.bridge.checks.ends import Ends
 from jausml_generators.bridge.checks.filling import (
     PRESENT,
     SINGLE,
     Code,
     JausMessage,
+    Message,
+    Place,
     Scalar,
     ValueTextError,
     has_place,
@@ -22,20 +25,13 @@ from jausml_generators.bridge.checks.filling import (
     is_absent,
     short_name,
 )
+from jausml_generators.bridge.checks.samples import Sample
+from jausml_generators.bridge.connections import ConnectionView
 from jausml_generators.bridge.services_and_actions import ActionView
 from jausml_generators.bridge.translation.expressions import TIME
 from jausml_generators.bridge.translation.places import PathError
 from jausml_generators.python.names import snake_case
 from jausml_generators.python.statements import call
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
-    from jausml_generators.bridge.checks.check import Chain
-    from jausml_generators.bridge.checks.ends import Ends
-    from jausml_generators.bridge.checks.filling import Message, Place, Scalar
-    from jausml_generators.bridge.checks.samples import Sample
-    from jausml_generators.bridge.connections import ConnectionView
 
 
 def examples(ends: Ends, sample: Sample) -> Iterator[Check]:

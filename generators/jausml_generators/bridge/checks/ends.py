@@ -5,29 +5,30 @@ from __future__ import annotations
 import functools
 import re
 from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TypeAlias
 
 from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.semantics.assignments.frames import is_coordinate
 from jausml.language.semantics.paths.scopes import place, source_paths, spelled_out, used_maps
 from jausml_generators.bridge.checks.check import NO_STEP, Chain, quantities_of, store
-from jausml_generators.bridge.checks.filling import PRESENT, JausMessage, RosMessage
-from jausml_generators.bridge.ends import ReportJoinView
+from jausml_generators.bridge.checks.filling import (
+    PRESENT,
+    Code,
+    JausMessage,
+    Message,
+    Place,
+    RosMessage,
+    Scalar,
+)
+from jausml_generators.bridge.connections import ConnectionView
+from jausml_generators.bridge.ends import JoinView, ReportJoinView
 from jausml_generators.bridge.translation.expressions import TEXT
+from jausml_generators.bridge.translation.surroundings import Surroundings
 from jausml_generators.python.statements import call
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping, Sequence
-    from typing import TypeAlias
-
-    from jausml_generators.bridge.checks.filling import Code, Message, Place, Scalar
-    from jausml_generators.bridge.connections import ConnectionView
-    from jausml_generators.bridge.ends import JoinView
-    from jausml_generators.bridge.translation.surroundings import Surroundings
-
-    AnyJoin: TypeAlias = JoinView | ReportJoinView
-    from collections.abc import Iterator
+AnyJoin: TypeAlias = "JoinView | ReportJoinView"
 
 
 @dataclass(frozen=True)

@@ -4,19 +4,29 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Callable, Container, Mapping
 from dataclasses import dataclass, replace
 from itertools import islice, product
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 from jausml.generation.literals import python_literal, python_string
+from jausml.language.attributes import expressions as authored
 from jausml.language.interfaces.definitions import INTEGER_RANGES
-from jausml.language.metamodel.classes import ros
+from jausml.language.metamodel.classes import jaus, ros
 from jausml.language.semantics.paths.attributes import octets_of
 from jausml.language.semantics.paths.jaus_paths import JausPlace, message_place
 from jausml.language.semantics.paths.markers import is_said, number_as_made, unknown
 from jausml_generators.bridge.checks.check import close_to, equals, holds, store
-from jausml_generators.bridge.translation.expressions import BOOLEAN, INTEGER, OCTETS, REAL, TEXT
-from jausml_generators.bridge.translation.places import HasValue, RosStart, ros_field
+from jausml_generators.bridge.translation import places
+from jausml_generators.bridge.translation.expressions import (
+    BOOLEAN,
+    INTEGER,
+    OCTETS,
+    REAL,
+    TEXT,
+    Expression,
+)
+from jausml_generators.bridge.translation.places import HasValue, RosField, RosStart, ros_field
 from jausml_generators.bridge.translation.printing import (
     condition_text,
     expression_text,
@@ -25,20 +35,10 @@ from jausml_generators.bridge.translation.printing import (
 from jausml_generators.bridge.translation.steps import conditions
 from jausml_generators.bridge.translation.targets import marked_paths
 from jausml_generators.bridge.translation.values import ros_kind
-from jausml_generators.python.codec.jaus_fields import JausStart, jaus_field
+from jausml_generators.python.codec.jaus_fields import JausField, JausStart, jaus_field
+from jausml_generators.python.codec.messages import MessageView
 from jausml_generators.python.names import snake_case
 from jausml_generators.python.statements import call
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Container, Mapping
-
-    from jausml.language.attributes import expressions as authored
-    from jausml.language.metamodel.classes import jaus
-    from jausml_generators.bridge.translation import places
-    from jausml_generators.bridge.translation.expressions import Expression
-    from jausml_generators.bridge.translation.places import RosField
-    from jausml_generators.python.codec.jaus_fields import JausField
-    from jausml_generators.python.codec.messages import MessageView
 
 _ELEMENT = re.compile(r"(?P<list>.*)\[(?P<index>[0-9]+)\]")
 # A shorter last step, such as x, says little alone.

@@ -8,14 +8,15 @@ from __future__ import annotations
 import functools
 import math
 from collections import defaultdict
+from collections.abc import Container, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 from jausml.generation.literals import python_literal
 from jausml.generation.python import Imports, Origin, offered
+from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.conversions.definition import QUATERNION
-from jausml_generators.bridge.checks.check import NAME, Check, frame_stand_in, store, tidy
+from jausml_generators.bridge.checks.check import NAME, Chain, Check, frame_stand_in, store, tidy
 from jausml_generators.bridge.checks.connection_checks import (
     absences,
     examples,
@@ -28,29 +29,22 @@ from jausml_generators.bridge.checks.ends import Ends
 from jausml_generators.bridge.checks.filling import (
     Code,
     JausMessage,
+    Place,
     RosMessage,
     is_there,
     short_name,
 )
-from jausml_generators.bridge.checks.samples import chain_gain, limits, sample_of
+from jausml_generators.bridge.checks.samples import Sample, chain_gain, limits, sample_of
+from jausml_generators.bridge.connections import ConnectionView
 from jausml_generators.bridge.translation.expressions import INTEGER, REAL
 from jausml_generators.bridge.translation.places import PathError, ros_field
 from jausml_generators.bridge.translation.translation import frames_of
 from jausml_generators.bridge.translation.values import AssignmentError
+from jausml_generators.bridge.views import BridgeView
+from jausml_generators.common.ros import RosClasses
 from jausml_generators.python.names import Scope
 from jausml_generators.python.package import runtime_names
 from jausml_generators.python.statements import call
-
-if TYPE_CHECKING:
-    from collections.abc import Container, Iterator, Sequence
-
-    from jausml.language.metamodel.classes import bridge
-    from jausml_generators.bridge.checks.check import Chain
-    from jausml_generators.bridge.checks.filling import Place
-    from jausml_generators.bridge.checks.samples import Sample
-    from jausml_generators.bridge.connections import ConnectionView
-    from jausml_generators.bridge.views import BridgeView
-    from jausml_generators.common.ros import RosClasses
 
 
 @dataclass(frozen=True)

@@ -7,24 +7,20 @@ as far as its targets can carry it: out-of-range policies would drop the others.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from datetime import datetime, timezone
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml.language.semantics.conversions import NoValueError, definition
 from jausml.language.semantics.conversions.authored import LookUp
 from jausml.language.semantics.paths import attributes
 from jausml_generators.bridge.checks import filling
-from jausml_generators.bridge.checks.check import Check, tidy
+from jausml_generators.bridge.checks.check import Chain, Check, tidy
+from jausml_generators.bridge.checks.ends import Ends
 from jausml_generators.bridge.translation import expressions
 from jausml_generators.bridge.translation.places import PathError
 from jausml_generators.python.statements import long_string
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
-
-    from jausml_generators.bridge.checks.check import Chain
-    from jausml_generators.bridge.checks.ends import Ends
 
 # A turn of 0.125 about x, then of 0.25 about y, then of 0.375 about z.
 _ORIENTATION = (0.037691419902595585, 0.13380222188108606, 0.17693718867453465, 0.9743559686014979)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml.language.attributes.expressions import occurrences, parse_expression, source_names
+from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.conversions import authored, conversion_of, numbers
 from jausml.language.semantics.conversions.conversion import MAXIMUM
 from jausml_generators.bridge.translation import expressions
@@ -33,7 +35,9 @@ from jausml_generators.bridge.translation.expressions import (
 )
 from jausml_generators.bridge.translation.places import Local, Place
 from jausml_generators.bridge.translation.printing import literal
-from jausml_generators.bridge.translation.steps import Let
+from jausml_generators.bridge.translation.steps import Body, Let
+from jausml_generators.bridge.translation.surroundings import Surroundings
+from jausml_generators.bridge.translation.targets import Target
 from jausml_generators.bridge.translation.values import (
     INPUT_TYPES,
     NUMBERS,
@@ -44,15 +48,6 @@ from jausml_generators.bridge.translation.values import (
     constant,
 )
 from jausml_generators.python.names import snake_case
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from jausml.language.metamodel.classes import bridge
-    from jausml_generators.bridge.translation.steps import Body
-    from jausml_generators.bridge.translation.surroundings import Surroundings
-    from jausml_generators.bridge.translation.targets import Target
-
 
 _RESULTS = {
     "number": REAL,

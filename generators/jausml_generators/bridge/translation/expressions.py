@@ -7,11 +7,10 @@ Each has the kind of value that it yields. What is refused or counted while a va
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
-if TYPE_CHECKING:
-    from jausml.language.attributes import expressions as authored
-    from jausml_generators.bridge.translation.places import Condition, MarkerOperand, Place
+from jausml.language.attributes import expressions as authored
+from jausml_generators.bridge.translation.places import Condition, MarkerOperand, Place
 
 REAL, INTEGER, BOOLEAN, TEXT, OCTETS = "real", "integer", "boolean", "text", "octets"
 BITS, LIST, FORMAT, OTHER = "bits", "list", "format", "other"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml.generation.literals import python_string
 from jausml.language.metamodel.classes import bridge
@@ -15,6 +15,7 @@ from jausml_generators.bridge.translation.expressions import (
     LIST,
     ByName,
     Convert,
+    Expression,
     FirstOf,
     Length,
     NamesOf,
@@ -22,18 +23,12 @@ from jausml_generators.bridge.translation.expressions import (
     UserCall,
 )
 from jausml_generators.bridge.translation.octet_lists import octets
-from jausml_generators.bridge.translation.places import AsLongAs, Local, Place, There, joined
-from jausml_generators.bridge.translation.sources import INDEX, Counters
-from jausml_generators.bridge.translation.steps import Each, Require, Write, gives
+from jausml_generators.bridge.translation.places import AsLongAs, Local, Place, There, Way, joined
+from jausml_generators.bridge.translation.sources import INDEX, Counters, Many
+from jausml_generators.bridge.translation.steps import Each, Octets, Require, Write, gives
+from jausml_generators.bridge.translation.targets import ManyTarget
+from jausml_generators.bridge.translation.translation import Translation
 from jausml_generators.bridge.translation.values import NO_POLICY, AssignmentError
-
-if TYPE_CHECKING:
-    from jausml_generators.bridge.translation.expressions import Expression
-    from jausml_generators.bridge.translation.places import Way
-    from jausml_generators.bridge.translation.sources import Many
-    from jausml_generators.bridge.translation.steps import Octets
-    from jausml_generators.bridge.translation.targets import ManyTarget
-    from jausml_generators.bridge.translation.translation import Translation
 
 
 def add_list(translation: Translation, assignment: bridge.ListAssignment) -> None:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from typing import Any
 
 from jausml.generation.literals import printable
 from jausml.language.cdr import full_name
-from jausml.language.metamodel.classes import bridge
+from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.semantics.connections.stops import stop_assignments
 from jausml.language.semantics.paths.scopes import spelled_out
 from jausml_generators.bridge.translation.expressions import (
@@ -23,22 +24,14 @@ from jausml_generators.bridge.translation.places import Equal, Place, RosStart
 from jausml_generators.bridge.translation.printing import printed
 from jausml_generators.bridge.translation.sources import JausSource, RosSource
 from jausml_generators.bridge.translation.steps import Body, Require, Write
-from jausml_generators.bridge.translation.surroundings import NestedTranslation
+from jausml_generators.bridge.translation.surroundings import NestedTranslation, Surroundings
 from jausml_generators.bridge.translation.targets import JausTarget, RosTarget
 from jausml_generators.bridge.translation.translation import Translation, paths_of
-from jausml_generators.bridge.translation.values import NO_POLICY
+from jausml_generators.bridge.translation.values import NO_POLICY, Value
 from jausml_generators.python.codec.jaus_fields import JausStart
+from jausml_generators.python.codec.messages import MessageView
 from jausml_generators.python.names import snake_case
 from jausml_generators.python.statements import CURRENT_COMMAND, may_set_limits
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from jausml.language.metamodel.classes import ros
-    from jausml_generators.bridge.translation.surroundings import Surroundings
-    from jausml_generators.bridge.translation.values import Value
-    from jausml_generators.python.codec.messages import MessageView
-
 
 TARGET = Place("target")
 """The message that is made."""

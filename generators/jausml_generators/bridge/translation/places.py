@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
+from jausml.language.attributes import expressions as authored
 from jausml.language.attributes.expressions import opposite, variables
 from jausml.language.cdr import full_name
 from jausml.language.metamodel.classes import ros
-from jausml.language.semantics.paths.markers import VALUE, marks_at
+from jausml.language.semantics.paths.markers import VALUE, Mark, marks_at
 from jausml.language.semantics.paths.ros_paths import (
     RosPlace,
     fields_by_name,
@@ -18,12 +20,6 @@ from jausml.language.semantics.paths.ros_paths import (
 )
 from jausml.language.semantics.paths.scopes import parse_path
 from jausml.language.semantics.subject import remembered
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
-    from jausml.language.attributes import expressions as authored
-    from jausml.language.semantics.paths.markers import Mark
 
 
 # Compared by identity: two variables may have the same hint.

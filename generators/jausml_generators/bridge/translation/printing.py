@@ -6,7 +6,7 @@ Text of the model enters them only as literals, and as names that were found in 
 from __future__ import annotations
 
 from collections import Counter
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Sequence
 
 from jausml.generation.literals import python_literal, python_string
 from jausml.language.attributes.expressions import occurrences
@@ -39,9 +39,6 @@ from jausml_generators.python.statements import (
     call,
     rendered,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
 
 # Functions and modules that the module of a bridge imports; no local hides them.
 IMPORTED = frozenset(

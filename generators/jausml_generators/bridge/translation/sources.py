@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 from jausml.language.interfaces.definitions import INTEGER_RANGES
+from jausml.language.metamodel.classes import ros
 from jausml.language.semantics.paths.attributes import COUNT
 from jausml.language.semantics.paths.markers import marks_of
 from jausml_generators.bridge.translation.expressions import (
@@ -19,23 +21,19 @@ from jausml_generators.bridge.translation.expressions import (
     Read,
 )
 from jausml_generators.bridge.translation.places import (
+    Local,
     PathError,
     Place,
+    RosField,
     RosStart,
     There,
+    Way,
     markers,
     ros_field,
 )
 from jausml_generators.bridge.translation.values import Policy, Value, real, ros_kind
-from jausml_generators.python.codec.jaus_fields import JausStart, jaus_field
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from jausml.language.metamodel.classes import ros
-    from jausml_generators.bridge.translation.places import Local, RosField, Way
-    from jausml_generators.python.codec.jaus_fields import JausField
-    from jausml_generators.python.codec.messages import MessageView
+from jausml_generators.python.codec.jaus_fields import JausField, JausStart, jaus_field
+from jausml_generators.python.codec.messages import MessageView
 
 INDEX = "index"
 MANY = 2**32 - 1

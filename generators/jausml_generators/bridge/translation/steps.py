@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
-from jausml_generators.bridge.translation.expressions import Read
-from jausml_generators.bridge.translation.places import Condition, Local, Named, Place
+from jausml.language.metamodel.classes import bridge
+from jausml_generators.bridge.translation.expressions import Expression, Read
+from jausml_generators.bridge.translation.places import Condition, Local, Named, Place, Way
 from jausml_generators.bridge.translation.values import Policy
 from jausml_generators.python.names import snake_case
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from jausml.language.metamodel.classes import bridge
-    from jausml_generators.bridge.translation.expressions import Expression
-    from jausml_generators.bridge.translation.places import Way
 
 
 @dataclass(frozen=True)

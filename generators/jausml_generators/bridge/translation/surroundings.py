@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
 
 from jausml.generation import literals as docs
 from jausml.generation.literals import printable, python_literal, python_string
+from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.semantics.assignments.steps import value_of
 from jausml.language.semantics.assignments.units import unit_step
 from jausml_generators.bridge.translation.values import AssignmentError
+from jausml_generators.python.codec.messages import MessageView
 from jausml_generators.python.names import Scope, constant_name, snake_case
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Sequence
-
-    from jausml.language.metamodel.classes import bridge, jaus, ros
-    from jausml_generators.python.codec.messages import MessageView
 
 
 @dataclass(frozen=True)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Container, Iterable, Iterator
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 from jausml.language.metamodel.classes import ros
 from jausml.language.semantics.paths.markers import marks_of, unknown
@@ -28,8 +29,16 @@ from jausml_generators.bridge.translation.expressions import (
     Read,
     Scalar,
 )
-from jausml_generators.bridge.translation.places import Local, Place, RosStart, markers, ros_field
-from jausml_generators.bridge.translation.steps import Append, Let, Write
+from jausml_generators.bridge.translation.places import (
+    HasValue,
+    Local,
+    Place,
+    RosField,
+    RosStart,
+    markers,
+    ros_field,
+)
+from jausml_generators.bridge.translation.steps import Append, Body, Let, Write
 from jausml_generators.bridge.translation.values import (
     PYTHON_TYPES,
     AssignmentError,
@@ -42,17 +51,10 @@ from jausml_generators.bridge.translation.values import (
     ros_constant,
     ros_kind,
 )
-from jausml_generators.python.codec.jaus_fields import JausStart, default_of, jaus_field
+from jausml_generators.python.codec.jaus_fields import JausField, JausStart, default_of, jaus_field
 from jausml_generators.python.codec.members import PartValue, VariantValue
+from jausml_generators.python.codec.messages import MessageView
 from jausml_generators.python.codec.scalars import Bits, Blob, Fixed
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Container, Iterable, Iterator
-
-    from jausml_generators.bridge.translation.places import HasValue, RosField
-    from jausml_generators.bridge.translation.steps import Body
-    from jausml_generators.python.codec.jaus_fields import JausField
-    from jausml_generators.python.codec.messages import MessageView
 
 _TIMESTAMP = ("milliseconds", "seconds", "minutes", "hour", "day")
 _ZEROS: dict[str, Scalar] = {REAL: 0.0, INTEGER: 0, BOOLEAN: False, TEXT: "", OCTETS: b""}

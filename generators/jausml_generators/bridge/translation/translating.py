@@ -6,36 +6,28 @@ is made once without these names, and given those of each.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from functools import partial
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
-from jausml.language.metamodel.classes import bridge, ecore
+from jausml.language.metamodel.classes import bridge, ecore, jaus
+from jausml.language.metamodel.classes.ecore import EClass, EObject
 from jausml.language.semantics.connections import calls
 from jausml.language.semantics.connections.stops import has_stop
 from jausml.language.semantics.paths.scopes import used_maps
+from jausml_generators.bridge.light_module import LightModule
 from jausml_generators.bridge.translation.maps import stop, to_jaus, to_ros
 from jausml_generators.bridge.translation.printing import OWN_NAMES, printed
+from jausml_generators.bridge.translation.steps import Step
 from jausml_generators.bridge.translation.surroundings import Surroundings
-from jausml_generators.bridge.translation.translation import frame_assignments, frames_of
+from jausml_generators.bridge.translation.translation import Frames, frame_assignments, frames_of
 from jausml_generators.common.ros import RosClasses
-from jausml_generators.cpp.core import Core, Ends
+from jausml_generators.cpp.core import Compiled, Core, Ends
 from jausml_generators.python.codec.message_builder import build_unnamed
-from jausml_generators.python.codec.messages import FORM_CLASS
+from jausml_generators.python.codec.messages import FORM_CLASS, MessageView
 from jausml_generators.python.names import Scope, names_in, snake_case
 from jausml_generators.python.statements import may_set_limits
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
-
-    from jausml.language.metamodel.classes import jaus
-    from jausml.language.metamodel.classes.ecore import EClass, EObject
-    from jausml_generators.bridge.light_module import LightModule
-    from jausml_generators.bridge.translation.steps import Step
-    from jausml_generators.bridge.translation.translation import Frames
-    from jausml_generators.cpp.core import Compiled
-    from jausml_generators.python.codec.messages import MessageView
-
 
 # Control characters stand in no name, and in literals only as escapes.
 _NAME = "\1"

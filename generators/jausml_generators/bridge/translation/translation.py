@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 from jausml.language.attributes.expressions import (
     FUNCTIONS,
@@ -16,7 +17,7 @@ from jausml.language.attributes.expressions import (
     operations,
     parse_expression,
 )
-from jausml.language.metamodel.classes import bridge
+from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.semantics.assignments.frames import is_coordinate
 from jausml.language.semantics.assignments.steps import knows_unknown
 from jausml.language.semantics.assignments.units import attribute_measure, result_measure
@@ -45,30 +46,24 @@ from jausml_generators.bridge.translation.places import (
     HasValue,
     PathError,
     Place,
+    Way,
     joined,
     ros_field,
 )
-from jausml_generators.bridge.translation.steps import Keep, Require, WhereKept, conditions
+from jausml_generators.bridge.translation.sources import JausSource, RosSource
+from jausml_generators.bridge.translation.steps import Body, Keep, Require, WhereKept, conditions
+from jausml_generators.bridge.translation.surroundings import Surroundings
+from jausml_generators.bridge.translation.targets import JausTarget, RosTarget
 from jausml_generators.bridge.translation.values import (
     NO_POLICY,
     UNLIMITED,
     AssignmentError,
+    Policy,
     Value,
     constant,
     ros_kind,
 )
 from jausml_generators.python.names import snake_case
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-
-    from jausml.language.metamodel.classes import ros
-    from jausml_generators.bridge.translation.places import Way
-    from jausml_generators.bridge.translation.sources import JausSource, RosSource
-    from jausml_generators.bridge.translation.steps import Body
-    from jausml_generators.bridge.translation.surroundings import Surroundings
-    from jausml_generators.bridge.translation.targets import JausTarget, RosTarget
-    from jausml_generators.bridge.translation.values import Policy
 
 
 def paths_of(text: str) -> list[str]:

@@ -8,8 +8,8 @@ nothing.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 from jausml.language.interfaces.definitions import INTEGER_RANGES
 from jausml.language.wire import REALS
@@ -29,12 +29,8 @@ from jausml_generators.bridge.translation.expressions import (
     New,
     Ranges,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from jausml_generators.bridge.translation.places import RosField, Way
-    from jausml_generators.python.codec.jaus_fields import JausField, Limits
+from jausml_generators.bridge.translation.places import RosField, Way
+from jausml_generators.python.codec.jaus_fields import JausField, Limits
 
 NUMBERS = {REAL, INTEGER, BOOLEAN}
 PYTHON_TYPES = {

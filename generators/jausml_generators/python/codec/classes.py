@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, ClassVar, TypeAlias
+from typing import ClassVar, TypeAlias
 
 from jausml.generation import literals as docs
 from jausml.generation.literals import python_string
-from jausml_generators.python.codec.members import MAXIMUM_COMPLEXITY, VariantValue
+from jausml_generators.python.codec.members import (
+    MAXIMUM_COMPLEXITY,
+    Member,
+    Run,
+    Single,
+    VariantValue,
+)
 from jausml_generators.python.codec.scalars import Blob, Fixed
 from jausml_generators.python.statements import call
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from jausml_generators.python.codec.members import Member, Run, Single
-
 
 _ANY_OCTET = {"b": (-128, 127), "B": (0, 255)}
 """All numbers of an octet, by its format in `struct`."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import struct
 import textwrap
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Mapping
 
 from jausml.generation.literals import LINE_WIDTH, python_literal, python_string
 from jausml_generators.python.codec.classes import BitFieldClass, ContainerClass, VariableFieldClass
@@ -15,12 +15,8 @@ from jausml_generators.python.codec.members import (
     PartValue,
     VariantValue,
 )
+from jausml_generators.python.codec.messages import MessageView
 from jausml_generators.python.codec.scalars import Bits, Blob, Fixed
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
-
-    from jausml_generators.python.codec.messages import MessageView
 
 _MARGIN = " " * 4
 _LONGEST_EXAMPLE = 16_384  # bytes

@@ -10,8 +10,9 @@ from __future__ import annotations
 import ast
 import math
 import re
+from collections.abc import Callable, Container, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml_generators.bridge.translation.expressions import (
     BITS,
@@ -23,6 +24,7 @@ from jausml_generators.bridge.translation.expressions import (
     REAL,
     TEXT,
     Constant,
+    Expression,
     New,
     NewList,
 )
@@ -36,6 +38,7 @@ from jausml_generators.bridge.translation.places import (
     PathError,
     Place,
     There,
+    Way,
 )
 from jausml_generators.python.codec.classes import (
     Alternative,
@@ -52,14 +55,8 @@ from jausml_generators.python.codec.members import (
     PartValue,
     VariantValue,
 )
+from jausml_generators.python.codec.messages import MessageView
 from jausml_generators.python.codec.scalars import Bits, Blob, Fixed
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Container, Mapping
-
-    from jausml_generators.bridge.translation.expressions import Expression
-    from jausml_generators.bridge.translation.places import Way
-    from jausml_generators.python.codec.messages import MessageView
 
 Limits = tuple[float, float]
 Value = Fixed | Blob | PartValue | VariantValue | ListValue | ArrayValue

@@ -4,13 +4,10 @@ from __future__ import annotations
 
 import struct
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, ClassVar, Protocol
+from typing import ClassVar, Protocol
 
 from jausml.generation import literals as docs
-from jausml_generators.python.codec.scalars import struct_name
-
-if TYPE_CHECKING:
-    from jausml_generators.python.codec.scalars import Blob, Fixed
+from jausml_generators.python.codec.scalars import Blob, Fixed, struct_name
 
 MAXIMUM_COMPLEXITY = 10
 

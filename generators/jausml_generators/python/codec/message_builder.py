@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import struct
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from jausml.generation import literals as docs
 from jausml.generation.errors import GenerationError
 from jausml.generation.python.modules import STANDARD
 from jausml.language import wire
+from jausml.language.metamodel.classes import jaus
 from jausml.language.semantics.subject import remembered
 from jausml_generators.python import names
 from jausml_generators.python.codec import scalars
@@ -31,11 +32,6 @@ from jausml_generators.python.codec.members import (
 )
 from jausml_generators.python.codec.messages import FORM_CLASS, MessageScope, MessageView
 from jausml_generators.python.package import runtime_names
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
-    from jausml.language.metamodel.classes import jaus
 
 Element = scalars.Fixed | scalars.Blob | PartValue | VariantValue
 Value = Element | ListValue | ArrayValue

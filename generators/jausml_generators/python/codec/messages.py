@@ -9,28 +9,25 @@ from __future__ import annotations
 
 import re
 import textwrap
+from collections.abc import Hashable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml.generation import literals as docs
 from jausml.generation.literals import LINE_WIDTH, python_string
 from jausml.generation.python import Imports, offered
+from jausml.language import wire
 from jausml_generators.python import names
 from jausml_generators.python.codec import scalars
 from jausml_generators.python.codec.classes import (
     BitFieldClass,
     ContainerClass,
     Enumeration,
+    NestedClass,
     SubField,
 )
 from jausml_generators.python.codec.members import Member
-
-if TYPE_CHECKING:
-    from collections.abc import Hashable, Iterable, Iterator, Sequence
-
-    from jausml.language import wire
-    from jausml_generators.python.codec.classes import NestedClass
 
 __all__ = ["BitFieldClass", "ContainerClass", "Member", "MessageView", "MessagesModule"]
 

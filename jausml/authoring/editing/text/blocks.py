@@ -18,9 +18,10 @@ from jausml.authoring.editing.text.pieces import (
     list_of,
     piece_of,
     pieces_of,
+    rank,
+    rank_of,
     set_apart,
 )
-from jausml.authoring.editing.text.ranks import rank, rank_of
 from jausml.authoring.editing.working_copy import ElementCopy
 from jausml.language.metamodel import ClassTable
 from jausml.language.metamodel.classes.ecore import EObject

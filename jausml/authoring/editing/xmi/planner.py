@@ -147,7 +147,8 @@ class _Printer(DocumentPrinter[Target]):
     def table_of(self, element: Target) -> ClassTable:
         if isinstance(element, ElementCopy):
             return element.table
-        return self._context.find_class(element)
+        obj, model = self._context.locate(element)
+        return model.metamodels.class_of(obj)
 
     def identifier_of(self, element: Target) -> str | None:
         if not isinstance(element, ElementCopy) or not element.identifier:

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Child, Command, Remove
 from jausml.authoring.proposals.elements import Option, Options, Scope
+from jausml.authoring.proposals.mapping.members import Member
 from jausml.authoring.proposals.mapping.trial import additions, judge
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.names import name_of
 from jausml.language.semantics.conversions import CONVERSIONS, Effect, UnitEffect
 from jausml.language.semantics.paths.scopes import parse_path, source_paths, target_paths
-
-if TYPE_CHECKING:
-    from jausml.authoring.proposals.mapping.members import Member
 
 _WITH_FACTOR = [
     conversion

@@ -4,21 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml.authoring.editing.commands import NEW, Add, Child
 from jausml.authoring.proposals.new_elements import free_name
-from jausml.language.metamodel import FeatureKind, FeatureTable, Metamodels
+from jausml.language.metamodel import FeatureKind, Metamodels
 from jausml.language.metamodel.classes import bridge, jaus, ros
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.metamodel.filling import (
     contents,
+    fill,
     link,
     new_object,
     point,
     set_value,
-    set_values,
 )
 from jausml.language.model.model import made_model
+from jausml.language.model.names import with_owners
 from jausml.language.model.refs import Ref
 from jausml.language.model.values import convert
 from jausml.language.semantics.conversions.authored import LookUp
@@ -29,9 +31,6 @@ from jausml.language.semantics.paths.scopes import outer_scope
 from jausml.language.semantics.subject import Subject, remembering
 from jausml.language.validation.rule import Finding, Rule
 from jausml.language.validation.rules import all_rules
-
-if TYPE_CHECKING:
-    from jausml.language.metamodel.classes.ecore import EObject
 
 _TABLES, _TABLE = "tables", "table"
 
@@ -55,7 +54,10 @@ def tabled(map_: bridge.AttributeMap, assignments: Iterable[Child]) -> Tabled:
 
     `assignments`: those that are to be. What lies in lists, or has conversions, stays as it is.
     """
-    names = {table.name: _pairs_of(table) for table in map_.tables}
+    names = {
+        table.name: tuple((entry.jaus, entry.ros) for entry in table.entries)
+        for table in map_.tables
+    }
     tables, new_assignments = [], []
     for assignment in assignments:
         pairs = _needed(map_, assignment)
@@ -128,10 +130,6 @@ def _compared(
     ends = [scope.find_source(source), scope.find_target(target)]
     places = [end for end in ends if isinstance(end, JausPlace | RosPlace)]
     return compared(*(place.attribute() for place in places)) if len(places) == len(ends) else None
-
-
-def _pairs_of(table: bridge.ValueTable) -> Pairs:
-    return tuple((entry.jaus, entry.ros) for entry in table.entries)
 
 
 def _table(name: str, pairs: Pairs) -> Child:
@@ -247,11 +245,10 @@ def _judged(
     with remembering():
         for rule in all_rules():
             for finding in rule.findings(subject) if rule.id in rules else ():
-                element: EObject | None = finding.element
-                while element is not None and element not in findings_by_element:
-                    element = element.eContainer()
-                if element is not None:
-                    findings_by_element[element].append((rule, finding))
+                for element in with_owners(finding.element):
+                    if element in findings_by_element:
+                        findings_by_element[element].append((rule, finding))
+                        break
     return [
         Judged(child, tuple(sorted(findings_by_element[own], key=_gravity)))
         for child, own in zip(assignments, elements, strict=True)
@@ -319,10 +316,8 @@ def _copied(metamodels: Metamodels, element: EObject) -> EObject:
         elif feature.kind is FeatureKind.CONTAINMENT:
             for value in values:
                 link(duplicate, feature, _copied(metamodels, value))
-        elif feature.many:
-            set_values(duplicate, feature, values)
-        elif feature.kind is FeatureKind.ATTRIBUTE and values:
-            set_value(duplicate, feature, values[0])
+        elif feature.kind is FeatureKind.ATTRIBUTE:
+            fill(duplicate, feature, values)
     return duplicate
 
 
@@ -331,17 +326,9 @@ def made_of(metamodels: Metamodels, child: Child) -> EObject:
     table = metamodels.classes[child.kind]
     element: EObject = new_object(table)
     for name, texts in child.values.items():
-        _set(element, table.features[name], texts)
+        feature = table.features[name]
+        if feature.data_type is not None:
+            fill(element, feature, [convert(text, feature.data_type)[0] for text in texts])
     for inner_child in child.children:
         link(element, table.features[inner_child.feature], made_of(metamodels, inner_child))
     return element
-
-
-def _set(element: Any, feature: FeatureTable, texts: Sequence[str]) -> None:
-    if feature.data_type is None:
-        return
-    values = [convert(text, feature.data_type)[0] for text in texts]
-    if feature.many:
-        set_values(element, feature, values)
-    elif values:
-        set_value(element, feature, values[0])

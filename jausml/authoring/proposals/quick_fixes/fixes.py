@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Rename, Set
 from jausml.authoring.proposals.elements import (
@@ -31,14 +30,11 @@ from jausml.authoring.proposals.quick_fixes.found import (
     unset,
 )
 from jausml.language.metamodel.classes import jaus
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model import Diagnostic
 from jausml.language.model.names import name_of
 from jausml.language.semantics.connections.topics import topic_fault
 from jausml.language.semantics.names import is_identifier
-
-if TYPE_CHECKING:
-    from jausml.language.metamodel.classes.ecore import EObject
-
 
 _NOT_LETTERS = re.compile("[^A-Za-z0-9_]+")
 _CONTROLLED = "isControllingClient"

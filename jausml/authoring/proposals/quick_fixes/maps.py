@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Add, Remove, Set
-from jausml.authoring.proposals.elements import around
 from jausml.authoring.proposals.quick_fixes.found import (
     Fixer,
     Found,
@@ -16,15 +14,13 @@ from jausml.authoring.proposals.quick_fixes.found import (
     unset,
 )
 from jausml.language.metamodel.classes import bridge
-from jausml.language.model.names import name_of
+from jausml.language.metamodel.classes.ecore import EObject
+from jausml.language.model.names import around, name_of
 from jausml.language.semantics.conversions import CONVERSIONS
 from jausml.language.semantics.names import snake_case
 from jausml.language.semantics.paths.jaus_paths import JausPlace
 from jausml.language.semantics.paths.ros_paths import RosPlace
 from jausml.language.semantics.paths.scopes import place
-
-if TYPE_CHECKING:
-    from jausml.language.metamodel.classes.ecore import EObject
 
 _MISSING = re.compile(r"has no (?:attribute|field) '([^']*)'")
 _HEADER = re.compile(r"([\w.]+\.(?:stamp|frame_id))")

@@ -2,35 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping  # noqa: TC003 - parameters are typed at run time
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from jausml.authoring.editing.commands import Add, EditError, Place, Set
+from jausml.authoring.editing.commands import Add, Command, EditError, Place, Set
+from jausml.authoring.editing.records import Entry
 from jausml.authoring.projects.creating import model_text
 from jausml.authoring.projects.starting import STARTING_POINTS
 from jausml.authoring.projects.texts import ProjectError, metamodels_for
 from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.proposals.new_elements import free_address
-from jausml.authoring.studio.context import StudioContext
+from jausml.authoring.studio.checking import Verdict
+from jausml.authoring.studio.context import KeptEdit, StudioContext
 from jausml.authoring.studio.handlers import showing
 from jausml.authoring.studio.rpc import command, entry_as_json
 from jausml.authoring.studio.views.planning import Planned, diff, execute, out_folder, plan
 from jausml.authoring.studio.views.wording import for_people
 from jausml.language.metamodel.classes import jaus
+from jausml.language.model import Model
 from jausml.language.semantics.names import system_name
 from jausml.language.text.notation import SUFFIX
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from jausml.authoring.editing.commands import Command
-    from jausml.authoring.editing.records import Entry
-    from jausml.authoring.studio.checking import Verdict
-    from jausml.authoring.studio.context import KeptEdit
-    from jausml.language.model import Model
-    from jausml.language.validation.rule import Report
+from jausml.language.validation.rule import Report
 
 _ADDRESS = "address"
 
@@ -137,18 +131,6 @@ def _create(context: StudioContext, file: str, origin: str) -> dict[str, Any]:
     return _told(context, context.project.add_file(file, data, f"Create {file}"))
 
 
-def _starting_points(_: StudioContext) -> dict[str, Any]:
-    return {"points": STARTING_POINTS}
-
-
-def _undo(context: StudioContext) -> dict[str, Any]:
-    return _done(context, context.project.undo())
-
-
-def _redo(context: StudioContext) -> dict[str, Any]:
-    return _done(context, context.project.redo())
-
-
 def _done(context: StudioContext, entry: Entry | None) -> dict[str, Any]:
     if entry is not None:
         context.changed()
@@ -248,7 +230,7 @@ def _generate(
 
 METHODS: Mapping[str, Callable[..., object]] = {
     "kept": _kept,
-    "starting_points": _starting_points,
+    "starting_points": lambda _: {"points": STARTING_POINTS},
     "copy": _copy,
     "log": _log,
     "plan": _plan,
@@ -262,8 +244,8 @@ CHANGES: Mapping[str, Callable[..., object]] = {
     "kept.discard": StudioContext.discard,
     "create": _create,
     "paste": _paste,
-    "undo": _undo,
-    "redo": _redo,
+    "undo": lambda context: _done(context, context.project.undo()),
+    "redo": lambda context: _done(context, context.project.redo()),
     "write": _write,
     "arrange": _arrange,
     "generate": _generate,

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping  # noqa: TC003 - parameters are typed at run time
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 from jausml.authoring.proposals.elements import AnswerError, Options, Scope, label_of
 from jausml.authoring.proposals.mapping.assigning import assign, partners
 from jausml.authoring.proposals.mapping.assignments import clock, constant, ignore
 from jausml.authoring.proposals.mapping.filling import fill_map
-from jausml.authoring.studio.context import StudioContext  # noqa: TC001 - as above
+from jausml.authoring.studio.context import StudioContext
 from jausml.authoring.studio.views.connecting import connect, ends, hosted
 from jausml.authoring.studio.views.forms import choices, form_of
 from jausml.authoring.studio.views.palette import MOST, palette
@@ -31,10 +31,6 @@ from jausml.language.metamodel.classes import jaus, system
 from jausml.language.model import refs
 from jausml.views.diagrams.views import graph_of
 from jausml.views.diagrams.views.context import Context
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
 
 Direction = Literal["to_ros", "to_jaus"]
 

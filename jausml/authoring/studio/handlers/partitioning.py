@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping  # noqa: TC003 - parameters are typed at run time
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Mapping
+from typing import Any
 
 from jausml.authoring.projects.adding import check_name
 from jausml.authoring.projects.texts import ProjectError
 from jausml.authoring.proposals.bridging import system_of
-from jausml.authoring.proposals.elements import AnswerError
+from jausml.authoring.proposals.elements import AnswerError, Scope
 from jausml.authoring.proposals.partition import commands_of, taken_over
-from jausml.authoring.studio.context import StudioContext  # noqa: TC001 - as above
+from jausml.authoring.studio.context import StudioContext
 from jausml.language.model.names import name_of
 from jausml.views.analysis.formats.plan import named, plain
 from jausml.views.analysis.formats.text import number
@@ -18,9 +18,6 @@ from jausml.views.analysis.partition.plans import Planner
 from jausml.views.analysis.partition.weighing import Limits
 from jausml.views.analysis.sizes import Assumptions
 from jausml.views.diagrams.views.context import Context
-
-if TYPE_CHECKING:
-    from jausml.authoring.proposals.elements import Scope
 
 _MOST_WEIGHED = 400
 """Connections that are weighed after each edit: each takes a thousandth of a second."""

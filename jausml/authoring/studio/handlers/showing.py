@@ -4,19 +4,22 @@ from __future__ import annotations
 
 import logging
 import threading
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import Any
 
 from jausml.authoring.editing.commands import EditError
 from jausml.authoring.editing.records import Freshness
 from jausml.authoring.proposals.elements import AnswerError, Scope
 from jausml.authoring.proposals.quick_fixes.fixes import quick_fixes
-from jausml.authoring.studio.context import StudioContext  # noqa: TC001 - typed at run time
+from jausml.authoring.studio.checking import Verdict
+from jausml.authoring.studio.context import StudioContext
 from jausml.authoring.studio.drawing import difference
 from jausml.authoring.studio.live import LiveSystem
 from jausml.authoring.studio.rpc import files_as_json, freshness_as_json, log_as_json
 from jausml.authoring.studio.views.outline import outline, search
 from jausml.authoring.studio.views.spots import element_at, map_shown, source
-from jausml.language.model import refs
+from jausml.language.model import Document, refs
+from jausml.language.model.diagnostics import Diagnostic
 from jausml.language.model.library import library_root
 from jausml.language.model.refs import file_of
 from jausml.language.text.notation import SUFFIX
@@ -24,16 +27,9 @@ from jausml.views.diagrams.folding import MOST_SHOWN
 from jausml.views.diagrams.layout.sheet import LayoutError
 from jausml.views.diagrams.views import SYSTEM, UnknownViewError, graph_of, maps, view_names
 from jausml.views.diagrams.views.context import Context
+from jausml.views.diagrams.views.members import Member
 from jausml.views.diagrams.views.system import participants
 from jausml.views.diagrams.writers import svg
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping
-
-    from jausml.authoring.studio.checking import Verdict
-    from jausml.language.model import Document
-    from jausml.language.model.diagnostics import Diagnostic
-    from jausml.views.diagrams.views.members import Member
 
 _LOG = logging.getLogger(__name__)
 

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping  # noqa: TC003 - parameters are typed at run time
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Mapping
+from typing import Any
 
 from jausml.authoring.proposals.elements import AnswerError
-from jausml.authoring.studio.context import StudioContext  # noqa: TC001 - as above
+from jausml.authoring.studio.context import StudioContext
 from jausml.authoring.studio.views.spots import element_shown
 from jausml.language.attributes.guards import GuardError
 from jausml.language.metamodel.classes import jaus
+from jausml.language.model import Model
 from jausml.model_checking.stepping import (
+    Choice,
     Chosen,
+    SteppedMachine,
     SteppingError,
     choices,
     stepped_machine,
@@ -19,10 +22,6 @@ from jausml.model_checking.stepping import (
     walked,
 )
 from jausml.views.diagrams.views.context import Context
-
-if TYPE_CHECKING:
-    from jausml.language.model import Model
-    from jausml.model_checking.stepping import Choice, SteppedMachine
 
 _MOST_STEPS = 1000
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, cast
+from typing import Any, cast
 
-from jausml.authoring.editing.commands import Add, Remove, Set
+from jausml.authoring.editing.commands import Add, Command, Remove, Set
 from jausml.authoring.proposals.bridging import is_served, offers, profile_of, qos_of
-from jausml.authoring.proposals.elements import AnswerError, Option, Options
+from jausml.authoring.proposals.elements import AnswerError, Option, Options, Scope
 from jausml.authoring.proposals.new_elements import name_among
 from jausml.authoring.studio.views.crossing import (
     bridged,
@@ -17,23 +18,15 @@ from jausml.authoring.studio.views.crossing import (
     seen_from,
     through,
 )
-from jausml.authoring.studio.views.spots import all_spots
+from jausml.authoring.studio.views.spots import Spot, all_spots
 from jausml.language.metamodel.classes import bridge, jaus, ros, system
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model.names import name_of
 from jausml.language.semantics.connections.exchanges import EVENT, TO_JAUS, TO_ROS
 from jausml.language.semantics.connections.topics import resolve_topic
 from jausml.language.semantics.hosts import host_of
 from jausml.language.semantics.names import snake_case
 from jausml.language.semantics.paths.ros_paths import ros_name
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
-    from typing import Any
-
-    from jausml.authoring.editing.commands import Command
-    from jausml.authoring.proposals.elements import Scope
-    from jausml.authoring.studio.views.spots import Spot
-    from jausml.language.metamodel.classes.ecore import EObject
 
 _OTHER_ENDS: Mapping[str, tuple[str, str, str]] = {
     "Publisher": ("subscriptions", "ros.Subscription", "topic"),

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
-from jausml.authoring.editing.commands import Add, Set
+from jausml.authoring.editing.commands import Add, Command, Set
 from jausml.authoring.proposals.bridging import (
     Draft,
     Offer,
@@ -18,25 +18,19 @@ from jausml.authoring.proposals.bridging import (
     qos_of,
     system_of,
 )
-from jausml.authoring.proposals.elements import Option, Options
+from jausml.authoring.proposals.elements import Option, Options, Scope
 from jausml.authoring.proposals.named_elements import are_examples
 from jausml.authoring.proposals.new_elements import name_among
 from jausml.authoring.proposals.partition import burden, merits_of
 from jausml.authoring.studio.views.spots import Spot
 from jausml.language.metamodel.classes import bridge, jaus, ros
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model.names import name_of
 from jausml.language.semantics.connections.exchanges import EVENT, TO_JAUS, TO_ROS
 from jausml.language.semantics.connections.topics import resolve_topic
 from jausml.language.semantics.jaus.services import find_same
 from jausml.language.semantics.names import snake_case
 from jausml.language.semantics.paths.ros_paths import ros_name
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
-
-    from jausml.authoring.editing.commands import Command
-    from jausml.authoring.proposals.elements import Scope
-    from jausml.language.metamodel.classes.ecore import EObject
 
 
 def bridged(scope: Scope, at_jaus: Spot, at_ros: Spot, direction: str) -> Options:

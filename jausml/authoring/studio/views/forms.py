@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 from operator import attrgetter
-from typing import TYPE_CHECKING
 
+from jausml.authoring.editing.commands import Command
 from jausml.authoring.proposals.elements import (
     AnswerError,
     Choice,
+    Scope,
     label_of,
     legal_targets,
     literal,
@@ -18,19 +20,20 @@ from jausml.authoring.proposals.elements import (
 )
 from jausml.authoring.proposals.new_elements import usual_values
 from jausml.authoring.studio.views.service_lines import usual_texts
-from jausml.language.metamodel import FeatureKind, ValueKind, documentation
+from jausml.language.metamodel import (
+    ClassTable,
+    DataTypeTable,
+    FeatureKind,
+    FeatureTable,
+    ValueKind,
+    documentation,
+)
 from jausml.language.metamodel.classes import bridge
+from jausml.language.metamodel.classes.ecore import EObject
+from jausml.language.model import Diagnostic
+from jausml.language.model.names import with_owners
 from jausml.language.model.refs import LIBRARY
 from jausml.language.semantics.names import in_words
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
-
-    from jausml.authoring.editing.commands import Command
-    from jausml.authoring.proposals.elements import Scope
-    from jausml.language.metamodel import ClassTable, DataTypeTable, FeatureTable
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model import Diagnostic
 
 
 @dataclass(frozen=True, slots=True)
@@ -376,18 +379,10 @@ def _unit(element: EObject, feature: FeatureTable) -> str:
     if feature.name in _OWN_UNIT:
         return str(getattr(element, "units", None) or "")
     if feature.name in ("lower", "upper"):
-        return _unit_around(element)
+        stated = (getattr(owner, "units", None) for owner in with_owners(element))
+        return str(next(filter(None, stated), ""))
     text = documentation(feature.feature)
     return next((unit for pattern, unit in _UNITS if pattern.search(text)), "")
-
-
-def _unit_around(element: EObject) -> str:
-    around: EObject | None = element
-    while around is not None:
-        if unit := getattr(around, "units", None):
-            return str(unit)
-        around = around.eContainer()
-    return ""
 
 
 def _children(scope: Scope, element: EObject, feature: FeatureTable, *, is_fixed: bool) -> Children:

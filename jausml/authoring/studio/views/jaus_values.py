@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping, Sequence
 from datetime import datetime, timezone
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml.authoring.proposals.elements import AnswerError
 from jausml.language import wire
+from jausml.language.metamodel.classes import jaus
 from jausml.language.semantics.jaus.services import is_group
 from jausml.live.messages import MessageEntry, MessageError
 from jausml.live.messages.codec import TAG
@@ -15,11 +17,6 @@ from jausml.live.messages.defined import DefinedMessage
 from jausml.live.messages.entries import as_it_is
 from jausml.live.messages.text import sample
 from jausml.live.peers.rendering import field_texts
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from jausml.language.metamodel.classes import jaus
 
 _STEP = re.compile(r"(.+?)((?:\[\d{1,4}\])*)")
 _PRESENCE = "_pv"

@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
-from jausml.authoring.proposals.elements import label_of
+from jausml.authoring.proposals.elements import Scope, label_of
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.semantics.names import in_words
-
-if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator
-
-    from jausml.authoring.proposals.elements import Scope
-    from jausml.language.metamodel.classes.ecore import EObject
 
 _MOST_INNER, _MOST_FOUND = 200, 100
 """Rows that are told of one owner, and that a search tells: nobody reads so many."""

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, partial
 from itertools import islice
-from typing import TYPE_CHECKING
 
-from jausml.authoring.editing.commands import Add, Child, Set
+from jausml.authoring.editing.commands import Add, Child, Command, Set
 from jausml.authoring.proposals.bridging import bridges_of, map_commands, system_of
-from jausml.authoring.proposals.elements import AnswerError, around, label_of, version_of
+from jausml.authoring.proposals.elements import AnswerError, Scope, label_of, version_of
 from jausml.authoring.proposals.new_elements import (
     PACKAGES,
     free_address,
@@ -19,22 +19,15 @@ from jausml.authoring.proposals.new_elements import (
 )
 from jausml.authoring.studio.views.forms import PaletteItem, kinds_of
 from jausml.authoring.studio.views.service_lines import inherit
-from jausml.language.metamodel import documentation
+from jausml.language.metamodel import ClassTable, FeatureTable, documentation
 from jausml.language.metamodel.classes import bridge, jaus, ros, system
-from jausml.language.model.names import name_of
+from jausml.language.metamodel.classes.ecore import EObject
+from jausml.language.model.names import around, name_of
 from jausml.language.model.refs import LIBRARY
 from jausml.language.project import library
 from jausml.language.semantics.jaus.core_services import CORE
 from jausml.language.semantics.names import in_words, snake_case, words
 from jausml.language.semantics.paths.ros_paths import ros_name
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-
-    from jausml.authoring.editing.commands import Command
-    from jausml.authoring.proposals.elements import Scope
-    from jausml.language.metamodel import ClassTable, FeatureTable
-    from jausml.language.metamodel.classes.ecore import EObject
 
 MOST = 60
 """How many items are shown unless more are asked for."""
@@ -288,7 +281,7 @@ def _elements(scope: Scope, target: EObject | None) -> Iterator[Entry]:
             for kind in () if is_full or feature.target is None else kinds_of(feature.target):
                 if kind.kind in _others(table, feature):
                     continue
-                several = _is_ambiguous(table, feature)
+                several = sum(inner.target is feature.target for inner in table.contained) > 1
                 note = f"{in_words(feature.name)} of {label_of(owner)}"
                 make = partial(_element, owner=owner, feature=feature, kind=kind.kind)
                 label = in_words(feature.name) if several else kind.label
@@ -312,10 +305,6 @@ def _others(table: ClassTable, feature: FeatureTable) -> set[str]:
         for containment in table.contained
         if containment.target is not None and containment.target is not feature.target
     }
-
-
-def _is_ambiguous(table: ClassTable, feature: FeatureTable) -> bool:
-    return sum(containment.target is feature.target for containment in table.contained) > 1
 
 
 def _entry(

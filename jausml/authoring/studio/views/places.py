@@ -6,14 +6,10 @@ import re
 from bisect import bisect_right
 from functools import cached_property
 from itertools import accumulate
-from typing import TYPE_CHECKING
 
-from jausml.language.model.xmi.parsing import element_ends
-
-if TYPE_CHECKING:
-    from jausml.language.model.documents import Document
-    from jausml.language.model.xmi.parsing import Node
-    from jausml.language.text.reading.document import TextDocument
+from jausml.language.model.documents import Document
+from jausml.language.model.xmi.parsing import Node, element_ends
+from jausml.language.text.reading.document import TextDocument
 
 _LINE_END = re.compile(r"\r\n?|\n")
 

@@ -6,9 +6,9 @@ import hashlib
 import os
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
-from typing import TYPE_CHECKING
 
 from jausml.authoring.proposals.elements import AnswerError
+from jausml.generation.contract.finding import Finding
 from jausml.generation.errors import GenerationError
 from jausml.generation.plan import Action, ActionKind, Plan, unified_diff
 from jausml.generation.target import load_targets
@@ -16,10 +16,7 @@ from jausml.generation.workspace import Result, generate, select
 from jausml.generation.writer import apply, locked
 from jausml.language.model import Severity
 from jausml.language.validation.formats import text
-
-if TYPE_CHECKING:
-    from jausml.generation.contract.finding import Finding
-    from jausml.language.validation.rule import Report
+from jausml.language.validation.rule import Report
 
 _WORDS = {
     ActionKind.CREATE: "create",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 from jausml.authoring.editing.commands import Add, Child, Set
 from jausml.authoring.proposals.bridging import is_served
@@ -11,17 +11,20 @@ from jausml.authoring.proposals.elements import (
     Choice,
     Option,
     Options,
-    around,
+    Scope,
     everywhere,
 )
 from jausml.authoring.proposals.new_elements import free_code
 from jausml.authoring.studio.views.spots import element_of
+from jausml.language.metamodel import FeatureTable
 from jausml.language.metamodel.classes import jaus
-from jausml.language.model.names import name_of
+from jausml.language.metamodel.classes.ecore import EObject
+from jausml.language.model.names import around, name_of
 from jausml.language.model.refs import LIBRARY
 from jausml.language.semantics.jaus.commands import is_command
 from jausml.language.semantics.jaus.inherited_machines import (
     DEEPEST,
+    Machine,
     canonical,
     core_events,
     event_name,
@@ -29,14 +32,6 @@ from jausml.language.semantics.jaus.inherited_machines import (
 )
 from jausml.language.semantics.jaus.services import lineage, query_name
 from jausml.views.diagrams.views.connections import PROVIDES, USES
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from jausml.authoring.proposals.elements import Scope
-    from jausml.language.metamodel import FeatureTable
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.semantics.jaus.inherited_machines import Machine
 
 _MARK = "!"
 _INHERITS = f"{_MARK}inherits"

@@ -2,26 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
-from jausml.authoring.proposals.elements import AnswerError
-from jausml.authoring.proposals.mapping.members import member
+from jausml.authoring.proposals.elements import AnswerError, Scope
+from jausml.authoring.proposals.mapping.members import Member, member
 from jausml.authoring.studio.views.places import TextPlaces, XmlPlaces, character, flat, units
 from jausml.language.metamodel.classes import bridge, jaus, ros
-from jausml.language.model import refs
+from jausml.language.metamodel.classes.ecore import EObject
+from jausml.language.model import Document, Model, refs
+from jausml.language.model.names import with_owners
+from jausml.language.model.xmi.parsing import Node
 from jausml.language.text.reading.document import TextDocument
 from jausml.views.diagrams.views import graph_of
 from jausml.views.diagrams.views.connections import PROVIDES, USES
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from jausml.authoring.proposals.elements import Scope
-    from jausml.authoring.proposals.mapping.members import Member
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model import Document, Model
-    from jausml.language.model.xmi.parsing import Node
 
 _MARK = "!"
 
@@ -167,12 +161,8 @@ def _places(document: Document) -> TextPlaces | XmlPlaces:
 
 def _nodes(model: Model, element: EObject) -> Iterator[Node]:
     """Yields what was read for an element, and then for its owners."""
-    around: EObject | None = element
-    while around is not None:
-        node = model.node_of(around)
-        if node is not None:
-            yield node
-        around = around.eContainer()
+    nodes = map(model.node_of, with_owners(element))
+    yield from (node for node in nodes if node is not None)
 
 
 def element_at(model: Model, offset: int) -> EObject | None:

@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import threading
 from collections import OrderedDict
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from jausml.authoring.proposals.elements import AnswerError
+from jausml.authoring.proposals.elements import AnswerError, Scope
 from jausml.authoring.studio.views import jaus_values
 from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.paths.attributes import (
@@ -29,18 +30,10 @@ from jausml.language.semantics.paths.attributes import (
 )
 from jausml.language.semantics.paths.jaus_paths import JausPlace
 from jausml.language.semantics.paths.ros_paths import RosPlace
-from jausml.language.semantics.paths.scopes import COUNTERS, outer_scope, source_paths
-from jausml.live.workers.worker import Worker, WorkerError, bridge_code, bridge_of_maps
+from jausml.language.semantics.paths.scopes import COUNTERS, PathScope, outer_scope, source_paths
+from jausml.language.semantics.paths.wholes import PathPlace
+from jausml.live.workers.worker import BridgeCode, Worker, WorkerError, bridge_code, bridge_of_maps
 from jausml_generators.bridge.views import bridge_views
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
-
-    from jausml.authoring.proposals.elements import Scope
-    from jausml.language.semantics.paths.scopes import PathScope
-    from jausml.language.semantics.paths.wholes import PathPlace
-    from jausml.live.workers.worker import BridgeCode
-
 
 SECONDS = 10.0
 """How long a translation may take, its process being started included."""

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Collection
 from functools import cache
-from typing import TYPE_CHECKING
 
 from jausml.language.metamodel import load_metamodels
 from jausml.language.model.refs import LIBRARY
 from jausml.language.semantics.names import in_words
-
-if TYPE_CHECKING:
-    from collections.abc import Collection
 
 _REF = re.compile(r"(?:element )?(['\"]?)([^\s'\"#]*\.(?:xmi|ros2jaus))#([^\s,;:'\"]*)\1")
 _STEP = re.compile(r"@(\w+?)(?:\.(\d+))?$")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from types import MappingProxyType
 from typing import TypeAlias, cast
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
@@ -16,9 +15,7 @@ Documented: TypeAlias = "jaus.NamedElement | jaus.Value | jaus.Transition | jaus
 
 NAMESPACE = "urn:jaus:jsidl:1.1"
 
-TYPE_NAMES: Mapping[str, str] = MappingProxyType(
-    {ours: theirs for theirs, ours in NUMERIC_TYPES.items()}
-)
+TYPE_NAMES: Mapping[str, str] = {ours: theirs for theirs, ours in NUMERIC_TYPES.items()}
 """The numeric types of JSIDL by those of the model."""
 
 

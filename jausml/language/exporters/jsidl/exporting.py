@@ -6,7 +6,6 @@ import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from types import MappingProxyType
 from typing import TypeAlias
 from xml.etree.ElementTree import Element
 
@@ -36,7 +35,7 @@ from jausml.language.semantics.jaus.inherited_machines import (
 from jausml.language.semantics.jaus.machines import described
 from jausml.language.semantics.jaus.services import with_inherited
 
-UNSAID = MappingProxyType({"frame": "unstated", "moves": "True", "documentation": NOTHING})
+UNSAID = {"frame": "unstated", "moves": "True", "documentation": NOTHING}
 """Features for which JSIDL has no place everywhere, and what an import says of them then.
 
 Messages and behaviour are the same without them.
@@ -158,7 +157,7 @@ def _note(facts: Facts, at: str, element: Documented, **values: str | None) -> N
         facts.setdefault((at, feature), ([], element))[0].append(folded(value))
 
 
-_RULES = {
+JSIDL_EXPORT_RULES: Mapping[str, RuleInfo] = {
     "JML631": RuleInfo(
         "no place in JSIDL",
         "AS5684 has no element or attribute for it: axes of fields, commands that move nothing, "
@@ -179,8 +178,6 @@ _RULES = {
         "version, a character that XML cannot hold, a list that is always empty.",
     ),
 }
-
-JSIDL_EXPORT_RULES: Mapping[str, RuleInfo] = MappingProxyType(_RULES)
 """The rules of the JSIDL exporter by id. Ids are never used again for something else."""
 
 

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from types import MappingProxyType
 from typing import Any, TypeVar
 
 from jausml.language.metamodel.classes.ecore import EObject
-from jausml.language.metamodel.filling import assign, new_object
+from jausml.language.metamodel.filling import assign, make
 from jausml.language.model.diagnostics import RuleInfo, Severity
 from jausml.language.model.model import Model
 from jausml.language.model.reading.problems import NodePlace
 
-_RULES = {
+JSIDL_RULES: Mapping[str, RuleInfo] = {
     "JML601": RuleInfo(
         "not a JSIDL document",
         "The root element is none of service_def, service_set, declared_type_set and "
@@ -131,9 +130,8 @@ _RULES = {
         Severity.WARNING,
     ),
 }
-
-JSIDL_RULES: Mapping[str, RuleInfo] = MappingProxyType(_RULES)
 """The rules of the JSIDL importer by id. Ids are never used again for something else."""
+
 
 ElementT = TypeVar("ElementT", bound="EObject")
 
@@ -162,10 +160,7 @@ class Builder:
         self._count += 1
         if self._count > MOST_ELEMENTS:
             raise TooMuchError
-        obj: ElementT = new_object(self.model.metamodels.class_of(kind))
-        for name, value in features.items():
-            if value is not None:
-                self.set(obj, name, value)
+        obj = make(self.model.metamodels, kind, **features)
         place.node.obj = obj
         self.model.adopt(place.document, place.node)
         return obj

@@ -266,11 +266,6 @@ def services_by_urn(model: Model) -> dict[str, dict[str, jaus.Service]]:
     return versions_by_urn
 
 
-def bases_first(services: Iterable[jaus.Service]) -> list[jaus.Service]:
-    """Returns services in an order in which each follows those that it inherits."""
-    return sorted(services, key=lambda service: len(lineage(service)))
-
-
 class BehaviourNames:
     """The names that the protocol behaviour of a service may use.
 
@@ -301,7 +296,10 @@ class BehaviourNames:
 
 def finish_machines(services: Iterable[ImportedService], model: Model, findings: Findings) -> None:
     """Takes out transitions to states that do not exist, and marks missing initial states."""
-    for machine in machines_of(bases_first(service.service for service in services)):
+    # Each follows those that it inherits.
+    jaus_services = (imported.service for imported in services)
+    ordered = sorted(jaus_services, key=lambda service: len(lineage(service)))
+    for machine in machines_of(ordered):
         _check_targets(machine, model, findings)
         _check_initial(machine, model, findings)
 

@@ -85,7 +85,7 @@ _STATES = "state default_state"
 _TRANSITION = "parameter guard internal simple push pop action send_action"
 _DECLARABLE = (*CONTAINERS, *FIELDS, *BODY_PARTS, "array", "message_def", "event_def", "value_set")
 
-_VOCABULARY = {
+VOCABULARY: Mapping[str, ElementRule] = {
     "service_def": _element(
         "name id version",
         "deprecated",
@@ -167,8 +167,6 @@ _VOCABULARY = {
     "send_action": _element("name", children="argument"),
     "argument": _element("value"),
 }
-
-VOCABULARY: Mapping[str, ElementRule] = MappingProxyType(_VOCABULARY)
 """The elements of JSIDL by name."""
 
 
@@ -256,20 +254,18 @@ def _name(node: Node) -> str:
     return f" {show(name)}" if name else ""
 
 
-NUMERIC_TYPES: Mapping[str, str] = MappingProxyType(
-    {
-        "byte": "int8",
-        "short integer": "int16",
-        "integer": "int32",
-        "long integer": "int64",
-        "unsigned byte": "uint8",
-        "unsigned short integer": "uint16",
-        "unsigned integer": "uint32",
-        "unsigned long integer": "uint64",
-        "float": "float32",
-        "long float": "float64",
-    }
-)
+NUMERIC_TYPES: Mapping[str, str] = {
+    "byte": "int8",
+    "short integer": "int16",
+    "integer": "int32",
+    "long integer": "int64",
+    "unsigned byte": "uint8",
+    "unsigned short integer": "uint16",
+    "unsigned integer": "uint32",
+    "unsigned long integer": "uint64",
+    "float": "float32",
+    "long float": "float64",
+}
 """The types of the model by those of JSIDL (AS5684, field_type)."""
 
 INT = (-(2**31), 2**31 - 1)

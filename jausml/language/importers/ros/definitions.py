@@ -6,7 +6,6 @@ import os
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any, TypeVar
 
 from jausml.language.attributes.units import UnitError, parse_unit
@@ -15,7 +14,7 @@ from jausml.language.interfaces.idl import SUFFIX as IDL
 from jausml.language.interfaces.parsing import PARTS, definition_files
 from jausml.language.metamodel.classes import ros
 from jausml.language.metamodel.classes.ecore import EObject
-from jausml.language.metamodel.filling import assign, new_object
+from jausml.language.metamodel.filling import assign, make
 from jausml.language.model.diagnostics import RuleInfo, Severity
 from jausml.language.model.documents import Document
 from jausml.language.model.inputs import read_input
@@ -239,10 +238,7 @@ class Builder:
             self.set(element, "documentation", comment)
 
     def _new(self, kind: type[ElementT], /, **features: Any) -> ElementT:
-        element: ElementT = new_object(self._model.metamodels.class_of(kind))
-        for name, value in features.items():
-            self.set(element, name, value)
-        return element
+        return make(self._model.metamodels, kind, **features)
 
     def set(self, element: EObject, name: str, value: Any) -> None:
         """Sets a feature, or adds to one with many values."""
@@ -262,7 +258,7 @@ def _is_unit(text: str) -> bool:
         return False
 
 
-_RULES = {
+ROS_RULES: Mapping[str, RuleInfo] = {
     "JML641": RuleInfo(
         "illegal name of a package or an interface",
         "An interface is named by its file, in CamelCase (WheelSpeeds.msg), and its package by "
@@ -333,6 +329,4 @@ _RULES = {
         Severity.INFO,
     ),
 }
-
-ROS_RULES: Mapping[str, RuleInfo] = MappingProxyType(_RULES)
 """The rules of the importer of ROS interfaces by id. Ids are never used again for others."""

@@ -9,7 +9,6 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 from itertools import islice
-from typing import Any
 
 from jausml.language.metamodel import FeatureKind, Metamodels
 from jausml.language.metamodel.classes import jaus
@@ -18,7 +17,13 @@ from jausml.language.metamodel.filling import holds, link, point
 from jausml.language.model.diagnostics import ReadFault, Related
 from jausml.language.model.documents import Document
 from jausml.language.model.model import Model
-from jausml.language.model.names import NameFinder, depth, library_codes, qualified_name
+from jausml.language.model.names import (
+    NameFinder,
+    depth,
+    library_codes,
+    qualified_name,
+    with_owners,
+)
 from jausml.language.model.notation import Explanation
 from jausml.language.model.reading.classes import target_class
 from jausml.language.model.reading.elements import Mention, Reference
@@ -65,11 +70,11 @@ class NameResolution:
             reference.place,
             f"{show(reference.name)} may be {', '.join(names[:_FEW])}{more}",
             self._names.how_to_choose(elements, reference.place.document),
-            tuple(self._related(element) for element in elements[:_FEW]),
+            tuple(
+                Related(self._names.location(element), qualified_name(element))
+                for element in elements[:_FEW]
+            ),
         )
-
-    def _related(self, element: EObject) -> Related:
-        return Related(self._names.location(element), qualified_name(element))
 
     def _report_unknown(self, reference: Reference) -> None:
         kind = reference.feature.type_name
@@ -302,7 +307,6 @@ class Resolution:
         # Containment is stored at the element contained: it would change in the models of others.
         if self._is_of_others(reference, target):
             raise NotShareableError
-        owner: Any = reference.owner
         container = target.eContainer()
         if container is not None and reference.direct is None:
             self._problems.mark_unread(reference.owner, reference.feature.name)
@@ -311,13 +315,11 @@ class Resolution:
             )
             return
         # An href may lead to an owner, and a tree that contains itself has no end.
-        while owner is not None:
-            if owner is target:
-                message = f"{_where(reference)} makes {_label(target)} contain itself"
-                self._report("JML206", reference, message)
-                self._problems.mark_unread(reference.owner, reference.feature.name)
-                return
-            owner = owner.eContainer()
+        if any(owner is target for owner in with_owners(reference.owner)):
+            message = f"{_where(reference)} makes {_label(target)} contain itself"
+            self._report("JML206", reference, message)
+            self._problems.mark_unread(reference.owner, reference.feature.name)
+            return
         link(reference.owner, reference.feature, target)
 
     def _check_container(self, reference: Reference, target: EObject) -> None:

@@ -144,11 +144,8 @@ def _agrees(option: ExchangeOption, exchange: str | None, connection: bridge.Con
     if (option.exchange == MESSAGE) == (exchange == MESSAGE):
         return True
     # A peer may send its reports unasked.
-    return exchange == MESSAGE and option.direction == TO_ROS and _has_peers(connection)
-
-
-def _has_peers(connection: bridge.Connection) -> bool:
-    return bool(connection.peers) or connection.search is not None
+    has_peers = bool(connection.peers) or connection.search is not None
+    return exchange == MESSAGE and option.direction == TO_ROS and has_peers
 
 
 def _directions(connection: bridge.Connection) -> list[str]:

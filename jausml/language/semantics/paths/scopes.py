@@ -10,6 +10,7 @@ from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeGuard, TypeVar, overload
 
 from jausml.language.metamodel.classes import bridge, jaus, ros
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.semantics.paths.attributes import COUNT, NUMBER, Attribute, Found, PathFault
 from jausml.language.semantics.paths.jaus_paths import JausPlace, message_place
 from jausml.language.semantics.paths.ros_paths import RosPlace
@@ -19,14 +20,8 @@ from jausml.language.semantics.subject import Subject, remembered
 if TYPE_CHECKING:
     from typing_extensions import TypeIs
 
-    from jausml.language.metamodel.classes.ecore import EObject
-
-    WithSource: TypeAlias = (
-        bridge.FieldAssignment | bridge.ListAssignment | bridge.MessageAssignment
-    )
-    Carrier: TypeAlias = (
-        bridge.Connection | bridge.RosServiceConnection | bridge.RosActionConnection
-    )
+WithSource: TypeAlias = "bridge.FieldAssignment | bridge.ListAssignment | bridge.MessageAssignment"
+Carrier: TypeAlias = "bridge.Connection | bridge.RosServiceConnection | bridge.RosActionConnection"
 
 
 COUNTERS = ("index", COUNT)

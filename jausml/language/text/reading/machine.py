@@ -7,20 +7,16 @@ parser do far more for each than what they are needed for.
 from __future__ import annotations
 
 import re
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
-from lark import Lark
+from lark import Lark, Token
 from lark.lexer import PatternStr
 
 from jausml.language.text.reading.shaping import Shaper
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
-
-    from lark import Token
 
 NOT_PARSED = ("COMMENT", "OPEN_COMMENT", "OPEN_TEXT", "OPEN_NAME", "WRONG_NUMBER", "WRONG")
 """Tokens of the grammar that no rule has."""

@@ -8,7 +8,7 @@ from typing import TypeGuard
 
 from jausml.language.metamodel import ClassTable
 from jausml.language.model.xmi.parsing import Node
-from jausml.language.semantics.conversions import CONVERSIONS, Argument, ArgumentKind, Conversion
+from jausml.language.semantics.conversions import CONVERSIONS, Argument, ArgumentKind
 from jausml.language.text import tree
 from jausml.language.text.reading.elements import ElementReader, Special, decimal
 
@@ -123,7 +123,11 @@ class MapReader:
             self._nodes.value(node, own.feature, argument.text, argument.span)
             return
         message = f"conversion '{call.name.text}' takes no text"
-        known = [conversion.name for conversion in CONVERSIONS.values() if _takes_text(conversion)]
+        known = [
+            conversion.name
+            for conversion in CONVERSIONS.values()
+            if any(argument.is_text for argument in conversion.arguments)
+        ]
         hint = f"{' and '.join(sorted(known))} do"
         self._nodes.fault("JML705", argument.span, message, hint, owner=node)
 
@@ -179,10 +183,6 @@ class MapReader:
 def _own_argument(call: tree.Call) -> Argument | None:
     conversion = CONVERSIONS.get(call.name.text)
     return conversion.own_argument if conversion is not None else None
-
-
-def _takes_text(conversion: Conversion) -> bool:
-    return any(argument.is_text for argument in conversion.arguments)
 
 
 def _class_of(item: tree.Assignment) -> str:

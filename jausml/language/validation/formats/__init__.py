@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from types import MappingProxyType
 
 from jausml.language.validation.formats import github, json, junit, sarif, text
 from jausml.language.validation.rule import Report
 
-RENDERERS: Mapping[str, Callable[[Report], str]] = MappingProxyType(
-    {
-        "text": text.render,
-        "json": json.render,
-        "junit": junit.render,
-        "sarif": sarif.render,
-        "github": github.render,
-    }
-)
+RENDERERS: Mapping[str, Callable[[Report], str]] = {
+    "text": text.render,
+    "json": json.render,
+    "junit": junit.render,
+    "sarif": sarif.render,
+    "github": github.render,
+}
 """What renders a report, by the name of the format."""

@@ -11,7 +11,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
-from types import MappingProxyType
 
 from jausml.language.model.diagnostics import READER_RULES, RuleInfo, Severity
 from jausml.language.validation.rule import Rule
@@ -31,7 +30,7 @@ def all_rules() -> tuple[Rule, ...]:
 
 _WIDTH = 100
 
-_ALLOWANCE = {
+ALLOWANCE_RULES: Mapping[str, RuleInfo] = {
     "JML801": RuleInfo(
         "allowance that cannot be read",
         "An @allow in the documentation of an element names one rule, the last day on which it "
@@ -54,11 +53,10 @@ _ALLOWANCE = {
         Severity.WARNING,
     ),
 }
-
-ALLOWANCE_RULES: Mapping[str, RuleInfo] = MappingProxyType(_ALLOWANCE)
 """The rules of allowances by id."""
 
-_PRODUCT = {
+
+PRODUCT_RULES: Mapping[str, RuleInfo] = {
     "JML931": RuleInfo(
         "product: deadlock",
         "jausml model-check has found a way to a state in which nothing that was asked for can "
@@ -91,8 +89,6 @@ _PRODUCT = {
         Severity.WARNING,
     ),
 }
-
-PRODUCT_RULES: Mapping[str, RuleInfo] = MappingProxyType(_PRODUCT)
 """The rules of model checking, which looks at all parts of a system together, by id."""
 
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 from jausml.live.peers.conformance.check import Check, Step, step
-from jausml.live.peers.conformance.session import INSUFFICIENT, NOBODY, Authority
+from jausml.live.peers.conformance.session import INSUFFICIENT, NOBODY, Authority, Session
 from jausml.live.peers.conformance.steps import (
     A,
     B,
@@ -30,11 +30,6 @@ from jausml.runtime.messages import (
     SetAuthority,
 )
 from jausml.runtime.services.definitions import Status
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from jausml.live.peers.conformance.session import Session
 
 ACCEPTED = ConfirmControl.ResponseCode.CONTROL_ACCEPTED
 BELOW, LOW, MIDDLE, HIGH = Authority

@@ -7,17 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from datetime import datetime
 from functools import wraps
-from typing import TYPE_CHECKING, Concatenate, ParamSpec
+from typing import Concatenate, ParamSpec
 
-from jausml.live.peers.conformance.evidence import Verdict
+from jausml.live.peers.conformance.evidence import TraceLine, Verdict
 from jausml.live.peers.conformance.session import Session
-
-if TYPE_CHECKING:
-    from datetime import datetime
-
-    from jausml.live.peers.conformance.evidence import TraceLine
-
 
 P = ParamSpec("P")
 

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import random
-from typing import TYPE_CHECKING, NamedTuple, Protocol, TypeVar
+from collections.abc import Callable
+from typing import NamedTuple, Protocol, TypeVar
 
 from jausml.live.peers.conformance.evidence import CheckFailed
 from jausml.runtime import messages as core
+from jausml.runtime.base.address import JausAddress
 from jausml.runtime.transports.packets.packet import AckNak, Broadcast, DataFlags, Packet, Priority
 from jausml.runtime.wire.message import DecodeError, Message
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from jausml.runtime.base.address import JausAddress
 
 M = TypeVar("M", bound=Message)
 

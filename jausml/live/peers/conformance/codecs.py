@@ -7,20 +7,17 @@ from __future__ import annotations
 
 import inspect
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml.language.wire.kinds import PRESENCE_VECTOR
-from jausml.live.messages import EncodeError, MessageError
+from jausml.live.messages import EncodeError, MessageEntry, MessageError, ServiceEntry
 from jausml.live.messages.codec import PRESENCE
 from jausml.live.peers.conformance.check import Check
 from jausml.live.peers.conformance.evidence import CheckFailed, CheckSkipped
+from jausml.live.peers.conformance.session import Session
 from jausml.live.peers.conformance.steps import skips
 from jausml.live.peers.entry_messages import optional_bits, plain_query, presence_holder
-
-if TYPE_CHECKING:
-    from jausml.live.messages import MessageEntry, ServiceEntry
-    from jausml.live.peers.conformance.session import Session
-    from jausml.runtime.services.definitions import ServiceIdentity
+from jausml.runtime.services.definitions import ServiceIdentity
 
 _MOST_BITS = 32
 _OF_WIDER_SCOPE = ("QueryConfiguration", "QuerySubsystemList")

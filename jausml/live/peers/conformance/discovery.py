@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from jausml.live.peers.conformance.check import Check, Step
+from jausml.live.peers.conformance.session import Session
 from jausml.live.peers.conformance.steps import (
     A,
     AnythingBut,
@@ -36,9 +35,6 @@ from jausml.runtime.messages import (
     ReportSubsystemList,
 )
 from jausml.runtime.services.definitions import CORE, Scope
-
-if TYPE_CHECKING:
-    from jausml.live.peers.conformance.session import Session
 
 _TYPES = {
     Scope.SYSTEM: range(10001, 40001),

@@ -3,23 +3,18 @@
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from typing import TypeAlias
 
 from jausml.live.peers.conformance.check import Step, step
-from jausml.live.peers.conformance.client import decoded
+from jausml.live.peers.conformance.client import Client, decoded
 from jausml.live.peers.conformance.evidence import CheckFailed, CheckSkipped
-from jausml.live.peers.conformance.steps import A, B, expect, expect_none, has, send
+from jausml.live.peers.conformance.session import Session
+from jausml.live.peers.conformance.steps import A, B, Judgement, expect, expect_none, has, send
 from jausml.runtime import messages as core
+from jausml.runtime.wire.message import Message
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from jausml.live.peers.conformance.client import Client
-    from jausml.live.peers.conformance.session import Session
-    from jausml.live.peers.conformance.steps import Judgement
-    from jausml.runtime.wire.message import Message
-
-    Record = core.ReportEvents.ReportEventRec
+Record: TypeAlias = "core.ReportEvents.ReportEventRec"
 
 PERIODIC = core.CreateEvent.EventType.PERIODIC_SC
 

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from jausml.live.peers.conformance.access import request
 from jausml.live.peers.conformance.check import Check, step
-from jausml.live.peers.conformance.client import decoded
+from jausml.live.peers.conformance.client import Client, ReceivedMessage, decoded
 from jausml.live.peers.conformance.event_steps import (
     FREE_EVENT,
     PERIODIC,
@@ -29,7 +27,7 @@ from jausml.live.peers.conformance.event_steps import (
     unconfirmed,
     updating,
 )
-from jausml.live.peers.conformance.session import Authority
+from jausml.live.peers.conformance.session import Authority, Session
 from jausml.live.peers.conformance.steps import (
     A,
     AnythingBut,
@@ -47,11 +45,7 @@ from jausml.live.peers.conformance.steps import (
     slow,
 )
 from jausml.runtime import messages as core
-
-if TYPE_CHECKING:
-    from jausml.live.peers.conformance.client import Client, ReceivedMessage
-    from jausml.live.peers.conformance.session import Session
-    from jausml.runtime.wire.message import Message
+from jausml.runtime.wire.message import Message
 
 Confirm, Reject = core.ConfirmEventRequest, core.RejectEventRequest
 

@@ -4,20 +4,15 @@ from __future__ import annotations
 
 import json
 import time
+from collections.abc import Callable, Iterable, Mapping
 from enum import Enum
 from functools import lru_cache
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
-from jausml.live.messages import MessageError
+from jausml.live.messages import Catalogue, MessageError
 from jausml.runtime import messages as core_messages
-from jausml.runtime.transports.packets.packet import AckNak, DataFlags
+from jausml.runtime.transports.packets.packet import AckNak, DataFlags, Packet
 from jausml.runtime.wire.message import DecodeError, Message, read_code
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping
-
-    from jausml.live.messages import Catalogue
-    from jausml.runtime.transports.packets.packet import Packet
 
 MAX_LINES = 60
 """Lines of evidence kept for one check; of longer exchanges the last ones tell most."""

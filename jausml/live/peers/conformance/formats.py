@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable, Iterator, Mapping
 from itertools import groupby
-from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml.language.validation.formats.junit import Case, Suite, junit_document
+from jausml.live.peers.conformance.check import CheckResult, ConformanceReport
 from jausml.live.peers.conformance.evidence import Verdict
 from jausml.live.peers.rendering import printable
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
-
-    from jausml.live.peers.conformance.check import CheckResult, ConformanceReport
 
 SCHEMA = 1
 """Version of the layout; it changes when a reader of the present one would be misled."""
@@ -139,7 +135,9 @@ def _case(group: str, result: CheckResult) -> Case:
     )
 
 
-RENDERERS: Mapping[str, Callable[[ConformanceReport], str]] = MappingProxyType(
-    {"text": render_text, "json": render_json, "junit": render_junit}
-)
+RENDERERS: Mapping[str, Callable[[ConformanceReport], str]] = {
+    "text": render_text,
+    "json": render_json,
+    "junit": render_junit,
+}
 """What renders a report, by the name of the format."""

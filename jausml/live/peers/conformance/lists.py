@@ -7,11 +7,11 @@ again; no list is ever executed. The clock is never set.
 from __future__ import annotations
 
 from datetime import datetime, timedelta, timezone
-from typing import TYPE_CHECKING
 
 from jausml.live.peers.conformance.check import Check, step
 from jausml.live.peers.conformance.event_steps import carries, created
 from jausml.live.peers.conformance.evidence import CheckFailed
+from jausml.live.peers.conformance.session import Session
 from jausml.live.peers.conformance.steps import (
     A,
     AnythingBut,
@@ -42,10 +42,6 @@ from jausml.runtime.messages import (
     ReportTime,
     SetElement,
 )
-
-if TYPE_CHECKING:
-    from jausml.live.peers.conformance.session import Session
-
 
 UNSUPPORTED_TYPE = RejectElementRequest.ResponseCode.UNSUPPORTED_ELEMENT_TYPE
 

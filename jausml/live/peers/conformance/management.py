@@ -6,8 +6,6 @@ check fails or the run is interrupted.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from jausml.live.peers.conformance import access
 from jausml.live.peers.conformance.access import (
     control_timeout,
@@ -18,7 +16,7 @@ from jausml.live.peers.conformance.access import (
     timeout_in_reach,
 )
 from jausml.live.peers.conformance.check import Check, Step, step
-from jausml.live.peers.conformance.session import Authority
+from jausml.live.peers.conformance.session import Authority, Session
 from jausml.live.peers.conformance.steps import (
     A,
     B,
@@ -49,10 +47,7 @@ from jausml.runtime.messages import (
 )
 from jausml.runtime.services.definitions import Status
 from jausml.runtime.transports.packets.packet import Priority
-
-if TYPE_CHECKING:
-    from jausml.live.peers.conformance.session import Session
-    from jausml.runtime.wire.message import Message
+from jausml.runtime.wire.message import Message
 
 STANDBY, READY, EMERGENCY = Status.STANDBY, Status.READY, Status.EMERGENCY
 LOW = Authority.LOW

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 from jausml.live.peers.conformance.check import step
+from jausml.live.peers.conformance.client import Client
+from jausml.live.peers.conformance.session import Session
+from jausml.live.peers.conformance.steps import Judgement
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.messages import CreateEvent
 from jausml.runtime.transports.packets.packet import AckNak, DataFlags, Packet
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from jausml.live.peers.conformance.client import Client
-    from jausml.live.peers.conformance.session import Session
-    from jausml.live.peers.conformance.steps import Judgement
 
 UNKNOWN_CODE = b"\xb7\x7a"
 """A message code (7AB7) that no published service set uses."""

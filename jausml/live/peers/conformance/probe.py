@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import select
+import socket
 import time
+from collections.abc import Callable
 from datetime import datetime, timezone
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from jausml.live.peers.conformance.client import Client, ReceivedMessage
+from jausml.live.peers.conformance.evidence import Trace
 from jausml.runtime import messages as core
+from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.counters import Counters
+from jausml.runtime.base.settings import Endpoint, TransportSettings
 from jausml.runtime.transports.packets.packet import (
     AckNak,
     Broadcast,
@@ -19,15 +24,6 @@ from jausml.runtime.transports.packets.packet import (
 )
 from jausml.runtime.transports.packets.reassembly import Reassembly
 from jausml.runtime.transports.ports import SharedPort
-
-if TYPE_CHECKING:
-    import socket
-    from collections.abc import Callable
-
-    from jausml.live.peers.conformance.evidence import Trace
-    from jausml.runtime.base.address import JausAddress
-    from jausml.runtime.base.settings import Endpoint, TransportSettings
-
 
 _LARGEST_DATAGRAM = 65535
 _NEIGHBOUR_FRAME = b"\0"

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING
 
+from jausml.live.messages import Catalogue
 from jausml.live.messages.values import listed
 from jausml.live.peers.conformance import (
     access,
@@ -28,18 +29,12 @@ from jausml.live.peers.conformance.evidence import (
 from jausml.live.peers.conformance.probe import Probe, RawEndpoint
 from jausml.live.peers.conformance.session import PINGS, Limits, Session
 from jausml.live.peers.discovery import services_of
+from jausml.live.peers.network import Network
 from jausml.runtime.base.address import WILDCARD_COMPONENT, WILDCARD_NODE, JausAddress
 from jausml.runtime.clients.discovery_client import query_services
 from jausml.runtime.messages import ReportServices
-from jausml.runtime.wire.message import DecodeError
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Sequence
-
-    from jausml.live.messages import Catalogue
-    from jausml.live.peers.network import Network
-    from jausml.runtime.services.definitions import ServiceIdentity
-    from jausml.runtime.wire.message import Message
+from jausml.runtime.services.definitions import ServiceIdentity
+from jausml.runtime.wire.message import DecodeError, Message
 
 
 @dataclass(frozen=True, slots=True)

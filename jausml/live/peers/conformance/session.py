@@ -2,24 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
-from jausml.live.peers.conformance.client import UNDO_ORDER
-from jausml.live.peers.conformance.evidence import CheckFailed, CheckSkipped
+from jausml.live.messages import Catalogue, ServiceEntry
+from jausml.live.peers.conformance.client import UNDO_ORDER, Client
+from jausml.live.peers.conformance.evidence import CheckFailed, CheckSkipped, Trace
+from jausml.live.peers.conformance.probe import Probe
 from jausml.runtime import messages as core
 from jausml.runtime.services.definitions import CORE, ServiceIdentity, Status
 from jausml.runtime.transports.packets.packet import Priority
 from jausml.runtime.wire.message import Message
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from jausml.live.messages import Catalogue, ServiceEntry
-    from jausml.live.peers.conformance.client import Client
-    from jausml.live.peers.conformance.evidence import Trace
-    from jausml.live.peers.conformance.probe import Probe
 
 M = TypeVar("M", bound=Message)
 

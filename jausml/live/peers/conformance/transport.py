@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING
 
 from jausml.live.peers.conformance.check import Check, step
 from jausml.live.peers.conformance.packet_steps import (
@@ -22,12 +21,9 @@ from jausml.live.peers.conformance.packet_steps import (
     two_queries,
     unacknowledged,
 )
-from jausml.live.peers.conformance.session import PINGS
+from jausml.live.peers.conformance.session import PINGS, Session
 from jausml.live.peers.conformance.steps import A, has, settle, should_have, silence
 from jausml.runtime.transports.packets.packet import AckNak, Broadcast, DataFlags, Priority
-
-if TYPE_CHECKING:
-    from jausml.live.peers.conformance.session import Session
 
 WANTED = AckNak.REQUESTED
 

@@ -2,20 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from datetime import datetime
 
-from jausml.live.peers.conformance.check import Check, CheckResult
+from jausml.live.peers.conformance.check import Check, CheckResult, Step
 from jausml.live.peers.conformance.evidence import Verdict
 from jausml.live.peers.conformance.run import outcome
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-    from datetime import datetime
-
-    from jausml.live.peers.conformance.check import Step
-    from jausml.live.peers.conformance.session import Session
+from jausml.live.peers.conformance.session import Session
 
 _GIVEN = (Verdict.PASS, Verdict.NOTE)
 

@@ -6,12 +6,15 @@ public: services and parts are as teams quote the rules, and the points are ours
 
 from __future__ import annotations
 
+from collections.abc import Callable, Collection
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
+from jausml.live.messages import Catalogue
 from jausml.live.peers.conformance import codecs
-from jausml.live.peers.conformance.check import step
+from jausml.live.peers.conformance.check import CheckResult, step
+from jausml.live.peers.conformance.probe import RawEndpoint
 from jausml.live.peers.conformance.run import CheckFilter, fixed_checks, known_names, opened, run
+from jausml.live.peers.conformance.session import Session
 from jausml.live.peers.discovery import services_of
 from jausml.live.peers.judging import igvc
 from jausml.live.peers.judging.competition import (
@@ -26,19 +29,10 @@ from jausml.live.peers.judging.competition import (
 )
 from jausml.live.peers.judging.driving import DRIVER, Course
 from jausml.live.peers.judging.igvc import lists_service, own_services, waypoint_navigation
+from jausml.live.peers.network import Network
+from jausml.runtime.base.address import JausAddress
 from jausml.runtime.clients.discovery_client import query_services
 from jausml.runtime.messages import ReportServices
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Collection
-
-    from jausml.live.messages import Catalogue
-    from jausml.live.peers.conformance.check import CheckResult
-    from jausml.live.peers.conformance.probe import RawEndpoint
-    from jausml.live.peers.conformance.session import Session
-    from jausml.live.peers.network import Network
-    from jausml.runtime.base.address import JausAddress
-
 
 RULES = "IGVC, IOP Challenge, as quoted by teams"
 

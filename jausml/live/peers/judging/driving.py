@@ -2,26 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from math import hypot
-from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
+from typing import Any, TypeAlias, TypeVar
 
 from jausml.live.messages import MessageError
 from jausml.live.messages.codec import PRESENCE
 from jausml.live.peers.conformance.check import Step, step
-from jausml.live.peers.conformance.evidence import CheckFailed
-from jausml.live.peers.conformance.steps import ask
+from jausml.live.peers.conformance.client import Client
+from jausml.live.peers.conformance.evidence import CheckFailed, TraceLine
+from jausml.live.peers.conformance.session import Session
+from jausml.live.peers.conformance.steps import Judgement, ask
 from jausml.live.peers.entry_messages import EntryMessage, message_class
 from jausml.runtime.messages import SetElement
 from jausml.runtime.services.list_manager import chain
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from jausml.live.peers.conformance.client import Client
-    from jausml.live.peers.conformance.evidence import TraceLine
-    from jausml.live.peers.conformance.session import Session
-    from jausml.live.peers.conformance.steps import Judgement
 
 PRESENCE_VECTOR = "PresenceVector"
 _DAY = 86400.0

@@ -6,15 +6,16 @@ The rules give points for a whole task, and 2.5 for each waypoint; how a task is
 from __future__ import annotations
 
 from math import hypot
-from typing import TYPE_CHECKING
 
 from jausml.live.peers.conformance import lists
 from jausml.live.peers.conformance.access import ACCEPTED, LOW, request
 from jausml.live.peers.conformance.check import step
 from jausml.live.peers.conformance.management import READY, STANDBY, comes_to, is_down
+from jausml.live.peers.conformance.session import Session
 from jausml.live.peers.conformance.steps import (
     A,
     AnythingBut,
+    Judgement,
     ask,
     expect,
     expect_none,
@@ -39,12 +40,8 @@ from jausml.live.peers.judging.driving import (
     message_of,
 )
 from jausml.runtime import messages as core
+from jausml.runtime.base.settings import Endpoint
 from jausml.runtime.clients.discovery_client import query_services
-
-if TYPE_CHECKING:
-    from jausml.live.peers.conformance.session import Session
-    from jausml.live.peers.conformance.steps import Judgement
-    from jausml.runtime.base.settings import Endpoint
 
 RULES = "IGVC 2011, JAUS Challenge"
 

@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from datetime import timedelta
 from html import escape
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from jausml.live.peers.conformance.check import CheckResult
 from jausml.live.peers.conformance.evidence import Verdict
 from jausml.live.peers.conformance.formats import evidence_lines, result_json
+from jausml.live.peers.judging.competition import Score, Sheet, Task
 from jausml.live.peers.rendering import printable
 from jausml.views.pages import page_head
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from jausml.live.peers.conformance.check import CheckResult
-    from jausml.live.peers.judging.competition import Score, Sheet, Task
 
 SCHEMA = 1
 """Version of the layout of JSON."""

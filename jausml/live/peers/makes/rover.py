@@ -14,21 +14,15 @@ from __future__ import annotations
 import select
 import struct
 import threading
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterable
+from typing import Any, TypeAlias
 
-from jausml.live.messages import MessageError
+from jausml.live.messages import Catalogue, MessageEntry, MessageError
 from jausml.live.peers.makes.junior import JtsComponent, JuniorVehicle
-from jausml.live.peers.makes.vehicle import Vehicle
-from jausml.runtime.base.address import address_of
+from jausml.live.peers.makes.vehicle import Place, Vehicle
+from jausml.runtime.base.address import JausAddress, address_of
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
-
-    from jausml.live.messages import Catalogue, MessageEntry
-    from jausml.live.peers.makes.vehicle import Place
-    from jausml.runtime.base.address import JausAddress
-
-    OnCommand = Callable[[JausAddress, MessageEntry, dict[str, Any]], None]
+OnCommand: TypeAlias = "Callable[[JausAddress, MessageEntry, dict[str, Any]], None]"
 
 
 _HEADER = struct.Struct("<BHBII")

@@ -5,16 +5,12 @@ from __future__ import annotations
 import socket
 import struct
 import time
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from jausml.runtime import messages as core
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from jausml.runtime.base.address import JausAddress
-    from jausml.runtime.wire.message import Message
+from jausml.runtime.base.address import JausAddress
+from jausml.runtime.wire.message import Message
 
 CORE = ("Transport", "Events", "AccessControl", "Management", "Discovery")
 SERVICES = (

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 from jausml.views.analysis.formats import text as words
+from jausml.views.analysis.report import ConnectionReport, Load, Report
 from jausml.views.pages import page
-
-if TYPE_CHECKING:
-    from jausml.views.analysis.report import ConnectionReport, Load, Report
 
 _SUMS = (
     "component",

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator, Sequence
+from typing import Any
 
+from jausml.language.metamodel.classes.system import System
+from jausml.language.semantics.paths.scopes import Carrier
 from jausml.views.analysis.formats.text import cut, kilobytes, number, table, wrapped
-from jausml.views.analysis.partition.plans import Planner
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from jausml.language.metamodel.classes.system import System
-    from jausml.language.semantics.paths.scopes import Carrier
-    from jausml.views.analysis.partition.plans import Plan, Planned
-    from jausml.views.analysis.sizes import Assumptions
+from jausml.views.analysis.partition.plans import Plan, Planned, Planner
+from jausml.views.analysis.sizes import Assumptions
 
 _HEAD = ("", "host", "connections", "CPU %", "datagrams/s", "kB/s to hosts", "wait ms")
 _WIDTH = 30

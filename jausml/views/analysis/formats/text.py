@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from jausml.views.analysis.budgets import Budget
-    from jausml.views.analysis.report import CallReport, ComponentReport, ConnectionReport, Report
-    from jausml.views.analysis.sizes import Assumptions, Size
+from jausml.views.analysis.budgets import Budget
+from jausml.views.analysis.report import CallReport, ComponentReport, ConnectionReport, Report
+from jausml.views.analysis.sizes import Assumptions, Size
 
 CASES = {
     "normal": "normal",

@@ -3,28 +3,21 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations, count
-from typing import TYPE_CHECKING
 
 import networkx
 
+from jausml.language.metamodel.classes import bridge
+from jausml.language.metamodel.classes.system import Host, System
 from jausml.language.semantics.hosts import host_of
-from jausml.language.semantics.paths.scopes import carriers_of
+from jausml.language.semantics.paths.scopes import Carrier, carriers_of
 from jausml.views.analysis.partition.cutting import attractions, cut, halved
-from jausml.views.analysis.partition.scale import Scale
-from jausml.views.analysis.partition.weighing import Limits, Weighing
-
-if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator, Mapping, Sequence
-
-    from jausml.language.metamodel.classes import bridge
-    from jausml.language.metamodel.classes.system import Host, System
-    from jausml.language.semantics.paths.scopes import Carrier
-    from jausml.views.analysis.partition.scale import Part
-    from jausml.views.analysis.partition.weighing import Group
-    from jausml.views.analysis.sizes import Assumptions
+from jausml.views.analysis.partition.scale import Part, Scale
+from jausml.views.analysis.partition.weighing import Group, Limits, Weighing
+from jausml.views.analysis.sizes import Assumptions
 
 _ROUTES = "bridge is", "namespace is", "subsystem is", "transport is"
 """What no proposal mixes, and a person may."""

@@ -6,19 +6,14 @@ All weights are shares: of one processor, and of a network of 100 Mbit/s. So the
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Hashable
+from collections.abc import Hashable, Iterable, Sequence
 from functools import lru_cache
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
-from jausml.views.analysis.partition.weighing import united, world_of
+from jausml.language.metamodel.classes import bridge
+from jausml.language.metamodel.classes.system import Host
+from jausml.views.analysis.partition.weighing import Cost, Group, Limits, Weighing, united, world_of
 from jausml.views.analysis.report import PACKET
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
-    from jausml.language.metamodel.classes import bridge
-    from jausml.language.metamodel.classes.system import Host
-    from jausml.views.analysis.partition.weighing import Cost, Group, Limits, Weighing
 
 Part: TypeAlias = "frozenset[int]"
 """The groups that one bridge carries, by their numbers."""

@@ -3,24 +3,19 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from typing import TYPE_CHECKING
+from collections.abc import Hashable, Iterable, Iterator
+from typing import TypeAlias
 
-from jausml.language.metamodel.classes import bridge
+from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.semantics.connections.reports import joined_reports
 from jausml.language.semantics.connections.topics import resolve_topic
 from jausml.language.semantics.jaus.commands import needs_control
 from jausml.language.semantics.jaus.services import code, lineage
-from jausml.language.semantics.paths.scopes import carriers_of
+from jausml.language.semantics.paths.scopes import Carrier, carriers_of
 from jausml.views.analysis.streams import is_single, is_to_ros, keeps_control
 
-if TYPE_CHECKING:
-    from collections.abc import Hashable, Iterable, Iterator
-
-    from jausml.language.metamodel.classes import jaus
-    from jausml.language.semantics.paths.scopes import Carrier
-
-    Tie = tuple[Hashable, str]
-    """What connections have in common, and how to say that."""
+Tie: TypeAlias = "tuple[Hashable, str]"
+"""What connections have in common, and how to say that."""
 
 _FOUND = "found", "they command who is found at run time, which may be the same component"
 

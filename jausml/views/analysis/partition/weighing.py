@@ -4,31 +4,23 @@ from __future__ import annotations
 
 import math
 from collections import Counter, defaultdict
-from collections.abc import Hashable, Iterable, Mapping
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import networkx
 
 from jausml.language.metamodel.classes import bridge, jaus, ros
+from jausml.language.metamodel.classes.system import Host, System
 from jausml.language.semantics.connections.reports import joined_reports
 from jausml.language.semantics.connections.topics import endpoints
 from jausml.language.semantics.hosts import host_of
-from jausml.language.semantics.paths.scopes import carriers_of, maps_of
+from jausml.language.semantics.paths.scopes import Carrier, carriers_of, maps_of
 from jausml.views.analysis.partition.ties import commands, full_name, serves, tied
 from jausml.views.analysis.report import connection_report, seconds_of_message
-from jausml.views.analysis.sizes import runtime_constants
-from jausml.views.analysis.streams import is_to_ros, on_wire
+from jausml.views.analysis.sizes import Assumptions, runtime_constants
+from jausml.views.analysis.streams import Stream, Traffic, is_to_ros, on_wire
 from jausml.views.analysis.traffic import traffic_of
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from jausml.language.metamodel.classes.system import Host, System
-    from jausml.language.semantics.paths.scopes import Carrier
-    from jausml.views.analysis.sizes import Assumptions
-    from jausml.views.analysis.streams import Stream, Traffic
 
 LARGEST_SHARE = 0.5
 """Share of a processor that a bridge may take: the other half is for what was not foreseen."""

@@ -7,21 +7,16 @@ one; parts that nothing joins, and the frames of crowded sheets, stand beside ea
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import sqrt
-from typing import TYPE_CHECKING
 
 from jausml.views.diagrams.layout.lanes import routes_in
 from jausml.views.diagrams.layout.levelling import Item, Link, levelled
 from jausml.views.diagrams.layout.settling import FRAME_MARGIN, MOST, chain, surrounding
-from jausml.views.diagrams.layout.sheet import Places
+from jausml.views.diagrams.layout.sheet import Box, Frame, Line, Places, Point, Sheet
 from jausml.views.diagrams.layout.ways import fitted
-
-if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Mapping, Sequence
-
-    from jausml.views.diagrams.layout.sheet import Box, Frame, Line, Point, Sheet
 
 _LANE, _ROOM = 80, 28
 """Room between columns without labels, and beside each label."""

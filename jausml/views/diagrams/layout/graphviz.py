@@ -8,23 +8,19 @@ from __future__ import annotations
 
 import json
 import subprocess
+from collections.abc import Iterator
 from importlib import metadata
 from math import dist
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml import installing
 from jausml.views.diagrams.graph import nested
 from jausml.views.diagrams.layout.columns import in_columns
 from jausml.views.diagrams.layout.labels import cleared, hidden
 from jausml.views.diagrams.layout.settling import chain
-from jausml.views.diagrams.layout.sheet import LayoutError, Places, Route
+from jausml.views.diagrams.layout.sheet import LayoutError, Line, Places, Point, Route, Sheet
 from jausml.views.diagrams.layout.ways import spaced
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from jausml.views.diagrams.layout.sheet import Line, Point, Sheet
 
 PACKAGE = "graphviz-pure"
 """The distribution, and the program that it installs."""

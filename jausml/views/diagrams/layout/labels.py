@@ -7,19 +7,15 @@ between boxes of one rank on each other.
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import pairwise, product
 from math import dist
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import Literal, TypeAlias
 
 from jausml.views.diagrams.layout.settling import Area, area_of, label_area, tiles
-from jausml.views.diagrams.layout.sheet import samples
+from jausml.views.diagrams.layout.sheet import Line, Places, Point, Route, Sheet, samples
 from jausml.views.diagrams.layout.ways import fitted
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from jausml.views.diagrams.layout.sheet import Line, Places, Point, Route, Sheet
 
 _TEXTS, _OTHERS = 10, 3
 """How much a box or a label counts that is hidden, and a line of others; its own counts as one."""

@@ -3,15 +3,10 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Mapping, Sequence
 
 from jausml.views.diagrams.layout.settling import LEAST, MOST, STEEP
-from jausml.views.diagrams.layout.sheet import Route
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
-
-    from jausml.views.diagrams.layout.sheet import Box, Line, Point, Sheet
+from jausml.views.diagrams.layout.sheet import Box, Line, Point, Route, Sheet
 
 _APART = 7
 """Between lines of the same two rows."""

@@ -6,14 +6,12 @@ Each box, with those that it would push away, goes to where most of its lines ar
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import median_low
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from jausml.views.diagrams.layout.settling import GAP
-
-if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator, Mapping, Sequence
 
 _ROUNDS = 24
 _LEAST = 0.5

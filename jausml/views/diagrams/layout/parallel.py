@@ -3,18 +3,12 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations, pairwise, product
 from math import dist
-from typing import TYPE_CHECKING
 
-from jausml.views.diagrams.layout.settling import area_of
-from jausml.views.diagrams.layout.sheet import Route, on_curve, samples
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
-
-    from jausml.views.diagrams.layout.settling import Area
-    from jausml.views.diagrams.layout.sheet import Line, Places, Point, Sheet
+from jausml.views.diagrams.layout.settling import Area, area_of
+from jausml.views.diagrams.layout.sheet import Line, Places, Point, Route, Sheet, on_curve, samples
 
 _Path = tuple["Point", "Point", "Point", "Point"]
 

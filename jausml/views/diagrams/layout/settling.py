@@ -6,16 +6,12 @@ An engine places a whole sheet anew whatever changed; this finds room for single
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import reduce
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
-from jausml.views.diagrams.layout.sheet import samples
-
-if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Iterator, Mapping
-
-    from jausml.views.diagrams.layout.sheet import Box, Frame, Line, Point, Route, Sheet
+from jausml.views.diagrams.layout.sheet import Box, Frame, Line, Point, Route, Sheet, samples
 
 GAP, COLUMN_GAP = 24, 80
 """Room between boxes below and beside each other."""

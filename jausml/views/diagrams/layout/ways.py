@@ -7,13 +7,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import reduce
-from typing import TYPE_CHECKING
 
 from jausml.views.diagrams.layout.parallel import parted
 from jausml.views.diagrams.layout.settling import Area, area_of, covered, surrounding
-
-if TYPE_CHECKING:
-    from jausml.views.diagrams.layout.sheet import Places, Point, Sheet
+from jausml.views.diagrams.layout.sheet import Places, Point, Sheet
 
 OFF_CORNERS = 16
 """Room between a corner and the end of a line: corners may be round, and arrowheads are wide."""

@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
 
 from jausml.language.metamodel.classes.system import System
+from jausml.language.model.diagnostics import Diagnostic
+from jausml.language.model.model import Model
 from jausml.language.model.values import nearest
 from jausml.language.semantics.subject import remembering
+from jausml.views.diagrams.graph import Graph
 from jausml.views.diagrams.views import maps, services, system
 from jausml.views.diagrams.views.context import Context
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
-    from pathlib import Path
-
-    from jausml.language.model.diagnostics import Diagnostic
-    from jausml.language.model.model import Model
-    from jausml.views.diagrams.graph import Graph
 
 SYSTEM = "system"
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Sequence
 
-from jausml.language.metamodel.classes import bridge, jaus
+from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.semantics.connections import calls, stops
 from jausml.language.semantics.connections.topics import resolve_topic
 from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
@@ -12,13 +12,7 @@ from jausml.language.semantics.jaus.services import lineage
 from jausml.language.semantics.paths.ros_paths import ros_name
 from jausml.language.semantics.paths.scopes import target_paths
 from jausml.views.diagrams.graph import IDLE, JAUS_COLUMN, ROS_COLUMN, Edge, End, Node, Port
-from jausml.views.diagrams.views.context import details, name_of, number
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from jausml.language.metamodel.classes import ros
-    from jausml.views.diagrams.views.context import Builder
+from jausml.views.diagrams.views.context import Builder, details, name_of, number
 
 PROVIDES, USES = "provides", "uses"
 """What boxes do with services of which nothing is carried."""

@@ -4,20 +4,16 @@ from __future__ import annotations
 
 import os
 from collections import defaultdict
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
+from jausml.language.metamodel.classes.ecore import EObject
+from jausml.language.model.diagnostics import Diagnostic
+from jausml.language.model.model import Model
 from jausml.language.model.refs import Keys, ref_of
-from jausml.views.diagrams.graph import Edge, End, Finding, Graph, Group, Node, Port
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model.diagnostics import Diagnostic
-    from jausml.language.model.model import Model
-    from jausml.views.diagrams.graph import Details
+from jausml.views.diagrams.graph import Details, Edge, End, Finding, Graph, Group, Node, Port
 
 PartT = TypeVar("PartT", Node, Port, Group, Edge)
 

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator
 from functools import partial
-from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge
+from jausml.language.model.model import Model
 from jausml.language.semantics.paths.ros_paths import ros_name
 from jausml.language.semantics.paths.scopes import COUNTERS, source_paths, target_paths
 from jausml.views.diagrams.graph import (
     JAUS_COLUMN,
     ROS_COLUMN,
+    Details,
     Edge,
     End,
     Finding,
@@ -19,16 +21,15 @@ from jausml.views.diagrams.graph import (
     Node,
     Port,
 )
-from jausml.views.diagrams.views.context import Builder, details, name_of, number
-from jausml.views.diagrams.views.members import jaus_members, paths_of, plain, ros_members, rows
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
-
-    from jausml.language.model.model import Model
-    from jausml.views.diagrams.graph import Details
-    from jausml.views.diagrams.views.context import Context
-    from jausml.views.diagrams.views.members import Member
+from jausml.views.diagrams.views.context import Builder, Context, details, name_of, number
+from jausml.views.diagrams.views.members import (
+    Member,
+    jaus_members,
+    paths_of,
+    plain,
+    ros_members,
+    rows,
+)
 
 _LONGEST_VALUE = 40
 

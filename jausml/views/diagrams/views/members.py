@@ -3,22 +3,16 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import jaus, ros
-from jausml.language.semantics.paths.attributes import UNSTATED, Attribute
+from jausml.language.semantics.paths.attributes import UNSTATED, Attribute, Part
 from jausml.language.semantics.paths.jaus_paths import JausPlace, message_place
 from jausml.language.semantics.paths.markers import in_words
 from jausml.language.semantics.paths.ros_paths import RosPlace, ros_name
 from jausml.views.diagrams.graph import Port
-from jausml.views.diagrams.views.context import details, number
-
-if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator, Mapping, Sequence
-
-    from jausml.language.semantics.paths.attributes import Part
-    from jausml.views.diagrams.views.context import Context
+from jausml.views.diagrams.views.context import Context, details, number
 
 DEEPEST = 12
 """Members around each other; types that hold themselves end here."""

@@ -3,25 +3,18 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from functools import partial
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import jaus
-from jausml.language.semantics.jaus.inherited_machines import DEEPEST, machine_with
+from jausml.language.model.model import Model
+from jausml.language.semantics.jaus.inherited_machines import DEEPEST, Machine, machine_with
 from jausml.language.semantics.jaus.services import lineage, query_name
 from jausml.views.diagrams.graph import Edge, End, Finding, Graph, Group, Node, Port
-from jausml.views.diagrams.views.context import Builder, details, name_of
-from jausml.views.diagrams.views.members import jaus_members
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
-
-    from jausml.language.model.model import Model
-    from jausml.language.semantics.jaus.inherited_machines import Machine
-    from jausml.views.diagrams.views.context import Context
-    from jausml.views.diagrams.views.members import Member
+from jausml.views.diagrams.views.context import Builder, Context, details, name_of
+from jausml.views.diagrams.views.members import Member, jaus_members
 
 SERVICE, BODIES = "service:", "bodies:"
 """What stands before the name of a service in views of it, without and with bodies of messages."""

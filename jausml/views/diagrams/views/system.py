@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from typing import TYPE_CHECKING
+from collections.abc import Collection, Sequence
 
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.metamodel.classes import system as systems
+from jausml.language.model.model import Model
 from jausml.language.semantics.hosts import host_of
 from jausml.language.semantics.paths.ros_paths import ros_name
 from jausml.views.diagrams.graph import (
@@ -21,13 +22,7 @@ from jausml.views.diagrams.graph import (
 )
 from jausml.views.diagrams.graph import Node as Box
 from jausml.views.diagrams.views import connections
-from jausml.views.diagrams.views.context import Builder, details, name_of
-
-if TYPE_CHECKING:
-    from collections.abc import Collection, Sequence
-
-    from jausml.language.model.model import Model
-    from jausml.views.diagrams.views.context import Context
+from jausml.views.diagrams.views.context import Builder, Context, details, name_of
 
 
 def participants(model: Model) -> Sequence[jaus.Component | ros.Node]:

@@ -3,22 +3,18 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable, Iterator, Sequence
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml.views.diagrams.bundling import bundled, is_crowded
-from jausml.views.diagrams.graph import Edge
+from jausml.views.diagrams.graph import Edge, End, Finding, Graph, Node, Port
 from jausml.views.diagrams.ordering import ordered
 from jausml.views.diagrams.writers import shapes, svg
 from jausml.views.diagrams.writers.shapes import cut
+from jausml.views.diagrams.writers.svg import Keys
 from jausml.views.pages import hashed
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
-
-    from jausml.views.diagrams.graph import End, Finding, Graph, Node, Port
-    from jausml.views.diagrams.writers.svg import Keys
 
 _PAGE = Path(__file__).parent / "page"
 

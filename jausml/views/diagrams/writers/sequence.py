@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from jausml.views.diagrams.writers.shapes import ROW, SMALL, TITLE, cut, style, width
 from jausml.views.diagrams.writers.svg import MARGIN, opening, text_element
 from jausml.views.diagrams.writers.text import as_data
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
 
 _LONGEST = 90
 """Characters of a text at most; longer ones are cut."""

@@ -4,18 +4,23 @@ from __future__ import annotations
 
 import math
 import unicodedata
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from textwrap import wrap
-from typing import TYPE_CHECKING
 
-from jausml.views.diagrams.graph import ADDED, CHANGED, REMOVED, severity
+from jausml.views.diagrams.graph import (
+    ADDED,
+    CHANGED,
+    REMOVED,
+    Edge,
+    Finding,
+    Graph,
+    Node,
+    Port,
+    severity,
+)
 from jausml.views.diagrams.layout.sheet import Box, Frame, Line, Row, Sheet
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from jausml.views.diagrams.graph import Edge, Finding, Graph, Node, Port
 
 TITLE, SMALL, ROW = 13, 10, 11
 """Font sizes in pixels."""
@@ -109,18 +114,12 @@ def sheet_of(graph: Graph, *, packed: bool) -> Sheet:
     )  # fmt: skip
 
 
-def head_height(node: Node) -> int:
-    """Returns the height of what stands above the rows of a box."""
-    return TITLE + 13 + LINE_HEIGHT * len(subtitles(node))
-
-
 def box_of(node: Node) -> Box:
     """Returns a box with its size."""
     widest = max(_widths(node))
     rows = tuple(Row(port.id, ROW_HEIGHT) for port in node.ports)
-    return Box(
-        node.id, math.ceil(widest) + 2 * PADDING, head_height(node), rows, node.group, node.column
-    )
+    width, head = math.ceil(widest) + 2 * PADDING, TITLE + 13 + LINE_HEIGHT * len(subtitles(node))
+    return Box(node.id, width, head, rows, node.group, node.column)
 
 
 def _widths(node: Node) -> Iterator[float]:

@@ -3,25 +3,19 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator, Mapping
 from functools import cache
 from importlib.util import find_spec
-from typing import TYPE_CHECKING
 from xml.sax.saxutils import escape, quoteattr
 
 from jausml import installing
 from jausml.views.diagrams.bundling import bundled, is_crowded
-from jausml.views.diagrams.graph import IDLE, severity
+from jausml.views.diagrams.graph import IDLE, Edge, Graph, Group, Node, Port, severity
 from jausml.views.diagrams.layout.graphviz import place
-from jausml.views.diagrams.layout.sheet import LayoutError
+from jausml.views.diagrams.layout.sheet import LayoutError, Places, Point, Route
 from jausml.views.diagrams.ordering import ordered
 from jausml.views.diagrams.writers import shapes
 from jausml.views.diagrams.writers.shapes import cut, style, width
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
-
-    from jausml.views.diagrams.graph import Edge, Graph, Group, Node, Port
-    from jausml.views.diagrams.layout.sheet import Places, Point, Route
 
 MARGIN, TOP = 16, 54
 _ROUND = {"node": 9, "type": 9, "state": 12, "others": 9}

@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from html import escape
-from typing import TYPE_CHECKING
 
-from jausml.views.diagrams.graph import severity
+from jausml.views.diagrams.graph import Edge, End, Graph, Node, Port, severity
 from jausml.views.diagrams.writers.shapes import SIDES, outline
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from jausml.views.diagrams.graph import Edge, End, Graph, Node, Port
 
 _SHAPES = {"bridge": ("[[", "]]"), "node": ("(", ")"), "type": ("(", ")"), "state": ("(", ")")}
 _WIDTHS = {"bridge": ",stroke-width:3px", "error": ",stroke-width:4px"}
@@ -53,15 +48,12 @@ def _class(node: Node) -> str:
 def _mermaid_node(node: Node, names: dict[str, str]) -> str:
     before, after = _SHAPES.get(node.kind, ("[", "]"))
     lines = [f"<b>{as_data(node.title)}</b>", *([as_data(node.subtitle)] if node.subtitle else [])]
-    lines += [_mermaid_row(port) for port in node.ports[:_MOST_ROWS]]
+    for port in node.ports[:_MOST_ROWS]:
+        lines.append("\N{NO-BREAK SPACE}" * 2 * port.depth + as_data(_words(port, " ")))
     if len(node.ports) > _MOST_ROWS:
         lines.append(f"and {len(node.ports) - _MOST_ROWS} more")
     lines += [as_data(f"{finding.severity}: {finding.message}") for finding in node.findings]
     return f'{names[node.id]}{before}"{"<br/>".join(lines)}"{after}'
-
-
-def _mermaid_row(port: Port) -> str:
-    return "\N{NO-BREAK SPACE}" * 2 * port.depth + as_data(_words(port, " "))
 
 
 def _words(port: Port, gap: str) -> str:

@@ -11,25 +11,20 @@ grows by them.
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 from jausml.views.diagrams.folding import CLOSED, folded
+from jausml.views.diagrams.graph import Edge, Finding, Graph, Group, Node, Port
 from jausml.views.diagrams.layout import graphviz
 from jausml.views.diagrams.layout.columns import corners_in_columns
 from jausml.views.diagrams.layout.labels import anchored
-from jausml.views.diagrams.layout.settling import area_of, label_area, settle, surrounding
-from jausml.views.diagrams.layout.sheet import Point, Route  # noqa: TC001 - `Standing` is read with its types
+from jausml.views.diagrams.layout.settling import Area, area_of, label_area, settle, surrounding
+from jausml.views.diagrams.layout.sheet import Box, Line, Places, Point, Route, Sheet
 from jausml.views.diagrams.ordering import ordered
 from jausml.views.diagrams.writers import shapes
 from jausml.views.diagrams.writers.shapes import cut
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterator, Mapping
-
-    from jausml.views.diagrams.graph import Edge, Finding, Graph, Group, Node, Port
-    from jausml.views.diagrams.layout.settling import Area
-    from jausml.views.diagrams.layout.sheet import Box, Line, Places, Sheet
 
 SIGN_ROOM = 18
 """Room for the sign of a finding at the right end of each line of a box."""

@@ -14,6 +14,7 @@ from jausml.language.attributes.units import UnitError, nearest_units, parse_uni
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model.diagnostics import Severity
+from jausml.language.model.names import around
 from jausml.language.semantics.assignments.steps import ChainFault, chain_kinds, expression_names
 from jausml.language.semantics.assignments.units import (
     Measure,
@@ -148,18 +149,11 @@ def _feature_findings(conversion: bridge.Conversion) -> Iterator[Finding]:
             yield Finding(conversion, f"{name} has no {feature}", feature)
         elif not value and name == owner:
             yield Finding(conversion, f"{name} states no {feature}", "kind")
-    owner_map = _map_of(conversion)
+    owner_map = around(conversion, bridge.AttributeMap)
     for feature, element in (("table", conversion.table), ("quantity", conversion.quantity)):
         if element is not None and owner_map is not None and element.eContainer() is not owner_map:
             message = f"{feature} '{element.name}' belongs to another map"
             yield Finding(conversion, message, feature, f"add it to '{owner_map.name}'")
-
-
-def _map_of(element: EObject) -> bridge.AttributeMap | None:
-    around: EObject | None = element
-    while around is not None and not isinstance(around, bridge.AttributeMap):
-        around = around.eContainer()
-    return around
 
 
 def _argument_findings(conversion: bridge.Conversion) -> Iterator[Finding]:

@@ -107,7 +107,9 @@ def unmatched(_: Subject, direction: Direction) -> Iterator[Finding]:
         (target,) = placed.target_attributes
         legal = target.values
         lost = [
-            value for value in comparison.unmatched if legal and not _is_legal(value.number, target)
+            value
+            for value in comparison.unmatched
+            if legal and not any(low <= value.number <= high for low, high in legal)
         ]
         if lost and not target.is_ros and comparison.is_of_one_enumeration:
             names = ", ".join(f"{value.name} ({value.number})" for value in lost[:_MOST_NAMES])
@@ -171,10 +173,6 @@ def _looked_up(direction: Direction) -> Iterator[_LookedUp]:
         table, comparison = steps[0].table, attributes.compared(ends[0][0], ends[1][0])
         if steps[0].kind.name == LookUp.name and table is not None and comparison is not None:
             yield _LookedUp(placed, table, comparison)
-
-
-def _is_legal(number: int, attribute: attributes.Attribute) -> bool:
-    return any(low <= number <= high for low, high in attribute.values)
 
 
 def _findings(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.metamodel.classes.ecore import EObject
@@ -23,12 +22,9 @@ from jausml.language.semantics.jaus.services import (
     with_inherited,
 )
 from jausml.language.semantics.names import urn_fault
-from jausml.language.semantics.paths.scopes import carriers_of
+from jausml.language.semantics.paths.scopes import Carrier, carriers_of
 from jausml.language.semantics.subject import Subject, remembered
 from jausml.language.validation.rule import Finding, Note, rule
-
-if TYPE_CHECKING:
-    from jausml.language.semantics.paths.scopes import Carrier
 
 
 @rule("JML364", "control that is never granted", kinds=jaus.Component)

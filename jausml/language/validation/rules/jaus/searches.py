@@ -6,20 +6,17 @@ import ipaddress
 import re
 from collections import defaultdict
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge, jaus, system
-from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model.diagnostics import Severity
+from jausml.language.model.names import around
 from jausml.language.semantics.connections import calls
 from jausml.language.semantics.hosts import endpoint_of, host_of, is_ipv4
 from jausml.language.semantics.jaus.commands import is_command
 from jausml.language.semantics.jaus.core_services import is_discovered
+from jausml.language.semantics.paths.scopes import Carrier
 from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rule import Finding, Note, rule
-
-if TYPE_CHECKING:
-    from jausml.language.semantics.paths.scopes import Carrier
 
 _LIMITS = {"subsystem": 65534, "node": 254}
 
@@ -170,9 +167,7 @@ def external_is_idle(_: Subject, component: jaus.Component) -> Iterator[Finding]
 
 def _elsewhere(search: jaus.PeerSearch) -> Iterator[Finding]:
     """Yields a finding about a search within the own subsystem for another one."""
-    owner: EObject | None = search.eContainer()
-    while owner is not None and not isinstance(owner, jaus.Component):
-        owner = owner.eContainer()
+    owner = around(search, jaus.Component)
     if owner is None or not owner.address or search.within.name == "system":
         return
     own = dict(zip(_LIMITS, map(int, owner.address.split(".")), strict=False))

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Mapping
+from typing import Any
 
-from jausml.authoring.studio.context import StudioContext  # noqa: TC001 - typed at run time
+from jausml.authoring.studio.context import StudioContext
 from jausml.authoring.studio.live import live_values
 from jausml.authoring.studio.live_places import places_of
 from jausml.live.systems.explaining import Explanation, explained
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
 
 
 def _files(context: StudioContext) -> dict[str, Any]:
