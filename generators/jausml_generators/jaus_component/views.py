@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.generation.artifact import MethodContract, SkeletonContract
@@ -406,10 +406,6 @@ class ComponentView(ProgramView):
     @property
     def skeleton_imports(self) -> Imports:
         """What the skeleton may import."""
-        return replace(self._outer_imports, for_user=True)
-
-    @property
-    def _outer_imports(self) -> Imports:
         own = offered(f".{self.package}_base", "ADDRESS", "SETTINGS", self.base_name)
         return self.base_imports.and_also(own)
 
