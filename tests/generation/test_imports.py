@@ -14,9 +14,9 @@ NAMES = {
 }
 
 
-def imported(body: str, **options: object) -> str:
+def imported(body: str) -> str:
     """Returns what stands between the first line and the body."""
-    text = Modules().finished(f"{HEAD}\n\n{body}", Imports(NAMES, **options))
+    text = Modules().finished(f"{HEAD}\n\n{body}", Imports(NAMES))
     assert text.startswith(HEAD)
     assert text.endswith(f"\n\n{body}")
     return text[len(HEAD) : -len(body)].strip("\n")
@@ -42,24 +42,13 @@ def test_sections_and_names_are_in_order():
     )
 
 
-def test_names_of_annotations_alone_are_for_type_checkers():
+def test_names_of_annotations_are_used_too():
     body = "def f(x: Odometry, y: list[ReportPose]) -> Path | None:\n    z: JausAddress = x\n"
     assert imported(body) == (
-        "from typing import TYPE_CHECKING\n\n"
-        "if TYPE_CHECKING:\n"
-        "    from jausml_runtime import JausAddress\n"
-        "    from nav_msgs.msg import Odometry, Path\n\n"
-        "    from .messages import ReportPose"
+        "from jausml_runtime import JausAddress\n"
+        "from nav_msgs.msg import Odometry, Path\n\n"
+        "from .messages import ReportPose"
     )
-
-
-def test_users_get_them_plainly():
-    body = "def f(x: Odometry) -> None:\n    pass\n"
-    assert imported(body, for_user=True) == "from nav_msgs.msg import Odometry"
-
-
-def test_what_runs_and_annotates_is_imported_once():
-    assert imported("x: Odometry = Odometry()\n") == "from nav_msgs.msg import Odometry"
 
 
 def test_what_the_module_defines_is_not_imported():

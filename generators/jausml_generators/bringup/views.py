@@ -33,10 +33,9 @@ LAUNCH_IMPORTS = Imports(
         **offered("launch.substitutions", "EnvironmentVariable", "LaunchConfiguration"),
         **offered("launch_ros.actions", "Node", "PushRosNamespace", "SetParameter"),
         **offered("launch_ros.substitutions", "ExecutableInPackage"),
-    },
-    for_user=True,
+    }
 )
-"""What launch files may import; they import it plainly, as those of ROS do."""
+"""What launch files may import."""
 
 
 @dataclass(frozen=True)

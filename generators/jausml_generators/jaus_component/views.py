@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from jausml.generation.artifact import MethodContract, SkeletonContract
 from jausml.generation.literals import clean, docstring, python_string, sentence
@@ -402,10 +402,6 @@ class ComponentView(ProgramView):
     @property
     def skeleton_imports(self) -> Imports:
         """What the skeleton may import."""
-        return replace(self._outer_imports, for_user=True)
-
-    @property
-    def _outer_imports(self) -> Imports:
         own = offered(f".{self.package}_base", "ADDRESS", "SETTINGS", self.base_name)
         return self.base_imports.and_also(own)
 

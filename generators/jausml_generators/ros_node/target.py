@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TypeAlias, TypeVar
 
 from jausml.generation.artifact import MethodContract, SkeletonContract
@@ -225,7 +225,7 @@ class NodeView(ProgramView):
     def skeleton_imports(self) -> Imports:
         """What the skeleton may import."""
         base = offered(f".{self.package}_base", self.base_name)
-        return replace(self.base_imports.and_also(base), for_user=True)
+        return self.base_imports.and_also(base)
 
     @property
     def test_imports(self) -> Imports:

@@ -8,7 +8,7 @@ import re
 import sys
 import warnings
 from collections import defaultdict
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from io import StringIO
 from string import ascii_letters, digits, printable
@@ -22,11 +22,8 @@ MARKER = "from __future__ import annotations\n"
 """The line of a template that import statements follow."""
 _NAMED = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef, ast.ExceptHandler)
 _DEFINING = (*_NAMED, ast.arg, ast.Import, ast.ImportFrom)
-_ANNOTATIONS = frozenset({"annotation", "returns"})
 _WITHOUT_NAMES = frozenset({"ctx", "op", "ops", "attr", "id", "kind", "lineno", "type_comment"})
 _OF_MODULES = frozenset({"__name__", "__file__", "__doc__"})
-# Decorators of classes ask for these while the program runs.
-_ALWAYS_RUNNING = frozenset({"typing", "dataclasses"})
 
 
 class UnknownNameError(NameError):
@@ -48,14 +45,16 @@ def offered(module: str, *names: str) -> dict[str, Origin]:
 
 STANDARD: Mapping[str, Origin] = {
     "math": Origin("math"),
+    "os": Origin("os"),
     "pytest": Origin("pytest"),
+    "signal": Origin("signal"),
     "socket": Origin("socket"),
     "struct": Origin("struct"),
     **offered("collections.abc", "Callable", "Iterator", "MutableSequence", "Sequence"),
     **offered("dataclasses", "dataclass", "field"),
     **offered("enum", "IntEnum"),
     **offered("pathlib", "Path"),
-    **offered("typing", "TYPE_CHECKING", "Any", "ClassVar"),
+    **offered("typing", "Any", "ClassVar"),
 }
 """What any generated module may use of the standard library, and pytest."""
 
@@ -66,7 +65,6 @@ class Imports:
 
     names: Mapping[str, Origin]
     own: str = ""
-    for_user: bool = False
 
     def and_also(self, names: Mapping[str, Origin]) -> Imports:
         """Returns the same with further names, which come before others of that name."""
@@ -76,25 +74,23 @@ class Imports:
 class Names(NamedTuple):
     """The names in some statements."""
 
-    running: Collection[str]
-    annotating: Collection[str]
+    used: Collection[str]
     defined: Collection[str]
 
     @property
     def unknown(self) -> set[str]:
         """Those that are asked for, and that neither the statements nor Python define."""
-        used = {*self.running, *self.annotating}.difference(self.defined)
+        used = set(self.used).difference(self.defined)
         return {name for name in used if not hasattr(builtins, name) and name not in _OF_MODULES}
 
 
 def names_in(module: ast.Module) -> Names:
     """Returns the names in the statements of a module."""
-    running: set[str] = set()
-    annotating: set[str] = set()
+    used: set[str] = set()
     defined: set[str] = set()
-    pending: list[tuple[ast.AST, set[str]]] = [(module, running)]
+    pending: list[ast.AST] = [module]
     while pending:
-        node, used = pending.pop()
+        node = pending.pop()
         if isinstance(node, ast.Name):
             # A name that is stored is defined; only one that is loaded must come from somewhere.
             (used if isinstance(node.ctx, ast.Load) else defined).add(node.id)
@@ -105,12 +101,11 @@ def names_in(module: ast.Module) -> Names:
             if field in _WITHOUT_NAMES:
                 continue
             value = getattr(node, field, None)
-            inside = annotating if field in _ANNOTATIONS else used
             if isinstance(value, list):
-                pending += [(child, inside) for child in value if isinstance(child, ast.AST)]
+                pending += [child for child in value if isinstance(child, ast.AST)]
             elif isinstance(value, ast.AST):
-                pending.append((value, inside))
-    return Names(running, annotating, defined)
+                pending.append(value)
+    return Names(used, defined)
 
 
 def import_lines(names: Names, imports: Imports) -> str:
@@ -119,19 +114,13 @@ def import_lines(names: Names, imports: Imports) -> str:
     unknown = sorted(names.unknown - origins.keys())
     if unknown:
         raise UnknownNameError(f"nothing defines the name {unknown[0]!r}")
-    imported = origins.keys() - names.defined
-    running = imported & set(names.running)
-    annotating = imported & set(names.annotating)
-    if imports.for_user:
-        running |= annotating
-    running |= {name for name in annotating if origins[name].module in _ALWAYS_RUNNING}
-    only_typing = annotating - running
-    if only_typing:
-        running.add("TYPE_CHECKING")
-    blocks = _sections(running, origins, imports.own)
-    if only_typing:
-        inner = "\n\n".join(_sections(only_typing, origins, imports.own, " " * 4))
-        blocks.append(f"if TYPE_CHECKING:\n{inner}")
+    imported = (origins.keys() - names.defined).intersection(names.used)
+    sections: dict[int, dict[str, Origin]] = defaultdict(dict)
+    for name in imported:
+        top = origins[name].module.partition(".")[0]
+        number = 2 if top in {"", imports.own} else int(top not in sys.stdlib_module_names)
+        sections[number][name] = origins[name]
+    blocks = ("\n".join(statements(sections[number])) for number in sorted(sections))
     return "\n".join(f"{block}\n" for block in blocks)
 
 
@@ -143,22 +132,10 @@ def _defined(node: ast.AST) -> list[str]:
     return [node.name] if isinstance(node, _NAMED) and node.name else []
 
 
-def _sections(
-    names: Iterable[str], origins: Mapping[str, Origin], own: str, indent: str = ""
-) -> list[str]:
-    """Returns the import statements of the standard library, of others and of the package."""
-    sections: dict[int, dict[str, Origin]] = defaultdict(dict)
-    for name in names:
-        top = origins[name].module.partition(".")[0]
-        number = 2 if top in {"", own} else int(top not in sys.stdlib_module_names)
-        sections[number][name] = origins[name]
-    return ["\n".join(statements(sections[number], indent)) for number in sorted(sections)]
-
-
-def statements(origins: Mapping[str, Origin], indent: str = "") -> Iterator[str]:
+def statements(origins: Mapping[str, Origin]) -> Iterator[str]:
     """Yields the import statements for names, in ruff's order and layout."""
     modules = [name for name, origin in origins.items() if not origin.name]
-    yield from (f"{indent}import {origins[name].module}" for name in sorted(modules, key=_natural))
+    yield from (f"import {origins[name].module}" for name in sorted(modules, key=_natural))
     members: dict[tuple[str, str], set[str]] = defaultdict(set)
     for name, origin in origins.items():
         if origin.name == name:
@@ -167,10 +144,10 @@ def statements(origins: Mapping[str, Origin], indent: str = "") -> Iterator[str]
             members[origin.module, name].add(f"{origin.name} as {name}")
     lines = [(module, sorted(group, key=_rank)) for (module, _), group in members.items()]
     for module, group in sorted(lines, key=lambda line: (_natural(line[0]), _rank(line[1][0]))):
-        line = f"{indent}from {module} import {', '.join(group)}"
+        line = f"from {module} import {', '.join(group)}"
         if len(line) > LINE_WIDTH:
-            inner = "".join(f"{indent}    {name},\n" for name in group)
-            line = f"{indent}from {module} import (\n{inner}{indent})"
+            inner = "".join(f"    {name},\n" for name in group)
+            line = f"from {module} import (\n{inner})"
         yield line
 
 
@@ -211,7 +188,7 @@ class _Piece(NamedTuple):
 
     Attributes:
         parts: What is its own, and after each of it a hidden string or code.
-        names: Those that run, annotate and are defined, in a line each.
+        names: Those that are used and those that are defined, in a line each.
     """
 
     parts: Sequence[str]

@@ -9,13 +9,11 @@ than one.
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Generic, TypeVar
+from typing import Generic, TypeVar
 
-if TYPE_CHECKING:
-    from collections.abc import Hashable, Mapping, Sequence
-
-    Place = tuple[Hashable, ...]
+Place = tuple[Hashable, ...]
 
 LEVELS = 3  # host, endpoint and id
 T = TypeVar("T")

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from datetime import datetime, timedelta, timezone
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from .loop import Loop, Timer
-
+from .loop import Loop, Timer
 
 _EPOCH = datetime(1970, 1, 1, tzinfo=timezone.utc)
 

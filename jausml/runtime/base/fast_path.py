@@ -8,18 +8,16 @@ good until something that it rests on changes (`Revision`).
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+from .address import JausAddress
 
-    from .address import JausAddress
-
-    Find = Callable[[JausAddress], "FastPath | None"]
-    Passed = Callable[[bytes, int, float, int], None]
-    """Told of a message that was published: its payload, its sequence number, when it was received,
-    and a bit for each field that was left out."""
+Find = Callable[[JausAddress], "FastPath | None"]
+Passed = Callable[[bytes, int, float, int], None]
+"""Told of a message that was published: its payload, its sequence number, when it was received,
+and a bit for each field that was left out."""
 
 TakeT = TypeVar("TakeT", bound="Callable[..., Any]")
 

@@ -6,20 +6,17 @@ import heapq
 import math
 import os
 import select
+import socket
 import threading
 import time
 from collections import deque
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 from .counters import Clock, Counters
 from .fast_path import Revision
 from .standstill import Standstill, steady
 
-if TYPE_CHECKING:
-    import socket
-    from collections.abc import Callable
-
-    Poll = Callable[[float | None, int], list[tuple[int, int]]]
+Poll = Callable[[float | None, int], list[tuple[int, int]]]
 
 # Cancelled timers stay in the heap up to this number: to take out each costs more.
 _COMPACT_FROM = 64

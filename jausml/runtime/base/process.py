@@ -5,16 +5,13 @@ from __future__ import annotations
 import atexit
 import logging
 import signal
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from queue import SimpleQueue
-from typing import TYPE_CHECKING
+from types import FrameType
 
 from .api import JausError
 from .counters import LOGGER
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
-    from types import FrameType
 
 LOG_FORMAT = "%(asctime)s %(levelname)s %(name)s: %(message)s"
 

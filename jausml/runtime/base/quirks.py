@@ -10,12 +10,10 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from enum import Enum
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
+from .address import JausAddress
 from .counters import LOGGER
-
-if TYPE_CHECKING:
-    from .address import JausAddress
 
 MOST_PEERS = 256
 """Peers of which something is remembered; the one that was learnt of first gives way."""

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import argparse
 import ipaddress
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from enum import Enum
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from .address import JausAddress
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
 
 JUDP_PORT = 3794
 """Port of JAUS over UDP (IANA; AS5669A)."""

@@ -10,44 +10,36 @@ is handed over.
 from __future__ import annotations
 
 import time
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
+from ctypes import CDLL
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ..base.address import JausAddress
 from ..base.api import JausError
+from ..base.clocks import Timing
 from ..base.counters import LOGGER
+from ..base.fast_path import FastSending
+from ..base.loop import Loop
 from ..component.base import Component
 from ..conversions import Time
-from ..services.definitions import Status
+from ..services.definitions import HandoffRequest, Status
+from ..services.host import CoreService, Host
 from ..services.management import PASSIVE, ManagementService
+from ..transports.transport import Transport
 from .connections.translations import Form
-from .diagnosing import Diagnosing
+from .diagnosing import Carried, Diagnosing
 from .ends import parameters
-from .ends.ends import SharedMessages, SharedTopics
+from .ends.ends import BridgeSettings, SharedMessages, SharedTopics
+from .ends.parameters import AttributeParameter
+from .ends.ros_side import RosSide
 from .ends.simulation import Simulation
 from .fastpath.library import NoFastPathError
-from .fastpath.side import FastSide
-from .messages.compiled import NoCoreError
+from .fastpath.side import FastSide, FastSubscriber
+from .messages.compiled import Compiled, Core, Function, NoCoreError, Translation
 from .reports.states import Standing, StopReason
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
-    from ctypes import CDLL
-
-    from ..base.clocks import Timing
-    from ..base.fast_path import FastSending
-    from ..base.loop import Loop
-    from ..services.definitions import HandoffRequest
-    from ..services.host import CoreService, Host
-    from ..transports.transport import Transport
-    from .diagnosing import Carried
-    from .ends.ends import BridgeSettings
-    from .ends.parameters import AttributeParameter
-    from .ends.ros_side import RosSide
-    from .fastpath.side import FastSubscriber
-    from .messages.compiled import Compiled, Core, Function, Translation
 
 _COST = "where a scan or path costs 20 to 100 times as much"
 """What is said of translations in Python."""

@@ -7,13 +7,21 @@ from __future__ import annotations
 
 import struct
 from collections import deque
-from typing import TYPE_CHECKING, Protocol
+from collections.abc import Mapping, Sequence
+from typing import Protocol
 
+from ..base.address import JausAddress
 from ..base.clocks import Alarm
-from ..transports.transport import accounts_of
+from ..base.loop import Loop
+from ..conversions import Time
+from ..transports.delivery import PeerTraffic
+from ..transports.transport import Accountable, accounts_of
+from .connections.translations import Form
 from .ends.ends import Ends
+from .ends.simulation import Simulation
 from .reports.diagnostics import (
     ConnectionStatus,
+    Statistics,
     double_status,
     greeting_status,
     guardian_status,
@@ -21,19 +29,7 @@ from .reports.diagnostics import (
     state_status,
     traffic_status,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from ..base.address import JausAddress
-    from ..base.loop import Loop
-    from ..conversions import Time
-    from ..transports.delivery import PeerTraffic
-    from ..transports.transport import Accountable
-    from .connections.translations import Form
-    from .ends.simulation import Simulation
-    from .reports.diagnostics import Statistics
-    from .reports.states import Standing, StopReason
+from .reports.states import Standing, StopReason
 
 
 class Carried(Protocol):

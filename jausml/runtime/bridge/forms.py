@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from dataclasses import fields, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 from ..base.api import JausError
 from ..wire.message import EncodeError
+from .bridge import Bridge
+from .connections.connection import AnyConnection
 from .connections.translations import uses_ros_classes
 from .light_message import LightMessage
 from .messages.compiled import NoCoreError, compiled_of
 from .messages.limits import RosTypeError
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from .bridge import Bridge
-    from .connections.connection import AnyConnection
-
 
 CODE_SIZE = 2  # bytes of the message code, by which a payload comes to the right translation
 

@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 import struct
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict
 from functools import cache
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
+from ..base.loop import Loop
 from ..guardian.rcl import loaded_libraries
-from ..guardian.ward import Ward
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Sequence
-
-    from ..base.loop import Loop
-    from ..guardian.ward import Content
-    from .ends.ros_side import RosPublisher, RosSide
+from ..guardian.ward import Content, Ward
+from .ends.ros_side import RosPublisher, RosSide
 
 _MARK = struct.pack("<iI", *Ward.moment)
 

@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from ..clients.handoff_client import HandoffClient
+from ..messages.handoff import HandoffDecision
+from ..services.definitions import HandoffRequest
 from .bridge import Bridge
-
-if TYPE_CHECKING:
-    from ..messages.handoff import HandoffDecision
-    from ..services.definitions import HandoffRequest
 
 
 class HandoffBridge(Bridge):

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Sequence
 
 from ..base.counters import LOGGER
 from ..base.process import EXIT_OK, EXIT_USAGE
 from .ends.topics import ParameterError
 from .ros.environment import permits_ros
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
 
 
 def run_node(factory: Callable[[], object], arguments: Sequence[str] | None = None) -> int:

@@ -5,11 +5,13 @@ from __future__ import annotations
 import argparse
 import gc
 import sys
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ..base.counters import LOGGER
+from ..base.loop import Loop
 from ..base.process import (
     EXIT_FAILED,
     EXIT_OK,
@@ -19,27 +21,23 @@ from ..base.process import (
     failed,
     log_counts,
 )
-from ..base.settings import add_arguments, from_arguments
+from ..base.settings import TransportSettings, add_arguments, from_arguments
 from ..component.process import (
     add_component_arguments,
     component_settings,
     given_options,
     running_transport,
 )
+from ..transports.transport import Transport
+from .bridge import Bridge
 from .ends import parameters
+from .ends.ends import BridgeSettings
 from .ends.topics import ParameterError
 from .messages.limits import RosLostError
 from .ros.environment import permits_ros
 from .ros.spared import spare_modules
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
-
-    from ..base.loop import Loop
-    from ..base.settings import TransportSettings
-    from ..transports.transport import Transport
-    from .bridge import Bridge
-    from .ends.ends import BridgeSettings
     from .ros.node import RosNode
 
 

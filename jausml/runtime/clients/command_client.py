@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
+from ..base.address import JausAddress
 from ..base.clocks import Alarm
 from ..messages import (
     CancelEvent,
@@ -14,12 +15,7 @@ from ..messages import (
 )
 from ..services.definitions import COMMAND_REQUESTS
 from ..services.host import Host
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from ..base.address import JausAddress
-    from ..wire.message import Message
+from ..wire.message import Message
 
 MAX_DURATION = 0xFFFFFFFF
 """Longest MaximumAllowedDuration in seconds; 0 has no meaning of its own: no time is allowed."""

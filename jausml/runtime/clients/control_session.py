@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
+from ..base.address import JausAddress
 from ..messages import ConfirmControl, RejectControl, ReportControl, ReportStatus, ReportTimeout
-from .control_state import Releases
+from ..services.definitions import Status
+from ..services.host import Host
+from .control_state import ControlState, Releases
 from .controlled_target import ControlledTarget
 from .event_client import EventClient
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from ..base.address import JausAddress
-    from ..services.definitions import Status
-    from ..services.host import Host
-    from .control_state import ControlState
 
 
 class ControlSession:

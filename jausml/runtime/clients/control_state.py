@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from enum import Enum
 from functools import partial
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
+from ..base.address import JausAddress
 from ..base.clocks import Alarm
 from ..messages import (
     QueryControl,
@@ -15,17 +17,12 @@ from ..messages import (
     ReportStatus,
     RequestControl,
 )
+from ..services.host import Host
+from ..wire.message import Message
 from .event_client import EventClient
+from .event_subscription import EventSubscription
 from .pace import QUICK_TRIES
 from .presence import Presence
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from ..base.address import JausAddress
-    from ..services.host import Host
-    from ..wire.message import Message
-    from .event_subscription import EventSubscription
 
 
 class ControlState(Enum):

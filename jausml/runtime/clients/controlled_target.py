@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 from ..base.address import JausAddress
 from ..base.clocks import Alarm
@@ -18,17 +18,12 @@ from ..messages import (
     Resume,
 )
 from ..services.definitions import Status
+from ..services.host import Host
 from ..transports.delivery import Ordering
-from .control_state import ControlState, Questions, Session, TargetWatch
+from ..wire.message import Message
+from .control_state import ControlState, Questions, Releases, Session, TargetWatch
 from .pace import QUICK_TRIES, Pace
 from .presence import Presence
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from ..services.host import Host
-    from ..wire.message import Message
-    from .control_state import Releases
 
 RENEWALS = 4
 """Renewals of control in the target's timeout, each repeated until it is confirmed; when none of

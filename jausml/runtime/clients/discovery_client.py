@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from ..base.address import BROADCAST, JausAddress
 from ..base.quirks import Quirk
 from ..messages import QueryServiceList, QueryServices, ReportServiceList, ReportServices
+from ..services.definitions import ServiceIdentity
 from ..services.discovery import services_of
+from ..services.host import Host
 from .registration import Registration
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from ..services.definitions import ServiceIdentity
-    from ..services.host import Host
 
 
 def query_services(component: JausAddress = BROADCAST) -> QueryServices:

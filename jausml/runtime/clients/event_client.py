@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, TypeVar
+from collections.abc import Callable
+from typing import Any, TypeVar
 
+from ..base.address import JausAddress
+from ..base.fast_path import FastPath
 from ..base.quirks import Quirk
 from ..messages import (
     CancelEvent,
@@ -14,17 +17,11 @@ from ..messages import (
     ReportEventTimeout,
 )
 from ..services.definitions import MAX_EVENT_RATE
+from ..services.host import Host
 from ..wire.message import Message
 from .event_stream import EVENT_HEADER, EventStream
 from .event_subscription import EventSubscription
 from .query import QueryClient
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from ..base.address import JausAddress
-    from ..base.fast_path import FastPath
-    from ..services.host import Host
 
 R = TypeVar("R", bound=Message)
 EVENT_REQUESTS = range(224)  # request ids of the events of one provider

@@ -5,22 +5,19 @@ from __future__ import annotations
 from dataclasses import replace
 from enum import Enum
 from functools import partial
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
+from ..base.address import JausAddress
 from ..base.clocks import Alarm
+from ..base.fast_path import FastPath
 from ..base.quirks import Quirk
 from ..messages import CancelEvent, CreateEvent
 from ..services.events import EVERY_CHANGE, PERIODIC, UNKNOWN_EVENT
-from .event_subscription import Subscribers
+from ..services.host import Host
+from ..wire.message import DecodeError, Message
+from .event_subscription import EventSubscription, Subscribers
 from .pace import Pace
 from .presence import SILENCE, Presence
-
-if TYPE_CHECKING:
-    from ..base.address import JausAddress
-    from ..base.fast_path import FastPath
-    from ..services.host import Host
-    from ..wire.message import DecodeError, Message
-    from .event_subscription import EventSubscription
 
 SILENT_PERIODS = 3  # periods of a periodic event without a report after which it is created again
 MIN_SILENCE = 1.0  # shortest silence in seconds that counts; reports of fast events may be late

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
+from ..base.address import JausAddress
 from ..services.host import Host
 from ..wire.message import Message
 from .event_client import EventClient
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from ..base.address import JausAddress
-    from .event_subscription import EventSubscription
+from .event_subscription import EventSubscription
 
 R = TypeVar("R", bound=Message)
 

@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from functools import partial
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
+from ..base.address import JausAddress
 from ..base.clocks import Alarm
-from ..base.fast_path import fast_path_of
-from ..wire.message import DecodeError
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from ..base.address import JausAddress
-    from ..base.fast_path import FastPath
-    from ..base.loop import Loop, Timer
-    from ..services.host import Host
-    from ..wire.message import Message
+from ..base.fast_path import FastPath, fast_path_of
+from ..base.loop import Loop, Timer
+from ..services.host import Host
+from ..wire.message import DecodeError, Message
 
 
 class QueryTimer:

@@ -9,19 +9,15 @@ sent before it has come, or a stated time has passed.
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Callable, Sequence
 from enum import Enum
 from functools import partial
-from typing import TYPE_CHECKING
 
+from ..base.address import JausAddress
+from ..base.loop import Timer
+from ..services.host import Host
 from ..transports.packets.packet import Priority
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from ..base.address import JausAddress
-    from ..base.loop import Timer
-    from ..services.host import Host
-    from ..wire.message import Message
+from ..wire.message import Message
 
 ATTEMPTS = 3  # how often a query is sent in the time that its answer has
 LATEST = 5  # how late an answer may be, in time-outs of its exchange

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
+from ..base.address import JausAddress
 from ..wire.message import Message
 from .event_subscriber import EventSubscriber
+from .event_subscription import EventSubscription
 from .peer_binding import PeerBinding
+from .peer_search import PeerSearch
 from .querier import Querier
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from ..base.address import JausAddress
-    from .event_subscription import EventSubscription
-    from .peer_search import PeerSearch
 
 R = TypeVar("R", bound=Message)
 

@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
+from ..base.address import JausAddress
 from ..base.clocks import Alarm
 from ..base.counters import LOGGER
 from ..messages import QueryIdentification
-from ..services.host import GREETING_PATIENCE
+from ..services.host import GREETING_PATIENCE, Host
 from .presence import Presence
-
-if TYPE_CHECKING:
-    from ..base.address import JausAddress
-    from ..services.host import Host
 
 GREETING_INTERVAL = 5.0  # seconds between two greetings
 

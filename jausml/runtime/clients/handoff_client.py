@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 from ..base.address import JausAddress
 from ..base.api import JausError
@@ -18,12 +18,8 @@ from ..messages import (
 )
 from ..messages.handoff import HandoffDecision
 from ..services.definitions import HandoffRequest
+from ..services.host import Host
 from .control_session import ControlClient
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from ..services.host import Host
 
 RENEWALS = 3  # how often a request is sent again in the time in which it would lapse
 RENEWAL = 3.0  # seconds between two requests to a component that has not said when they lapse

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterable, Sequence
 
+from ..base.address import JausAddress
 from ..base.clocks import Alarm
 from ..messages import (
     ConfirmElementRequest,
@@ -18,13 +19,8 @@ from ..messages import (
 from ..services.host import Host
 from ..services.list_elements import ListElement
 from ..services.list_manager import ALL_UIDS, NO_UID
+from ..wire.message import Message
 from .query import QueryClient
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Sequence
-
-    from ..base.address import JausAddress
-    from ..wire.message import Message
 
 MAX_ELEMENTS = 255  # elements that one request holds (AS5710, SetElement)
 

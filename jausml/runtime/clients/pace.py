@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
+from ..base.address import JausAddress
+from ..services.host import Host
 from .presence import Presence
-
-if TYPE_CHECKING:
-    from ..base.address import JausAddress
-    from ..services.host import Host
 
 QUICK_TRIES = 8  # requests without an answer after which the pauses between them grow
 

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
-if TYPE_CHECKING:
-    from ..base.address import JausAddress
-    from ..services.host import Host
+from ..base.address import JausAddress
+from ..services.host import Host
 
 OnChange = Callable[[Sequence["JausAddress"]], None]
 

@@ -2,21 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
+from ..base.address import JausAddress
+from ..messages.handoff import HandoffDecision
+from ..services.definitions import HandoffRequest
 from ..services.host import Host
-from .control_session import ControlClient
-from .handoff_client import HandoffClient
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from ..base.address import JausAddress
-    from ..messages.handoff import HandoffDecision
-    from ..services.definitions import HandoffRequest
-    from .control_session import ControlSession
-    from .control_state import ControlState
-    from .handoff_client import HandoffAnswer, PendingHandoff
+from .control_session import ControlClient, ControlSession
+from .control_state import ControlState
+from .handoff_client import HandoffAnswer, HandoffClient, PendingHandoff
 
 
 class PeerController(Host):

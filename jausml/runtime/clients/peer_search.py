@@ -7,23 +7,18 @@ and let go when it acknowledges no more: that needs no service of it.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from functools import partial
-from typing import TYPE_CHECKING
 
 from ..base.address import WILDCARD_COMPONENT, WILDCARD_NODE, WILDCARD_SUBSYSTEM, JausAddress
 from ..base.clocks import Alarm
 from ..messages import QueryHeartbeatPulse, QueryIdentification
 from ..services.definitions import Scope
 from ..services.host import Host
-from .discovery_client import DiscoveryClient
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Sequence
-
-    from .discovery_client import FoundComponent
-    from .peer_binding import OnChange
+from .discovery_client import DiscoveryClient, FoundComponent
+from .peer_binding import OnChange
 
 
 class PeerChoice(Enum):

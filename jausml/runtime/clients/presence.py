@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from ..base.address import JausAddress
-    from ..services.host import Host
+from ..base.address import JausAddress
+from ..services.host import Host
 
 SILENCE = 2.0  # seconds without a message after which a component that speaks again has come back
 

@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, TypeVar
+from collections.abc import Callable
+from typing import TypeVar
 
+from ..base.address import JausAddress
 from ..services.host import Host
 from ..wire.message import Message
-from .query import QueryClient
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from ..base.address import JausAddress
-    from .query import PendingQuery
+from .query import PendingQuery, QueryClient
 
 R = TypeVar("R", bound=Message)
 

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
+from ..base.address import JausAddress
 from ..base.clocks import Alarm
+from ..services.host import Host
 from ..wire.message import DecodeError, Message
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from ..base.address import JausAddress
-    from ..services.host import Host
 
 R = TypeVar("R", bound=Message)
 

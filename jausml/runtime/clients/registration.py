@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
-from ..base.address import BROADCAST
+from ..base.address import BROADCAST, JausAddress
 from ..base.clocks import Alarm
 from ..messages import QueryIdentification, ReportIdentification
 from ..services.definitions import CORE, Scope
 from ..services.discovery import register_services
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from ..base.address import JausAddress
-    from ..services.host import Host
+from ..services.host import Host
 
 EAGER_TRIES = 3  # attempts in quick succession after the start
 EAGER_INTERVAL = 5.0  # seconds between them

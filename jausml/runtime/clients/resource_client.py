@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
+from ..base.address import JausAddress
 from ..base.clocks import Alarm
 from ..messages.digital_resources import (
     QueryDigitalResourceEndpoint,
@@ -13,14 +14,9 @@ from ..messages.digital_resources import (
 )
 from ..services.definitions import DIGITAL_RESOURCE_DISCOVERY, Scope
 from ..services.digital_resources import endpoints
+from ..services.host import Host
 from .peer_search import PeerClient, PeerSearch
 from .query import QueryClient
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from ..base.address import JausAddress
-    from ..services.host import Host
 
 REGISTRY = PeerSearch((DIGITAL_RESOURCE_DISCOVERY,), within=Scope.SUBSYSTEM)
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Sequence
 
+from ..base.address import JausAddress
 from ..base.api import part_of_whole
-from ..base.clocks import HostClock
+from ..base.clocks import HostClock, Timing
 from ..base.counters import LOGGER
+from ..base.fast_path import FastPath
 from ..clients.presence import SILENCE, Presence
 from ..clients.registration import Registration
 from ..messages import ClearEmergency, Event, SetEmergency
@@ -25,19 +27,10 @@ from ..services.events import EventsService
 from ..services.host import CoreService, Host
 from ..services.liveness import LivenessService
 from ..services.management import ManagementService
-from ..transports.delivery import Ordering
+from ..transports.delivery import Ordering, Take
 from ..transports.packets.packet import Priority
-from ..transports.transport import log_accounts
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from ..base.address import JausAddress
-    from ..base.clocks import Timing
-    from ..base.fast_path import FastPath
-    from ..transports.delivery import Take
-    from ..transports.transport import Transport
-    from ..wire.message import Message
+from ..transports.transport import Transport, log_accounts
+from ..wire.message import Message
 
 COMPONENT_TYPE = 60001  # type of a plain component (AS5710, ReportIdentification)
 

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Callable, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
+from ..base.address import JausAddress
 from ..services.access_control import Reject
 from ..services.definitions import Guard, Status
 from ..services.dispatch import Provision
@@ -13,11 +15,6 @@ from ..services.machine_states import MachineStatesService
 from ..wire.message import EncodeError, Message
 from .base import Component
 from .state_machine import Action, Condition, State, StateMachine
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from ..base.address import JausAddress
 
 LOGGER = logging.getLogger(__name__)
 

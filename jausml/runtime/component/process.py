@@ -6,9 +6,9 @@ import argparse
 import os
 import re
 import socket
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from ..base.address import JausAddress
 from ..base.api import part_of_whole
@@ -17,13 +17,8 @@ from ..base.loop import Loop
 from ..base.process import LOG_LEVELS, log_counts
 from ..base.settings import TransportKind, TransportSettings
 from ..services.definitions import ComponentSettings, Scope, server_type
+from ..transports.transport import Transport
 from ..transports.udp.judp import JudpTransport
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
-
-    from ..transports.transport import Transport
-
 
 _EMPTY_OPTION = re.compile("--[a-z-]+=")
 

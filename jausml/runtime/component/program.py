@@ -4,24 +4,19 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
+from ..base.address import JausAddress
 from ..base.counters import LOGGER
 from ..base.process import EXIT_OK, StopRequest, configure_log, failed
-from ..base.settings import add_arguments, from_arguments
+from ..base.settings import TransportSettings, add_arguments, from_arguments
+from ..services.definitions import ComponentSettings
+from ..transports.transport import Transport
+from .base import Component
 from .process import add_component_arguments, component_settings, given_options, running_transport
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from ..base.address import JausAddress
-    from ..base.settings import TransportSettings
-    from ..services.definitions import ComponentSettings
-    from ..transports.transport import Transport
-    from .base import Component
-
-    Factory = Callable[[Transport, JausAddress, ComponentSettings], Component]
+Factory = Callable[[Transport, JausAddress, ComponentSettings], Component]
 
 
 @dataclass(frozen=True)

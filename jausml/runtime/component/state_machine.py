@@ -10,12 +10,10 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import Enum
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
+from ..base.address import JausAddress
 from ..wire.message import Message
-
-if TYPE_CHECKING:
-    from ..base.address import JausAddress
 
 REMEMBERED_STATES = 64
 """Pushes that wait for their pop; peers that only push must not fill the memory."""

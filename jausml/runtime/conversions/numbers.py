@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, TypeVar
+from collections.abc import Hashable, Mapping
+from typing import TypeVar
 
 from .types import ConversionError
-
-if TYPE_CHECKING:
-    from collections.abc import Hashable, Mapping
-
 
 _DEGREE = math.pi / 180.0
 _RADIAN = 180.0 / math.pi

@@ -9,12 +9,8 @@ the out-of-range policy of the target judges.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
-from .types import Angles, Quaternion
-
-if TYPE_CHECKING:
-    from .types import QuaternionLike
+from .types import Angles, Quaternion, QuaternionLike
 
 # Closer to vertical than this, roll and yaw turn about the same axis.
 _VERTICAL = 1.0 - 1e-12

@@ -7,13 +7,10 @@ begin with the more significant octet.
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, TypeVar
+from collections.abc import Sequence
+from typing import TypeVar
 
 from .types import ConversionError, Pixels
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
 
 Cell = TypeVar("Cell")
 

@@ -5,13 +5,8 @@ from __future__ import annotations
 import time
 from datetime import date
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
-from .types import ConversionError, Time, TimeStamp
-
-if TYPE_CHECKING:
-    from .types import TimeLike, TimeStampLike
-
+from .types import ConversionError, Time, TimeLike, TimeStamp, TimeStampLike
 
 _DAY = 86_400
 _DAY_NS = _DAY * 10**9

@@ -6,14 +6,11 @@ import ctypes
 import json
 import mmap
 import os
+import socket
 import time
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, TypeAlias
-
-if TYPE_CHECKING:
-    import socket
-    from collections.abc import Callable, Mapping
-
+from typing import Any, TypeAlias
 
 MOST_STOPS = 1024  # connections, and datagrams, that one page has room for
 MOST_OF_A_FRAME = 1 << 17  # bytes of the longest frame; a longer one is no stop of a robot

@@ -13,14 +13,12 @@ import socket
 import struct
 import sys
 import time
-from typing import TYPE_CHECKING, Any, TypeVar
+from collections.abc import Callable
+from typing import Any, TypeVar
 
 from .page import Page, read_frame, steady_ns
 from .rcl import Rcl, RclError
 from .sayings import Cancel, Datagram, Stops, Told, Topic
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 POLL = 0.1  # seconds between two looks at the beat
 

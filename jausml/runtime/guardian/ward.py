@@ -6,19 +6,16 @@ import os
 import socket
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ..base.clocks import Alarm
 from ..base.counters import LOGGER
+from ..base.loop import Loop
 from ..conversions import Time
 from . import process
 from .page import MOST_OF_A_FRAME, MOST_STOPS, Page, Slots, frame, steady_ns
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from ..base.loop import Loop
 
 PERIOD = 0.1  # seconds between two beats
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Set
 
+from ..base.address import JausAddress
 from ..base.clocks import Alarm
+from ..base.loop import Loop
 from ..messages import (
     ConfirmControl,
     QueryAuthority,
@@ -18,16 +20,9 @@ from ..messages import (
     RequestControl,
     SetAuthority,
 )
+from ..wire.message import Message
 from .definitions import CORE, VERSION_1_1, Guard
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Set
-
-    from ..base.address import JausAddress
-    from ..base.loop import Loop
-    from ..wire.message import Message
-    from .host import Host
-
+from .host import Host
 
 LIMIT = 10  # like refusals that a requester gets at once in each second
 PERIOD = 1.0  # seconds in which they are counted

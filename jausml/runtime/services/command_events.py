@@ -5,10 +5,12 @@ Ids and refusals are those of report events too.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
+from ..base.address import JausAddress
 from ..base.api import JausError
+from ..base.loop import Timer
 from ..messages import (
     CancelEvent,
     CommandEvent,
@@ -20,14 +22,8 @@ from ..messages import (
 )
 from ..wire.message import DecodeError, Message, read_code
 from .definitions import Completion
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from ..base.address import JausAddress
-    from ..base.loop import Timer
-    from .dispatch import Handler
-    from .host import Host
+from .dispatch import Handler
+from .host import Host
 
 RejectCode = RejectEventRequest.ResponseCode
 

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import Enum, IntEnum
-from typing import TYPE_CHECKING
 
+from ..base.address import JausAddress
 from ..base.settings import check_range
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-
-    from ..base.address import JausAddress
 
 CORE = "urn:jaus:jss:core:"  # prefix of the identifiers of the core services (AS5710)
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
+from ..base.address import JausAddress
 from ..messages.digital_resources import (
     ConfirmDigitalResourceEndpoint,
     Endpoint,
@@ -12,14 +13,9 @@ from ..messages.digital_resources import (
     RemoveDigitalResourceEndpoint,
     ReportDigitalResourceEndpoint,
 )
+from ..wire.message import Message
 from .definitions import DIGITAL_RESOURCE_DISCOVERY, server_type
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from ..base.address import JausAddress
-    from ..wire.message import Message
-    from .host import Host
+from .host import Host
 
 MOST_ENDPOINTS = 255  # endpoints that a report can list, and ids that a confirmation can tell
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterable
 
+from ..base.address import JausAddress
 from ..messages import (
     QueryConfiguration,
     QueryIdentification,
@@ -13,15 +14,10 @@ from ..messages import (
     ReportIdentification,
     ReportSubsystemList,
 )
+from ..wire.message import Message
 from .definitions import Scope, ServiceIdentity
 from .discovery import MAX_LIST, component_record, grouped, services_of
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-    from ..base.address import JausAddress
-    from ..wire.message import Message
-    from .host import Host
+from .host import Host
 
 MAX_REGISTRATIONS = 1024
 """Components that are remembered; a flood of registrations must not fill the memory."""

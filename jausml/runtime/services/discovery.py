@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any
 
 from ..base.address import WILDCARD_COMPONENT, WILDCARD_NODE, WILDCARD_SUBSYSTEM, JausAddress
 from ..base.api import part_of_whole
@@ -19,15 +20,11 @@ from ..messages import (
     ReportServices,
     ReportSubsystemList,
 )
+from ..wire.message import Message
 from .definitions import CORE, VERSION_1_1, Scope, ServiceIdentity
+from .host import Host
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping, Sequence
-
-    from ..wire.message import Message
-    from .host import Host
-
-    Catalog = Mapping[JausAddress, Sequence[ServiceIdentity]]
+Catalog = Mapping[JausAddress, Sequence[ServiceIdentity]]
 
 
 MAX_LIST = 255  # entries that a list of a report holds

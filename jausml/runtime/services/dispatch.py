@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
-from ..base.fast_path import fast_path_of, through
+from ..base.address import JausAddress
+from ..base.counters import Clock, Counters
+from ..base.fast_path import FastPath, fast_path_of, through
+from ..transports.delivery import Ordering
 from ..wire.message import DecodeError, Message
 from .definitions import Guard
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from ..base.address import JausAddress
-    from ..base.counters import Clock, Counters
-    from ..base.fast_path import FastPath
-    from ..transports.delivery import Ordering
 
 _MOST_DROPS = 1024
 LONGEST_CALL = 0.5  # seconds after which the log tells that user code blocks

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import struct
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
+from ..base.address import JausAddress
 from ..base.budgets import Held, fair_rates, who_gives_way
-from ..base.clocks import Alarm
+from ..base.clocks import Alarm, Timing
+from ..base.loop import Timer
 from ..messages import (
     CancelEvent,
     ConfirmEventRequest,
@@ -22,15 +25,8 @@ from ..messages import (
 from ..wire.message import DecodeError, Message, asks_for_all
 from .command_events import CommandEvents, EventIds, RejectCode, RequestError, reject
 from .definitions import CORE, VERSION_1_1
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
-
-    from ..base.address import JausAddress
-    from ..base.clocks import Timing
-    from ..base.loop import Timer
-    from .dispatch import Provision
-    from .host import Host
+from .dispatch import Provision
+from .host import Host
 
 _TIME_TO_PROVE_S = 5.0
 _UNPROVED_RATE = 1.0

@@ -6,8 +6,7 @@ controller answers. Where the public descriptions of the service are silent, the
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
+from ..base.address import JausAddress
 from ..base.clocks import Alarm
 from ..messages import (
     ConfirmHandoffRequest,
@@ -22,10 +21,7 @@ from ..messages import (
 )
 from ..messages.handoff import HandoffDecision as Decision
 from .access_control import AccessControlService
-
-if TYPE_CHECKING:
-    from ..base.address import JausAddress
-    from .host import Host
+from .host import Host
 
 NO_REQUEST = 255  # number in the answer to a client that has no request; requests have others
 MAX_REQUESTS = 16  # clients that wait at a time; a flood of false ones must not bury the controller

@@ -2,27 +2,28 @@
 
 from __future__ import annotations
 
-from datetime import timedelta
+from collections.abc import Callable, Mapping
+from datetime import datetime, timedelta
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Protocol, TypeVar, cast
+from typing import Any, Protocol, TypeVar, cast
 
+from ..base.address import JausAddress
+from ..base.clocks import HostClock, Timing
+from ..base.counters import Counters
+from ..base.fast_path import FastPath
+from ..base.loop import Loop
 from ..transports.packets.packet import Priority
+from ..transports.transport import Transport
 from ..wire.message import DecodeError, EncodeError, Message, asked_for, asked_for_in
-from .definitions import VERSION_1_1, Guard
-from .dispatch import Handler, Provision
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-    from datetime import datetime
-
-    from ..base.address import JausAddress
-    from ..base.clocks import HostClock, Timing
-    from ..base.counters import Counters
-    from ..base.fast_path import FastPath
-    from ..base.loop import Loop
-    from ..transports.transport import Transport
-    from .definitions import Completion, ComponentSettings, HandoffRequest, ServiceIdentity
-    from .dispatch import Router
+from .definitions import (
+    VERSION_1_1,
+    Completion,
+    ComponentSettings,
+    Guard,
+    HandoffRequest,
+    ServiceIdentity,
+)
+from .dispatch import Handler, Provision, Router
 
 M = TypeVar("M", bound=Message)
 Q = TypeVar("Q", bound=Message)

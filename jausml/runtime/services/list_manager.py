@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Protocol
 
+from ..base.address import JausAddress
 from ..base.api import JausError
 from ..messages import (
     ConfirmElementRequest,
@@ -17,16 +19,10 @@ from ..messages import (
     ReportElementList,
     SetElement,
 )
+from ..wire.message import Message
 from .definitions import Guard
 from .host import Host
 from .list_elements import ELEMENTS_OF_DRIVERS, ListElement
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
-
-    from ..base.address import JausAddress
-    from ..wire.message import Message
-
 
 Reason = RejectElementRequest.ResponseCode
 

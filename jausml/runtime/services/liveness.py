@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from ..base.address import BROADCAST, WILDCARD_COMPONENT, WILDCARD_NODE, JausAddress
 from ..base.clocks import Alarm
 from ..messages import QueryHeartbeatPulse, ReportHeartbeatPulse
+from ..wire.message import Message
 from .definitions import CORE, Scope
-
-if TYPE_CHECKING:
-    from ..wire.message import Message
-    from .host import Host
+from .host import Host
 
 UNSOLICITED = "urn:jaus:jss:iop:UnsolicitedHeartbeat"
 """Service of the IOP that promises an unrequested heartbeat."""

@@ -5,16 +5,12 @@ It is of this project, and optional: a component that does not provide it keeps 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
+from ..base.address import JausAddress
 from ..messages.machine_states import MACHINE_STATES, QueryMachineStates, ReportMachineStates
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from ..base.address import JausAddress
-    from ..wire.message import Message
-    from .host import Host
+from ..wire.message import Message
+from .host import Host
 
 MOST_MACHINES = 255
 MOST_STATES = 255

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
+from ..base.address import JausAddress
 from ..base.api import JausError
 from ..base.counters import LOGGER
 from ..messages import (
@@ -16,15 +15,11 @@ from ..messages import (
     Shutdown,
     Standby,
 )
+from ..wire.message import Message
 from .access_control import AccessControlService, Reject
 from .definitions import CORE, VERSION_1_1, Guard, Status
-
-if TYPE_CHECKING:
-    from ..base.address import JausAddress
-    from ..wire.message import Message
-    from .dispatch import Take
-    from .host import Host
-
+from .dispatch import Take
+from .host import Host
 
 # JAUS-DEVIATION: AS5710 lists 1 (STOP) alone; components made with the JAUS Tool Set send 0.
 EMERGENCY_CODES = (0, 1)  # emergency codes that are taken for STOP; others are ignored

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from datetime import datetime, time, timezone
-from typing import TYPE_CHECKING
 
+from ..base.address import JausAddress
 from ..base.counters import LOGGER
 from ..messages import QueryTime, ReportTime, SetTime
 from .definitions import CORE, Guard
-
-if TYPE_CHECKING:
-    from ..base.address import JausAddress
-    from .host import Host
+from .host import Host
 
 TIME_STAMP = 1 << 0  # bit of the time of day and day of month in a QueryTime's PresenceVector
 DATE_STAMP = 1 << 1  # bit of the date in a QueryTime's PresenceVector

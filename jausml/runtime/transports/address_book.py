@@ -7,18 +7,13 @@ import math
 import socket
 import sys
 from collections import Counter, OrderedDict
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import Enum, auto
-from typing import TYPE_CHECKING
 
-from ..base.address import address_of
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-
-    from ..base.address import JausAddress
-    from ..base.counters import Counters
-    from ..base.settings import Endpoint, TransportSettings
+from ..base.address import JausAddress, address_of
+from ..base.counters import Counters
+from ..base.settings import Endpoint, TransportSettings
 
 
 @dataclass(slots=True, eq=False)

@@ -6,16 +6,14 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from datetime import datetime
 from functools import partial
-from typing import TYPE_CHECKING, Generic, NamedTuple, TypeVar
+from typing import Generic, NamedTuple, TypeVar
 
-if TYPE_CHECKING:
-    from datetime import datetime
-
-    from ..base.address import JausAddress
-    from ..base.fast_path import FastPath
-    from ..base.loop import Loop
-    from .packets.packet import Packet
+from ..base.address import JausAddress
+from ..base.fast_path import FastPath
+from ..base.loop import Loop
+from .packets.packet import Packet
 
 MESSAGE_CODE_SIZE = 2  # bytes of the message code with which every payload begins
 

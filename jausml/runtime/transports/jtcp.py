@@ -4,31 +4,24 @@ from __future__ import annotations
 
 import errno
 import math
+import socket
 from collections import Counter, OrderedDict, deque
 from functools import partial
-from typing import TYPE_CHECKING
 
-from ..base.address import BROADCAST
+from ..base.address import BROADCAST, JausAddress
 from ..base.budgets import Held, who_gives_way
 from ..base.clocks import Alarm
 from ..base.counters import LOGGER
-from ..base.settings import TransportKind
+from ..base.loop import Loop
+from ..base.settings import Endpoint, TransportKind, TransportSettings
 from .address_book import SOURCE_REFUSED, AllowedHosts, resolve
-from .delivery import ReliableCarrier, report
+from .delivery import OnResult, ReliableCarrier, Take, report
 from .packets.duplicates import DuplicateWindow
 from .packets.messenger import Messenger
 from .packets.packet import AckNak, Packet
 from .ports import advice
 from .tcp_connection import TcpConnection, affordable, connect, listen, octets_of
 from .transport import Transport
-
-if TYPE_CHECKING:
-    import socket
-
-    from ..base.address import JausAddress
-    from ..base.loop import Loop
-    from ..base.settings import Endpoint, TransportSettings
-    from .delivery import OnResult, Take
 
 _ACCEPTS_PER_WAKE_UP = 16
 _FIRST_PAUSE_S = 0.1

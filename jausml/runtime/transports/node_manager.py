@@ -9,23 +9,17 @@ import threading
 from collections import deque
 from enum import Enum, auto
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from ..base.address import JausAddress
 from ..base.clocks import Alarm
-from ..base.settings import TransportKind
-from .delivery import Carrier
+from ..base.loop import Loop
+from ..base.quirks import Quirks
+from ..base.settings import TransportKind, TransportSettings
+from .delivery import Carrier, Take
 from .packets.messenger import Messenger
 from .packets.packet import Broadcast, Packet, parse_datagram
 from .ports import MANAGER, is_alive
 from .transport import Transport
-
-if TYPE_CHECKING:
-    from ..base.address import JausAddress
-    from ..base.loop import Loop
-    from ..base.quirks import Quirks
-    from ..base.settings import TransportSettings
-    from .delivery import Take
-
 
 _LARGEST_DATAGRAM = 65535
 _DATAGRAMS_PER_WAKE_UP = 32

@@ -12,16 +12,13 @@ import socket
 import struct
 import sys
 import tempfile
+from collections.abc import Collection, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from ..base.address import JausAddress, address_of
 from ..base.counters import LOGGER
-
-if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator
-
-    from ..base.settings import Endpoint, TransportSettings
+from ..base.settings import Endpoint, TransportSettings
 
 MANAGER = "JuniorRTE"  # name of the node manager's local socket, of Junior's and of that of fkie
 _PROC = Path("/proc")

@@ -7,13 +7,14 @@ import resource
 import socket
 import sys
 from collections import deque
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterator
 
 from ..base.api import JausError
 from ..base.clocks import Alarm
-from ..base.counters import LOGGER
-from ..base.settings import LEAST_CONNECTIONS
-from .delivery import report
+from ..base.counters import LOGGER, Counters
+from ..base.loop import Loop
+from ..base.settings import LEAST_CONNECTIONS, Endpoint
+from .delivery import OnResult, report
 from .packets.packet import (
     EMPTY_MESSAGE_SIZE,
     JUDP_VERSION,
@@ -22,15 +23,6 @@ from .packets.packet import (
     message_size,
     parse_message,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from ..base.counters import Counters
-    from ..base.loop import Loop
-    from ..base.settings import Endpoint
-    from .delivery import OnResult
-
 
 _OTHER_DESCRIPTORS = 64  # descriptors for all but connections; a small bridge on ROS has 24
 _SIZE_END = 3

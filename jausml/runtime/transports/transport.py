@@ -4,24 +4,18 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
-from ..base.counters import LOGGER
-from ..base.quirks import Quirks
-from .delivery import Arrival, report
+from ..base.address import JausAddress
+from ..base.counters import LOGGER, Counters
+from ..base.loop import Loop
+from ..base.quirks import Learnt, Quirks
+from ..base.settings import Endpoint, TransportSettings
+from .delivery import Arrival, Double, OnResult, PeerTraffic, Take, report
+from .packets.messenger import Messenger
 from .packets.packet import Priority
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
-
-    from ..base.address import JausAddress
-    from ..base.counters import Counters
-    from ..base.loop import Loop
-    from ..base.quirks import Learnt
-    from ..base.settings import Endpoint, TransportSettings
-    from .delivery import Double, OnResult, PeerTraffic, Take
-    from .packets.messenger import Messenger
 
 
 class Transport(ABC):

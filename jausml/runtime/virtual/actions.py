@@ -6,18 +6,14 @@ there need not be a class of ROS for it.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from functools import partial
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from ..bridge.ends.actions import Outcome
+from ..bridge.ends.actions import GoalTaker, GoalWatcher, Outcome
 from ..bridge.ends.topics import TopicFault
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from ..bridge.ends.actions import GoalTaker, GoalWatcher
-    from .network import Way
+from .network import Way
 
 NO_SERVER = "no_action_server"
 

@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
-from typing import TYPE_CHECKING, Any, TypeAlias
+from random import Random
+from typing import Any, TypeAlias
 
+from ..base.loop import Loop
+from ..bridge.ends.actions import GoalTaker
 from ..bridge.ends.topics import EndpointHealth, Published, Qos, Topic, TopicCounts, conflicts
 from ..bridge.messages.limits import RosTypeError
 from .actions import VirtualAction, VirtualActionClient
 from .network import Link, Way
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from random import Random
-
-    from ..base.loop import Loop
-    from ..bridge.ends.actions import GoalTaker
 
 RosType: TypeAlias = "type[Any] | str"
 """A message class of ROS, a light class, or the name of a type, e.g. `nav_msgs/msg/Odometry`."""

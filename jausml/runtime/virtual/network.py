@@ -3,23 +3,19 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
+from random import Random
 from struct import Struct
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 from ..base.address import JausAddress, address_of
 from ..base.clocks import Alarm
-from ..base.settings import JUDP_GROUP, JUDP_PORT
+from ..base.loop import Loop
+from ..base.settings import JUDP_GROUP, JUDP_PORT, Endpoint, TransportSettings
 from ..transports.packets.packet import parse_datagram
 from ..transports.udp.datagrams import DatagramTransport
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from random import Random
-
-    from ..base.loop import Loop
-    from ..base.settings import Endpoint, TransportSettings
 
 LONGEST_HOLD = 1.0  # seconds that something waits at most to be overtaken, where nothing follows
 

@@ -2,24 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import Any, NoReturn
 
-from ..bridge.ends.topics import ParameterError, Topic, nearest
+from ..base.loop import Loop
+from ..bridge.ends.actions import ActionClient, GoalTaker, ListAction
+from ..bridge.ends.ros_side import RosCodec, RosPublisher
+from ..bridge.ends.topics import (
+    EndpointHealth,
+    Parameter,
+    ParameterError,
+    RosService,
+    Topic,
+    TopicCounts,
+    TopicFault,
+    nearest,
+)
 from ..bridge.messages.limits import RosTypeError
 from ..conversions import Time
-from .graph import GraphSubscription, type_name
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
-
-    from ..base.loop import Loop
-    from ..bridge.ends.actions import ActionClient, GoalTaker, ListAction
-    from ..bridge.ends.ros_side import RosCodec, RosPublisher
-    from ..bridge.ends.topics import EndpointHealth, Parameter, RosService, TopicCounts, TopicFault
-    from .graph import GraphPublisher, RosGraph
-    from .network import Link
+from .graph import GraphPublisher, GraphSubscription, RosGraph, type_name
+from .network import Link
 
 _DIAGNOSTICS = "diagnostic_msgs/msg/DiagnosticArray"
 

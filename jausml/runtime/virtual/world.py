@@ -2,24 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from datetime import datetime, timedelta, timezone
 from random import Random
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 from ..base.clocks import HostClock
-from ..base.loop import Loop
+from ..base.counters import Counters
+from ..base.loop import Loop, Timer
 from ..base.settings import TransportSettings
 from .graph import RosGraph
-from .network import Link, Network
+from .network import Link, Network, VirtualTransport
 from .node import VirtualRosNode
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
-
-    from ..base.counters import Counters
-    from ..base.loop import Timer
-    from .network import VirtualTransport
 
 Watch: TypeAlias = "Callable[[float, str, bytes], object]"
 """Told the time in seconds, where something arrives, and the bytes of it."""

@@ -8,14 +8,12 @@ from __future__ import annotations
 
 import math
 import struct
+from collections.abc import Callable, Sequence, Sized
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, TypeAlias, TypeVar
+from datetime import datetime
+from typing import Annotated, Any, TypeAlias, TypeVar
 
 from .message import DecodeError, EncodeError, Message
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence, Sized
-    from datetime import datetime
 
 T = TypeVar("T")
 NumberT = TypeVar("NumberT", int, float)

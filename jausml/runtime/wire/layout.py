@@ -14,18 +14,16 @@ from __future__ import annotations
 import operator
 import struct
 import types
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, TypeVar, Union, get_args, get_origin
+from typing import Annotated, Any, NamedTuple, TypeVar, Union, get_args, get_origin
 
 from .codec import Counted, Listed, Scalar, Tagged, check_count, check_presence, latin1, sized
 from .message import DecodeError, EncodeError, Message
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    Write = Callable[[Any, bytearray], None]
-    Read = Callable[[bytes, int, list[Any]], int]
-    ReadFrom = Callable[[Any, bytes, int], tuple[Any, int]]
+Write = Callable[[Any, bytearray], None]
+Read = Callable[[bytes, int, list[Any]], int]
+ReadFrom = Callable[[Any, bytes, int], tuple[Any, int]]
 
 ClassT = TypeVar("ClassT", bound=type)
 MessageClassT = TypeVar("MessageClassT", bound=type[Message])

@@ -6,14 +6,18 @@ or with its lock.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
+from ...base.address import JausAddress
+from ...base.counters import Counters
 from ...transports.packets.packet import Priority
-from ...wire.message import EncodeError
+from ...wire.message import EncodeError, Message
 from ..connections.connection import NOT_READY
 from ..connections.translations import (
     Form,
+    Transcode,
     override_of,
     ros_decoder,
     ros_encoder,
@@ -21,21 +25,11 @@ from ..connections.translations import (
     uses_ros_classes,
 )
 from ..ends import parameters
-from ..ends.topics import Parameter
+from ..ends.ends import Ends
+from ..ends.topics import Parameter, RosService
+from ..light_message import LightMessage
 from ..reports.diagnostics import FILTERED, ConnectionStatus, Limiting, Statistics
-from ..reports.states import Facts, StateLog, StopReason, judge
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
-
-    from ...base.address import JausAddress
-    from ...base.counters import Counters
-    from ...wire.message import Message
-    from ..connections.translations import Transcode
-    from ..ends.ends import Ends
-    from ..ends.topics import RosService
-    from ..light_message import LightMessage
-    from ..reports.states import Standing
+from ..reports.states import Facts, Standing, StateLog, StopReason, judge
 
 CallT = TypeVar("CallT", bound="Call")
 AskingT = TypeVar("AskingT")

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from functools import partial
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
+from ...base.address import JausAddress
 from ...clients.exchanges import Exchanges, Unanswered
-from ...clients.peer_binding import PeerBinding
+from ...clients.peer_binding import PeerBinding, Search
 from ...services.definitions import Guard
-from ...wire.message import DecodeError
+from ...wire.message import DecodeError, Message
 from ..connections.connection import NO_PEER, NOT_READY
 from ..connections.controlled_peers import ControlledPeers
 from ..connections.to_ros import UNEXPECTED
 from ..ends import parameters
-from ..ends.ends import Taker
+from ..ends.ends import Ends, Taker
 from ..light_message import assign
 from .calls import (
     FAILED,
@@ -31,12 +33,6 @@ from .calls import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from ...base.address import JausAddress
-    from ...clients.peer_binding import Search
-    from ...wire.message import Message
-    from ..ends.ends import Ends
     from ..ros.services import NodeClient, NodeServices
 
 _RESPONSE_CODES = ("response_code", "responsecode", "rejection_code")

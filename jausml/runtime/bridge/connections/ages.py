@@ -3,26 +3,20 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, TypeAlias
+from collections.abc import Callable, Mapping
+from typing import Any, TypeAlias
 
+from ...base.loop import Timer
+from ...base.standstill import Watch
 from ...conversions import ConversionError, Time, timestamp_to_time
-from ...wire.message import DecodeError
+from ...wire.message import DecodeError, Message
+from ..ends.ends import Ends
+from ..ends.ros_side import RosSide
 from ..light_message import is_light
 from ..messages import cdr
-from ..reports.diagnostics import TOO_OLD
+from ..reports.diagnostics import TOO_OLD, Statistics
 
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from ...base.loop import Timer
-    from ...base.standstill import Watch
-    from ...wire.message import Message
-    from ..ends.ends import Ends
-    from ..ends.ros_side import RosSide
-    from ..reports.diagnostics import Statistics
-
-    Drop = Callable[[str, str], None]
+Drop = Callable[[str, str], None]
 
 
 Age: TypeAlias = Callable[[bytes, Any], "float | None"]

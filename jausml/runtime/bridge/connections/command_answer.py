@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
+from ...base.address import JausAddress
+from ...services.host import Host
 from ...transports.delivery import MESSAGE_CODE_SIZE
-
-if TYPE_CHECKING:
-    from ...base.address import JausAddress
-    from ...services.host import Host
-    from ...wire.message import Message
-    from .translations import Transcode
+from ...wire.message import Message
+from .translations import Transcode
 
 
 class CommandAnswer:

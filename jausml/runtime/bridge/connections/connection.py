@@ -12,18 +12,22 @@ thread.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from collections.abc import Callable, Sequence
+from typing import Any, Generic, TypeVar
 
 from ..ends import parameters
+from ..ends.ends import Ends
 from ..light_message import is_light
 from ..messages.compiled import compiled_of
 from ..reports.diagnostics import Latency
 from ..reports.states import StopReason
-from .ages import Backlog
+from .ages import Age, Backlog
 from .reporting import Reporting
 from .shaping import Shape, Shaping
 from .translations import (
     Form,
+    Joined,
+    Transcode,
     compiled_first,
     override_of,
     transcoder,
@@ -31,14 +35,7 @@ from .translations import (
     with_joins,
 )
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from ..ends.ends import Ends
-    from .ages import Age
-    from .translations import Joined, Transcode
-
-    Take = Callable[[bytes, Any], None]
+Take = Callable[[bytes, Any], None]
 
 SourceT = TypeVar("SourceT")
 TargetT = TypeVar("TargetT")

@@ -2,23 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from functools import partial
-from typing import TYPE_CHECKING
 
+from ...base.address import JausAddress
 from ...base.quirks import Quirk
-from ...clients.control_session import ControlClient
+from ...clients.control_session import ControlClient, ControlSession
 from ...clients.control_state import ControlState
-from ...clients.peer_binding import PeerBinding
+from ...clients.peer_binding import PeerBinding, Search
 from ...services.definitions import Guard
 from ..ends import parameters
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from ...base.address import JausAddress
-    from ...clients.control_session import ControlSession
-    from ...clients.peer_binding import Search
-    from ..ends.ends import Ends
+from ..ends.ends import Ends
 
 
 class ControlledPeers:

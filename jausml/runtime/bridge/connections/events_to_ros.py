@@ -2,24 +2,20 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, TypeVar
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any, Concatenate, TypeVar
 
+from ...base.address import JausAddress
 from ...clients.event_client import EventClient
+from ...clients.event_subscription import EventSubscription
+from ...wire.message import Message
 from ..ends import parameters
+from ..ends.ends import Ends
 from ..ends.simulation import real_rate
 from ..ends.topics import TopicFault
 from ..reports.diagnostics import LOST_ON_THE_WAY, OUT_OF_ORDER
+from .connection import Take
 from .to_ros import ToTopics
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
-    from typing import Concatenate
-
-    from ...base.address import JausAddress
-    from ...clients.event_subscription import EventSubscription
-    from ...wire.message import Message
-    from ..ends.ends import Ends
-    from .connection import Take
 
 SourceT = TypeVar("SourceT", bound="Message")
 TargetT = TypeVar("TargetT")

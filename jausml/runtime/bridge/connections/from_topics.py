@@ -2,27 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, Concatenate, TypeVar
 
-from ...base.fast_path import FastSending, through
+from ...base.fast_path import FastSending, Outlet, through
+from ...wire.message import Message
 from ..ends import parameters
+from ..ends.ends import Ends, SharedFeed
+from ..ends.topics import Topic, TopicFault
 from ..reports.diagnostics import FILTERED, LOST_IN_QUEUE, MISSED, TOO_OLD, age_of_time
-from .ages import ros_age
-from .connection import Connection
-from .translations import Form, ros_decoder, uses_ros_classes
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
-    from typing import Concatenate
-
-    from ...base.fast_path import Outlet
-    from ...wire.message import Message
-    from ..ends.ends import Ends, SharedFeed
-    from ..ends.topics import Topic, TopicFault
-    from .ages import Age
-    from .connection import Take
-    from .translations import NamedPlaces
+from .ages import Age, ros_age
+from .connection import Connection, Take
+from .translations import Form, NamedPlaces, ros_decoder, uses_ros_classes
 
 SourceT = TypeVar("SourceT")
 TargetT = TypeVar("TargetT", bound="Message")

@@ -6,17 +6,14 @@ other computers, and stamps that nobody filled, do not matter.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Sequence
+from typing import Any
 
 from ..ends import parameters
+from ..ends.ends import Ends
+from ..ends.topics import Topic
 from ..messages.limits import StaleJoinError
 from .translations import ros_decoder
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from ..ends.ends import Ends
-    from ..ends.topics import Topic
 
 
 class Latest:

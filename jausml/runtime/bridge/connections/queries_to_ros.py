@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from functools import partial
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, Concatenate, TypeVar
 
+from ...base.address import JausAddress
+from ...clients.peer_binding import PeerBinding
 from ...clients.query import QueryClient
+from ...services.host import Host
+from ...wire.message import Message
 from ..ends import parameters
+from ..ends.ends import Ends
+from .connection import Take
 from .to_ros import ToTopics
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
-    from typing import Concatenate
-
-    from ...base.address import JausAddress
-    from ...clients.peer_binding import PeerBinding
-    from ...services.host import Host
-    from ...wire.message import Message
-    from ..ends.ends import Ends
-    from .connection import Take
 
 SourceT = TypeVar("SourceT", bound="Message")
 TargetT = TypeVar("TargetT")

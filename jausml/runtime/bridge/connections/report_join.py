@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Sequence
+from typing import Any
 
+from ...base.address import JausAddress
 from ...clients.peer_binding import PeerBinding
 from ...services.definitions import Guard
+from ...wire.message import Message
 from ..ends import parameters
-from ..ends.ends import Taker
+from ..ends.ends import Ends, Taker
 from .events_to_ros import EventRequests
 from .joins import Latest
 from .queries_to_ros import QueryRequests
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from ...base.address import JausAddress
-    from ...wire.message import Message
-    from ..ends.ends import Ends
 
 
 class ReportJoin(Latest):

@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 from collections import deque
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Iterable, Mapping
+from typing import Any, NamedTuple
 
+from ...base.address import JausAddress
+from ..ends.topics import TopicFault
 from ..reports.diagnostics import FAILURES, FILTERED, NOT_LOST, THINNED, ConnectionStatus, Latency
 from ..reports.states import Facts, StateLog, StopReason, judge
 from .stopping import Stopping
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
-
-    from ...base.address import JausAddress
-    from ..ends.topics import TopicFault
-    from .translations import Form, Joined
-
+from .translations import Form, Joined
 
 PERIODS = 3
 """Periods of a source over which its rate is taken, if they are longer than one of diagnostics."""

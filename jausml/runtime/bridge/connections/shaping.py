@@ -6,22 +6,18 @@ Messages come to it before they are passed on, and only where there is something
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from ...base.clocks import Alarm
 from ..ends import parameters
-from ..reports.diagnostics import TOO_OLD
+from ..ends.ends import Ends
+from ..reports.diagnostics import TOO_OLD, Statistics
+from .ages import Age
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from ..ends.ends import Ends
-    from ..reports.diagnostics import Statistics
-    from .ages import Age
-
-    Take = Callable[[bytes, Any], None]
-    Drop = Callable[[str, str], None]
+Take = Callable[[bytes, Any], None]
+Drop = Callable[[str, str], None]
 
 
 OVER_RATE = "over_rate"  # messages of a source that sends more than its connection takes

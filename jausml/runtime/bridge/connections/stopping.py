@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 from ...base.counters import LOGGER
+from ...base.loop import Timer
 from ..ends import parameters
+from ..ends.ends import Ends
 from ..reports.diagnostics import Limiting, Statistics
-from ..reports.states import StopReason
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from ...base.loop import Timer
-    from ..ends.ends import Ends
-    from ..reports.states import Standing
+from ..reports.states import Standing, StopReason
 
 _LEAST_PATIENCE = 0.5  # seconds for which a bridge may be starved without a stop
 _LOG_INTERVAL = 5.0  # seconds between two lines of the log about the silence of one connection

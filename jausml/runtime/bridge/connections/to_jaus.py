@@ -2,26 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, Concatenate, TypeVar
 
+from ...base.address import JausAddress
+from ...clients.peer_binding import Search
 from ...services.definitions import Guard
 from ...transports.packets.packet import Priority
+from ...wire.message import Message
+from ..ends.ends import Ends
+from ..reports.states import Standing, StopReason
 from .connection import NO_PEER, NOT_READY
 from .controlled_peers import ControlledPeers, RepeatedStops
 from .from_topics import FromTopics
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Sequence
-    from typing import Concatenate
-
-    from ...base.address import JausAddress
-    from ...clients.peer_binding import Search
-    from ...wire.message import Message
-    from ..ends.ends import Ends
-    from ..reports.states import Standing, StopReason
-
-    Send = Callable[[bytes], None]
+Send = Callable[[bytes], None]
 
 SourceT = TypeVar("SourceT")
 TargetT = TypeVar("TargetT", bound="Message")

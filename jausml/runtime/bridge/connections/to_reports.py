@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, TypeVar
+from collections.abc import Callable, Collection, Sequence
+from typing import Any, Concatenate, TypeVar
 
+from ...wire.message import Message
+from ..ends.ends import Ends, ReportHolder
 from ..messages import limits
+from ..reports.states import StopReason
 from .from_topics import FromTopics
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Sequence
-    from typing import Concatenate
-
-    from ...wire.message import Message
-    from ..ends.ends import Ends, ReportHolder
-    from ..reports.states import StopReason
 
 SourceT = TypeVar("SourceT")
 TargetT = TypeVar("TargetT", bound="Message")

@@ -3,35 +3,25 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, Concatenate, TypeVar
 
+from ...base.address import JausAddress
 from ...base.fast_path import FastPath, through
-from ...clients.peer_binding import PeerBinding
+from ...clients.peer_binding import PeerBinding, Search
 from ...services.definitions import Guard, Status
+from ...wire.message import Message
 from ..ends import parameters
-from ..ends.ends import Taker
+from ..ends.ends import Ends, Taker
+from ..ends.ros_side import RosPublisher
+from ..ends.topics import Topic, TopicFault
 from ..reports.diagnostics import FILTERED, UNHEARD, age_of_stamp
-from ..reports.states import StopReason
-from .ages import jaus_age
-from .connection import Connection
+from ..reports.states import Standing, StopReason
+from .ages import Age, jaus_age
+from .connection import Connection, Take
 from .shaping import RateCap
-from .translations import Form, ros_encoder
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
-    from typing import Concatenate
-
-    from ...base.address import JausAddress
-    from ...clients.peer_binding import Search
-    from ...wire.message import Message
-    from ..ends.ends import Ends
-    from ..ends.ros_side import RosPublisher
-    from ..ends.topics import Topic, TopicFault
-    from ..reports.states import Standing
-    from .ages import Age
-    from .connection import Take
-    from .translations import Transcode
+from .translations import Form, Transcode, ros_encoder
 
 SourceT = TypeVar("SourceT", bound="Message")
 TargetT = TypeVar("TargetT")

@@ -6,21 +6,16 @@ bridge package, or of the classes of ROS if `ros_classes` asks for them.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from types import MethodType
-from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, TypeVar
+from typing import Any, Protocol, TypeAlias, TypeVar
 
 from ...services.dispatch import LONGEST_CALL
+from ..ends.ros_side import RosSide
 from ..light_message import is_light
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from ..ends.ros_side import RosSide
-    from ..messages.compiled import Function
-
+from ..messages.compiled import Function
 
 Transcode: TypeAlias = Callable[..., bytes | None]
 """Makes encoded target messages of encoded source messages, or None to pass nothing on."""

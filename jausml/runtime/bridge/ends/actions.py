@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import Enum
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from .topics import TopicFault
+from .topics import TopicFault
 
 LONGEST_GOAL = 1024
 """Elements that one goal may have: as many as the list of a component takes by default."""

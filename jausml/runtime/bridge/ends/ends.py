@@ -7,36 +7,30 @@ connections have said what they want.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
-from ...base.fast_path import fast_path_of, through
+from ...base.address import JausAddress
+from ...base.clocks import Timing
+from ...base.fast_path import FastPath, FastSending, fast_path_of, through
+from ...base.loop import Loop
 from ...base.settings import TransportSettings
-from ...component.base import COMPONENT_TYPE
+from ...clients.peer_binding import PeerBinding
+from ...component.base import COMPONENT_TYPE, Component
+from ...conversions import Time
 from ...messages import ClearEmergency, SetEmergency
 from ...services.definitions import ComponentSettings, Guard, ServiceIdentity
 from ...services.management import ManagementService
-from .topics import TopicCounts
+from ...wire.message import Message
+from ..messages.compiled import Compiled, Function
+from .ros_side import RosPublisher, RosSide
+from .simulation import Simulation
+from .topics import Topic, TopicCounts
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-    from contextlib import AbstractContextManager
-
-    from ...base.address import JausAddress
-    from ...base.clocks import Timing
-    from ...base.fast_path import FastPath, FastSending
-    from ...base.loop import Loop
-    from ...clients.peer_binding import PeerBinding
-    from ...component.base import Component
-    from ...conversions import Time
-    from ...wire.message import Message
-    from ..messages.compiled import Compiled, Function
-    from .ros_side import RosPublisher, RosSide
-    from .simulation import Simulation
-    from .topics import Topic
-
-    Take = Callable[[bytes, Any], None]
-    When = Guard | Callable[[Any], Guard]
+Take = Callable[[bytes, Any], None]
+When = Guard | Callable[[Any], Guard]
 
 _MOST_SENDERS = 1024
 

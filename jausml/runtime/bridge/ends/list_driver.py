@@ -8,21 +8,18 @@ is.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
+from ...base.address import JausAddress
 from ...services.definitions import Completion, Guard
+from ...services.host import Host
+from ...services.list_elements import ListElement
 from ...services.list_manager import NO_UID, ListManagerService
 from ...transports.delivery import MESSAGE_CODE_SIZE
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from ...base.address import JausAddress
-    from ...services.host import Host
-    from ...services.list_elements import ListElement
-    from ...wire.message import Message
+from ...wire.message import Message
 
 
 @dataclass(frozen=True)

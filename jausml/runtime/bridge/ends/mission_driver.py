@@ -7,24 +7,20 @@ time. Where its controller is lost, it stays, and goes on when it is resumed.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from enum import Enum, IntEnum
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from ...base.address import JausAddress
 from ...services.access_control import AccessControlService
 from ...services.definitions import Completion, Guard, Status
+from ...services.host import Host
 from ...services.list_elements import ListElement
 from ...services.list_manager import NO_UID
 from ...services.management import ManagementService
-from .list_driver import ListDriver, ListMessages
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from ...base.address import JausAddress
-    from ...services.host import Host
-    from ...wire.message import Message
-    from .list_driver import ListExecutor
+from ...wire.message import Message
+from .list_driver import ListDriver, ListExecutor, ListMessages
 
 
 @dataclass(frozen=True)

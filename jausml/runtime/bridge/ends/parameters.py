@@ -6,21 +6,17 @@ may change while the bridge runs, `ros2 param set` says otherwise.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...base.address import JausAddress
 from ...base.settings import LIMITS, OPTIONS, option_values
 from ...clients.peer_binding import PeerBinding
 from ...services.definitions import MAX_EVENT_RATE, server_type
-from .topics import Parameter
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping, Sequence
-
-    from .ends import BridgeSettings
-    from .ros_side import RosSide
-    from .topics import Topic
+from .ends import BridgeSettings
+from .ros_side import RosSide
+from .topics import Parameter, Topic
 
 LEAST = 1e-9  # least value of a number that is above 0
 GREATEST = 1.7976931348623157e308  # greatest number

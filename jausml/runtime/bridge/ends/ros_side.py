@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeVar
+from typing import Any, NamedTuple, Protocol, TypeVar
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from ...base.loop import Loop
-    from ...conversions import Time
-    from .topics import Parameter, Published, Topic, TopicCounts, TopicFault
+from ...base.loop import Loop
+from ...conversions import Time
+from .topics import Parameter, Published, Topic, TopicCounts, TopicFault
 
 PartT = TypeVar("PartT")
 

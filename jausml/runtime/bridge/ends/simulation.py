@@ -3,17 +3,12 @@
 from __future__ import annotations
 
 import heapq
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 from ...base.counters import LOGGER
-from ...base.loop import Timer, due_after
+from ...base.loop import Loop, Timer, due_after
 from ..reports.diagnostics import ConnectionStatus
 from ..reports.states import StopReason
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from ...base.loop import Loop
 
 SEEK = 10.0
 """Seconds of simulated time in one step that are no time that passed, but another place in it."""

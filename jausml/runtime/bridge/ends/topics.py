@@ -9,15 +9,12 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...base.api import JausError
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
-
-    from ..light_message import LightMessage
+from ..light_message import LightMessage
 
 
 @dataclass(frozen=True)

@@ -7,17 +7,15 @@ executed as a list of one element.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from ...base.address import JausAddress
 from ...services.definitions import Completion
+from ...services.host import Host
 from ...services.list_elements import ListElement
 from ...services.list_manager import NO_UID
+from ...wire.message import Message
 from .list_driver import ListDriver, ListMessages
-
-if TYPE_CHECKING:
-    from ...base.address import JausAddress
-    from ...services.host import Host
-    from ...wire.message import Message
 
 ONLY = 1  # UID of the waypoint, while the robot goes there
 

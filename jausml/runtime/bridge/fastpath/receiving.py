@@ -7,27 +7,21 @@ other datagram is handed to those who read the socket, as if it had been receive
 from __future__ import annotations
 
 import ctypes
+import socket
 import struct
 from collections import deque
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from collections.abc import Callable, Sequence
+from typing import NamedTuple, TypeAlias
 
-from ...base.address import address_of
+from ...base.address import JausAddress, address_of
+from ...base.fast_path import FastPath
+from ...base.settings import Endpoint
+from ...component.base import Component
 from ...messages import Event
-from ...transports.packets.duplicates import pair_of
-from .library import TAKEN, Route, host_of, packed_host
-
-if TYPE_CHECKING:
-    import socket
-    from collections.abc import Callable, Sequence
-
-    from ...base.address import JausAddress
-    from ...base.fast_path import FastPath
-    from ...base.settings import Endpoint
-    from ...component.base import Component
-    from ...transports.address_book import Entry
-    from ...transports.packets.duplicates import Numbers
-    from ...transports.udp.judp import JudpTransport, Receiver
-    from .library import Library, Order, Waited
+from ...transports.address_book import Entry
+from ...transports.packets.duplicates import Numbers, pair_of
+from ...transports.udp.judp import JudpTransport, Receiver
+from .library import TAKEN, Library, Order, Route, Waited, host_of, packed_host
 
 # Offsets in a datagram of one message (AS5669A): version, type, size, flags, ends, payload.
 _ENDS = slice(4, 13)

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Iterator
 from functools import partial
 from select import EPOLLIN
-from typing import TYPE_CHECKING
 
+from ...base.fast_path import FastSending
 from ...base.standstill import steady
+from ...component.base import Component
 from ...transports.udp.judp import JudpTransport
-from ..ends.ros_side import Other
+from ..ends.ros_side import Feed, Other
 from .library import (
     NONE,
     SENT,
@@ -22,14 +24,6 @@ from .library import (
     packed_host,
 )
 from .receiving import FastReceiver
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from ...base.fast_path import FastSending
-    from ...component.base import Component
-    from ..ends.ros_side import Feed
-
 
 _NOT_TOLD = (1 << 64) - 1
 """Stands for the number of a message where a middleware does not number them."""

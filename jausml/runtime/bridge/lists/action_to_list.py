@@ -3,31 +3,26 @@
 from __future__ import annotations
 
 import random
+from collections.abc import Callable, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
+from ...base.address import JausAddress
+from ...clients.peer_binding import Search
 from ...services.definitions import Guard
+from ...wire.message import Message
 from ..connections.connection import NO_PEER, NOT_READY
 from ..connections.controlled_peers import ControlledPeers, RepeatedStops
 from ..connections.translations import ros_decoder, uses_ros_classes
 from ..ends import parameters
-from ..ends.actions import LONGEST_GOAL, Outcome
+from ..ends.actions import LONGEST_GOAL, ListAction, Outcome, ServedGoal
+from ..ends.ends import Ends
+from ..ends.list_driver import ListMessages
 from ..ends.mission_driver import MissionMessages
+from ..reports.states import Standing, StopReason
 from .list_connection import ListConnection, node_actions
-from .list_run import ListRun
+from .list_run import ListRun, Run
 from .mission_run import MissionRun
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from ...base.address import JausAddress
-    from ...clients.peer_binding import Search
-    from ...wire.message import Message
-    from ..ends.actions import ListAction, ServedGoal
-    from ..ends.ends import Ends
-    from ..ends.list_driver import ListMessages
-    from ..reports.states import Standing, StopReason
-    from .list_run import Run
 
 SourceT = TypeVar("SourceT")
 TargetT = TypeVar("TargetT", bound="Message")

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING, TypeVar
 
 from ..connections.connection import Connection
+from ..ends.actions import ListAction
+from ..ends.ends import Ends
 from ..ends.topics import Parameter
 from ..reports.diagnostics import FILTERED
+from ..reports.states import StopReason
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
-
-    from ..ends.actions import ListAction
-    from ..ends.ends import Ends
-    from ..reports.states import StopReason
     from ..ros.actions import NodeActions
 
 SourceT = TypeVar("SourceT")

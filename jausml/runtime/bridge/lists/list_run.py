@@ -9,29 +9,23 @@ element was active before that; peers with command events (AS5710 v1.1) tell of 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
+from ...base.address import JausAddress
 from ...base.clocks import Alarm
-from ...clients.command_client import CommandClient
+from ...clients.command_client import CommandClient, PendingCommand
 from ...clients.event_client import EventClient
-from ...clients.list_client import ListClient, deletion, replacement
+from ...clients.event_subscription import EventSubscription
+from ...clients.list_client import ListClient, ListRequest, deletion, replacement
 from ...clients.query import QueryClient
+from ...services.host import Host
 from ...services.list_manager import ALL_UIDS, NO_UID, chain
+from ...wire.message import Message
+from ..connections.controlled_peers import RepeatedStops
 from ..ends.actions import Outcome
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from ...base.address import JausAddress
-    from ...clients.command_client import PendingCommand
-    from ...clients.event_subscription import EventSubscription
-    from ...clients.list_client import ListRequest
-    from ...services.host import Host
-    from ...wire.message import Message
-    from ..connections.controlled_peers import RepeatedStops
-    from ..ends.list_driver import ListMessages
-
+from ..ends.list_driver import ListMessages
 
 RETRIES = 3  # repetitions of a request without an answer; all of them fit into the timeout
 

@@ -6,30 +6,24 @@ element is active. A goal ends before the next one is sent, so the robot never f
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
+from ...base.address import JausAddress
 from ...base.clocks import Alarm
-from ...clients.peer_binding import PeerBinding
+from ...clients.peer_binding import PeerBinding, Search
+from ...services.list_elements import ListElement
+from ...wire.message import Message
 from ..connections.connection import NOT_READY
 from ..connections.translations import ros_encoder
 from ..ends import parameters
-from ..ends.actions import LONGEST_GOAL, Outcome
-from ..ends.list_driver import ListAnswers
+from ..ends.actions import LONGEST_GOAL, ActionClient, ListAction, Outcome, SentGoal
+from ..ends.ends import Ends
+from ..ends.list_driver import ListAnswers, ListDriver, ListMessages
+from ..ends.topics import TopicFault
+from ..reports.states import Standing, StopReason
 from .list_connection import ListConnection, node_actions
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from ...base.address import JausAddress
-    from ...clients.peer_binding import Search
-    from ...services.list_elements import ListElement
-    from ...wire.message import Message
-    from ..ends.actions import ActionClient, ListAction, SentGoal
-    from ..ends.ends import Ends
-    from ..ends.list_driver import ListDriver, ListMessages
-    from ..ends.topics import TopicFault
-    from ..reports.states import Standing, StopReason
 
 SourceT = TypeVar("SourceT", bound="Message")
 TargetT = TypeVar("TargetT")

@@ -8,23 +8,18 @@ for; nothing confirms that one was stored.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from ...base.address import JausAddress
 from ...clients.query import QueryClient
+from ...services.host import Host
+from ...wire.message import Message
+from ..connections.controlled_peers import RepeatedStops
 from ..ends.actions import Outcome
-from ..ends.mission_driver import Kind, State
-from .list_run import RETRIES, Run
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from ...base.address import JausAddress
-    from ...services.host import Host
-    from ...wire.message import Message
-    from ..connections.controlled_peers import RepeatedStops
-    from ..ends.mission_driver import MissionMessages
-    from .list_run import RunWatcher, Settled
+from ..ends.mission_driver import Kind, MissionMessages, State
+from .list_run import RETRIES, Run, RunWatcher, Settled
 
 _TASK = 1  # the one task of a mission: elements of a list have no tree
 _BLOCKING = 1  # each message waits for the end of the one before, as elements of a list do

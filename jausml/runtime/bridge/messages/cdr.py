@@ -11,13 +11,10 @@ from __future__ import annotations
 import struct
 import sys
 from array import array
-from collections.abc import Callable, MutableSequence
-from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
+from collections.abc import Callable, MutableSequence, Sequence
+from typing import Any, TypeAlias, TypeVar
 
 from ...wire.message import DecodeError, EncodeError
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
 
 Append: TypeAlias = Callable[[bytes], object]  # takes the next bytes of a message
 Reals: TypeAlias = MutableSequence[float]  # array or sequence of real numbers

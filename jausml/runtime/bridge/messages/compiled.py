@@ -9,12 +9,10 @@ or was made of another text, the methods do all.
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+from typing import Any, TypeAlias, TypeVar
 
 MethodT = TypeVar("MethodT", bound="Callable[..., Any]")
 

@@ -12,14 +12,11 @@ that fits as it is, which is the usual case and costs one comparison. They diffe
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, ClassVar, Generic, NoReturn, TypeVar
+from collections.abc import Callable, Collection, Sequence, Sized
+from typing import Any, ClassVar, Generic, NoReturn, TypeVar
 
 from ...base.api import JausError
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Sequence, Sized
-
-    from ...conversions import Quaternion, Time
+from ...conversions import Quaternion, Time
 
 
 def by_name(

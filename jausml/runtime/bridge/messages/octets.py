@@ -6,17 +6,14 @@ They are rows of numbers of a ROS message, or records of JAUS of one number of e
 from __future__ import annotations
 
 from array import array
+from collections.abc import Callable, MutableSequence, Sequence
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...base.api import JausError
 from ...conversions import rasters
 from ...wire.records import OctetRecords
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, MutableSequence, Sequence
-
-    from .limits import Limit
+from .limits import Limit
 
 
 class Table:

@@ -4,26 +4,22 @@ from __future__ import annotations
 
 import logging
 from collections import Counter, deque
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
+from ...base.address import JausAddress
+from ...base.counters import Counters
 from ...conversions import ConversionError, Time, timestamp_to_time
 from ...services.definitions import Status
 from ...services.host import GREETING_PATIENCE
-from ...wire.message import DecodeError, EncodeError
+from ...transports.delivery import Double
+from ...wire.message import DecodeError, EncodeError, Message
 from ..messages import limits
+from .states import Standing, StopReason
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Mapping, Sequence
-
-    from ...base.address import JausAddress
-    from ...base.counters import Counters
-    from ...transports.delivery import Double
-    from ...wire.message import Message
-    from .states import Standing, StopReason
-
-    Take = Callable[[bytes, Any], None]
-    Age = Callable[[bytes, Any], "int | None"]
+Take = Callable[[bytes, Any], None]
+Age = Callable[[bytes, Any], "int | None"]
 
 
 LOST_IN_QUEUE = "lost_in_queue"

@@ -5,13 +5,11 @@ from __future__ import annotations
 import logging
 from dataclasses import dataclass
 from enum import Enum
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
+from ...base.address import JausAddress
 from ...base.counters import LOGGER
 from ...services.definitions import Status
-
-if TYPE_CHECKING:
-    from ...base.address import JausAddress
 
 
 class StopReason(Enum):

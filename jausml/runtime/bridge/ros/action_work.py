@@ -9,21 +9,17 @@ import math
 import threading
 import time
 from collections import deque
+from collections.abc import Callable, Sequence
 from functools import partial
 from itertools import accumulate, islice
 from operator import attrgetter
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from ..ends.actions import LONGEST_GOAL, Progress
+from ...base.loop import Loop
+from ..ends.actions import LONGEST_GOAL, ListAction, Progress
 from ..light_message import assign, installed
 from ..messages.limits import RosTypeError
 from .internals import Codec
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from ...base.loop import Loop
-    from ..ends.actions import ListAction
 
 
 class ActionWork:

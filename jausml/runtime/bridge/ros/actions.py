@@ -10,9 +10,10 @@ what concerns the bridge is handed to the loop.
 from __future__ import annotations
 
 import os
+from collections.abc import Callable, Sequence
 from functools import partial
 from hashlib import blake2b
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from action_msgs.msg import GoalStatus, GoalStatusArray
 from action_msgs.srv import CancelGoal
@@ -21,19 +22,13 @@ from rclpy.action.server import ActionServer, CancelResponse, GoalEvent, GoalRes
 from rclpy.qos import qos_profile_action_status_default
 
 from ...base.counters import LOGGER
-from ..ends.actions import Outcome
+from ..ends.actions import GoalTaker, GoalWatcher, ListAction, Outcome
 from ..ends.topics import TopicFault
 from .action_work import ActionMessages, ActionWork
 from .introspection import introspection
-from .node import NodePart
+from .node import NodePart, RosNode
 from .parameters import as_parameter_error
 from .values import checked
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from ..ends.actions import GoalTaker, GoalWatcher, ListAction
-    from .node import RosNode
 
 MARK_SIZE = 8
 """Octets of a goal id that are the same for all goals of one node to one action; 8 are random."""

@@ -9,16 +9,13 @@ topic `<service>/_service_event`.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from rclpy.qos import QoSProfile
 from rclpy.service_introspection import ServiceIntrospectionState
 
 from ..ends.topics import Parameter
-from .node import NodePart
-
-if TYPE_CHECKING:
-    from .node import RosNode
+from .node import NodePart, RosNode
 
 _STATES = {
     "disabled": ServiceIntrospectionState.OFF,

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Awaitable, Callable, Sequence
 from contextlib import suppress
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from rcl_interfaces.msg import SetParametersResult
 from rcl_interfaces.srv import SetParameters, SetParametersAtomically
+from rclpy.context import Context
 from rclpy.exceptions import InvalidHandle
 from rclpy.executors import SingleThreadedExecutor, await_or_execute
 from rclpy.lifecycle import LifecycleNode, TransitionCallbackReturn
@@ -15,11 +17,6 @@ from rclpy.utilities import remove_ros_args
 
 from ...base.counters import LOGGER, Counters
 from .parameters import LazyParameters, as_parameter_error
-
-if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, Sequence
-
-    from rclpy.context import Context
 
 # ROS is typed in parts; whoever checks generated code reads this module too.
 # mypy: disable-error-code="import-not-found, import-untyped, no-untyped-call, misc"

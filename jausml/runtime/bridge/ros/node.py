@@ -12,7 +12,8 @@ from __future__ import annotations
 import logging
 import threading
 import time
-from typing import TYPE_CHECKING, Any, TypeVar
+from collections.abc import Callable, Sequence
+from typing import Any, TypeVar
 
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
@@ -22,6 +23,7 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import try_shutdown
 
 from ...base.counters import LOGGER
+from ...base.loop import Loop
 from ...conversions import Time
 from ..ends import parameters
 from ..ends.topics import Qos, Topic
@@ -29,13 +31,7 @@ from ..messages.limits import RosLostError
 from .internals import Codec, require_internals
 from .lifecycle import GuardedExecutor, ManagedNode
 from .parameters import NodeParameters, as_parameter_error
-from .topics import NodeTopics
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from ...base.loop import Loop
-    from .topics import WaitingName
+from .topics import NodeTopics, WaitingName
 
 PartT = TypeVar("PartT")
 

@@ -5,11 +5,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from rcl_interfaces.msg import (
     FloatingPointRange,
@@ -33,12 +34,7 @@ from rclpy.qos import (
 )
 
 from ...base.counters import LOGGER
-from ..ends.topics import Parameter, ParameterError, Qos, nearest
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
-
-    from ..ends.topics import EndpointHealth
+from ..ends.topics import EndpointHealth, Parameter, ParameterError, Qos, nearest
 
 
 class LazyParameters(Node):

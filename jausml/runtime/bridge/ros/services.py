@@ -11,30 +11,26 @@ coroutine for each request under way, which the executor then asks again and aga
 from __future__ import annotations
 
 import importlib
+from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from rclpy.qos import QoSProfile
 from rclpy.serialization import deserialize_message, serialize_message
 from rclpy.type_support import check_is_valid_srv_type
 from rclpy.waitable import NumberOfEntities, Waitable
 
+from ...base.loop import Loop
+from ..ends.topics import RosService
 from ..light_message import installed_class
 from .internals import internals
 from .introspection import introspection
-from .node import NodePart
+from .node import NodePart, RosNode
 from .parameters import as_parameter_error
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from ...base.loop import Loop
-    from ..ends.topics import RosService
-    from .node import RosNode
-
-    Reply = Callable[[bytes], None]
-    TakeRequest = Callable[[bytes, Reply], None]
-    Answered = Callable[[bytes], None]
+Reply = Callable[[bytes], None]
+TakeRequest = Callable[[bytes, Reply], None]
+Answered = Callable[[bytes], None]
 
 _PROFILE = QoSProfile(depth=128)
 """Reliable and volatile as services are, with room for more calls than are under way at once."""

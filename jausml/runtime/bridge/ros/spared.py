@@ -10,12 +10,10 @@ import sys
 import threading
 from contextlib import suppress
 from importlib import import_module
+from importlib.machinery import ModuleSpec
 from importlib.util import find_spec
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    from importlib.machinery import ModuleSpec
+from typing import Any
 
 SPARED = ("numpy", "yaml")
 """Modules that are imported when something of them is asked for."""

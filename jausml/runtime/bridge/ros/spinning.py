@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import atexit
 import signal
+from collections.abc import Callable, Sequence
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import rclpy
 from rclpy.clock import Clock
@@ -17,9 +18,6 @@ from rclpy.utilities import ok, try_shutdown
 from ...base.process import ignore_signals
 from ..ends.topics import ParameterError
 from .parameters import as_parameter_error, tell_unknown
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
 
 # ROS is typed in parts; whoever checks generated code reads this module too.
 # mypy: disable-error-code="import-not-found, import-untyped, no-untyped-call"

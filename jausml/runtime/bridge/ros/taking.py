@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from time import time_ns
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from ...base.standstill import steady
+from ...base.standstill import Standstill, steady
 from ..ends.ros_side import Feed
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from ...base.standstill import Standstill
-    from ..ends.topics import TopicCounts
-    from ..fastpath.side import FastSubscriber
+from ..ends.topics import TopicCounts
+from ..fastpath.side import FastSubscriber
 
 AT_ONCE = 16
 """Messages of a topic that are taken in one turn of the loop, so that others have theirs."""

@@ -11,7 +11,8 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from typing import TYPE_CHECKING, Any, Literal
+from collections.abc import Callable, Iterator
+from typing import Any, Literal
 
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.duration import Duration
@@ -24,10 +25,20 @@ from rclpy.qos import qos_policy_name_from_kind
 from rclpy.type_support import check_is_valid_msg_type
 
 from ...base.counters import LOGGER
-from ..ends.topics import EndpointHealth, ParameterError, Published, Qos, Topic, TopicCounts
+from ...base.loop import Loop
+from ..ends.topics import (
+    EndpointHealth,
+    ParameterError,
+    Published,
+    Qos,
+    Topic,
+    TopicCounts,
+    TopicFault,
+)
 from .internals import internals, message_class
 from .parameters import (
     OVERRIDABLE,
+    NodeParameters,
     as_parameter_error,
     deep_enough,
     never_waiting,
@@ -40,14 +51,7 @@ from .taking import Subscription
 from .values import is_of_any_size
 from .waiting import Listener, NoListenerError, WaitSets
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from ...base.loop import Loop
-    from ..ends.topics import TopicFault
-    from .parameters import NodeParameters
-
-    Told = Callable[[Any], None]
+Told = Callable[[Any], None]
 
 
 def matched_event(subscription: Any) -> Any:

@@ -7,20 +7,16 @@ import os
 import platform
 import sys
 import threading
+from collections.abc import Callable, Iterable
 from functools import partial
 from itertools import compress
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
+from ...base.loop import Loop
 from .internals import internals
-from .taking import AT_ONCE, reader
+from .taking import AT_ONCE, Subscription, reader
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
-
-    from ...base.loop import Loop
-    from .taking import Subscription
-
-    Read = Callable[[], object]
+Read = Callable[[], object]
 
 
 class WaitSets:

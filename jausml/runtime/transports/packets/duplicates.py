@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import math
 from collections import OrderedDict
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from itertools import islice
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+from ...base.address import JausAddress
+from .packet import Packet
 
-    from ...base.address import JausAddress
-    from .packet import Packet
-
-    Numbers = OrderedDict[int, tuple[float, int]]
-    """Numbers of packets, each with its time and the hash of what it carried."""
+Numbers = OrderedDict[int, tuple[float, int]]
+"""Numbers of packets, each with its time and the hash of what it carried."""
 
 
 SPAN = 4096

@@ -4,27 +4,21 @@ from __future__ import annotations
 
 import logging
 from collections import OrderedDict
-from typing import TYPE_CHECKING, Generic
+from collections.abc import Callable
+from typing import Generic
 
+from ...base.address import JausAddress
 from ...base.clocks import Alarm, HostClock
 from ...base.counters import LOGGER
-from ...base.quirks import Quirk
-from ...base.settings import MAX_FRAGMENT_SIZE
-from ..delivery import MESSAGE_CODE_SIZE, Arrival, Double, Origin
+from ...base.loop import Loop
+from ...base.quirks import Quirk, Quirks
+from ...base.settings import MAX_FRAGMENT_SIZE, TransportSettings
+from ..delivery import MESSAGE_CODE_SIZE, Arrival, Carrier, Double, Origin, Take
 from .duplicates import DuplicateWindow
 from .packet import AckNak, Broadcast, DataFlags, Packet, Priority
 from .reassembly import Reassembly
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from ...base.address import JausAddress
-    from ...base.loop import Loop
-    from ...base.quirks import Quirks
-    from ...base.settings import TransportSettings
-    from ..delivery import Carrier, Take
-
-    Receivers = list[tuple[JausAddress, Take]]
+Receivers = list[tuple[JausAddress, Take]]
 
 
 _MAX_SOURCES = 256

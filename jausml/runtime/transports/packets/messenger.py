@@ -2,28 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING, Generic
+from typing import Generic
 
-from ...base.address import address_of
+from ...base.address import JausAddress, address_of
 from ...base.counters import LOGGER
-from ...base.quirks import Quirk
-from ...base.settings import MAX_FRAGMENT_SIZE
-from ..delivery import MESSAGE_CODE_SIZE, Carrier, Origin, PeerTraffic, ReliableCarrier, report
+from ...base.loop import Loop
+from ...base.quirks import Quirk, Quirks
+from ...base.settings import MAX_FRAGMENT_SIZE, TransportSettings
+from ..delivery import (
+    MESSAGE_CODE_SIZE,
+    Carrier,
+    OnResult,
+    Origin,
+    PeerTraffic,
+    ReliableCarrier,
+    report,
+)
 from .inbox import Inbox
 from .outbox import Outbox
 from .outgoing import Packetizer
 from .packet import AckNak, Broadcast, DataFlags, Packet, Priority
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from ...base.address import JausAddress
-    from ...base.loop import Loop
-    from ...base.quirks import Quirks
-    from ...base.settings import TransportSettings
-    from ..delivery import OnResult
-
 
 AT_ONCE = 10  # packets that a receiver takes in one go
 PER_SECOND = 8000  # packets that it takes in a second

@@ -4,21 +4,15 @@ from __future__ import annotations
 
 import threading
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from ...base.address import address_of
-from ...base.quirks import Quirk
-from ..delivery import MESSAGE_CODE_SIZE, report
-from .outgoing import Flight, Lane, Message, key_of
-
-if TYPE_CHECKING:
-    from ...base.address import JausAddress
-    from ...base.loop import Loop, Timer
-    from ...base.quirks import Quirks
-    from ...base.settings import TransportSettings
-    from ..delivery import Carrier, OnResult
-    from .outgoing import Key
-    from .packet import Packet
+from ...base.address import JausAddress, address_of
+from ...base.loop import Loop, Timer
+from ...base.quirks import Quirk, Quirks
+from ...base.settings import TransportSettings
+from ..delivery import MESSAGE_CODE_SIZE, Carrier, OnResult, report
+from .outgoing import Flight, Key, Lane, Message, key_of
+from .packet import Packet
 
 _MAX_MESSAGES = 4096
 _MAX_BYTES = 16 << 20

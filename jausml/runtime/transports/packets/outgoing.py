@@ -5,20 +5,15 @@ from __future__ import annotations
 import math
 import random
 from collections import deque
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from itertools import count, islice
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
-from ...base.address import address_of
+from ...base.address import JausAddress, address_of
 from ...base.settings import MAX_FRAGMENT_SIZE
-from .packet import Broadcast, DataFlags, Packet, Priority
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from ...base.address import JausAddress
-    from ..delivery import OnResult
-    from .packet import AckNak
+from ..delivery import OnResult
+from .packet import AckNak, Broadcast, DataFlags, Packet, Priority
 
 _MAX_FRAGMENTS = 32768
 _MOST_PAIRS = 4096

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import struct
 from enum import IntEnum
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from ...base.address import JausAddress, address_of
-
-if TYPE_CHECKING:
-    from ...base.counters import Counters
+from ...base.counters import Counters
 
 JUDP_VERSION = 2  # first byte of every datagram (AS5669A)
 

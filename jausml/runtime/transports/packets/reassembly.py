@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 from ...base.address import address_of
+from ...base.counters import Counters
 from .packet import FLAGS, PLACE_MASK, DataFlags, Packet
 
-if TYPE_CHECKING:
-    from ...base.counters import Counters
-
-    Way = tuple[int, int]  # source and destination
-    Whole = tuple[bytes, int, int]  # payload of a message, and number and flags of its first packet
+Way = tuple[int, int]  # source and destination
+Whole = tuple[bytes, int, int]  # payload of a message, and number and flags of its first packet
 
 _FIRST, _MIDDLE, _LAST = (place << 6 for place in list(DataFlags)[1:])
 # Counted for each fragment: a flood of tiny ones takes memory beyond its payload.

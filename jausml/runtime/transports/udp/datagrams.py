@@ -3,25 +3,19 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterator
 from functools import partial
-from typing import TYPE_CHECKING
 
+from ...base.address import JausAddress
 from ...base.fast_path import through
-from ..address_book import AddressBook
+from ...base.loop import Loop
+from ...base.settings import Endpoint, TransportSettings
+from ..address_book import AddressBook, Entry
+from ..delivery import Take
 from ..packets.messenger import Messenger
 from ..packets.packet import AckNak, Packet, Priority
 from ..transport import Transport
-from .sender import Sender
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from ...base.address import JausAddress
-    from ...base.loop import Loop
-    from ...base.settings import Endpoint, TransportSettings
-    from ..address_book import Entry
-    from ..delivery import Take
-    from .sender import Port
+from .sender import Port, Sender
 
 LOOPBACK = "127."  # what the addresses of this host alone begin with
 _TIME_TO_ANSWER = 2.0  # seconds that a component has to answer the first message after a silence

@@ -4,15 +4,26 @@ from __future__ import annotations
 
 import socket
 import struct
+from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING
 
+from ...base.address import JausAddress
 from ...base.clocks import Alarm
-from ...base.counters import LOGGER
+from ...base.counters import LOGGER, Counters
+from ...base.loop import Loop
 from ...base.quirks import Quirk
-from ...base.settings import JUDP_PORT
+from ...base.settings import JUDP_PORT, Endpoint, TransportSettings
+from ...base.standstill import Watch
 from ..address_book import AllowedHosts
-from ..packets.packet import EMPTY_MESSAGE_SIZE, JUDP_VERSION, AckNak, Packet, parse_datagram
+from ..delivery import Take
+from ..packets.packet import (
+    EMPTY_MESSAGE_SIZE,
+    JUDP_VERSION,
+    AckNak,
+    Packet,
+    Priority,
+    parse_datagram,
+)
 from ..ports import (
     FRAME,
     SharedPort,
@@ -24,19 +35,8 @@ from ..ports import (
 )
 from .datagrams import DatagramTransport
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from ...base.address import JausAddress
-    from ...base.counters import Counters
-    from ...base.loop import Loop
-    from ...base.settings import Endpoint, TransportSettings
-    from ...base.standstill import Watch
-    from ..delivery import Take
-    from ..packets.packet import Priority
-
-    Receiver = Callable[[int], tuple[bytes, Endpoint]]
-    """Receives a datagram of at most so many bytes; tells where it came from."""
+Receiver = Callable[[int], tuple[bytes, Endpoint]]
+"""Receives a datagram of at most so many bytes; tells where it came from."""
 
 
 # An option of Linux that the socket module does not name: how its memory stands. Of nine numbers

@@ -11,24 +11,18 @@ import math
 import os
 import socket
 import threading
+from collections.abc import Callable, Iterator
 from random import SystemRandom
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
-from ...base.address import address_of
+from ...base.address import JausAddress, address_of
 from ...base.fast_path import Outlet
+from ...base.loop import Loop
 from ...base.settings import Endpoint
-from ..address_book import AddressBook, Doubt
+from ..address_book import AddressBook, Claim, Doubt, Entry
 from ..delivery import Carrier
-from ..packets.packet import EMPTY_MESSAGE_SIZE, AckNak, Broadcast, Packet
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from ...base.address import JausAddress
-    from ...base.loop import Loop
-    from ..address_book import Claim, Entry
-    from ..packets.inbox import Inbox
-    from ..packets.packet import Priority
+from ..packets.inbox import Inbox
+from ..packets.packet import EMPTY_MESSAGE_SIZE, AckNak, Broadcast, Packet, Priority
 
 PROVED = "transport.address_proved"  # components that have acknowledged a question
 HELD = "transport.unproved_held"  # datagrams that wait for the proof of their destination
