@@ -392,4 +392,4 @@ def test_user_conversions_may_take_orientations(made):
     source.pose.orientation = Quaternion(x=0.25, z=0.5)
     target = Mine().translate_tilt(source)
     assert target.tilt == 0.25
-    assert "    from jausml_runtime import conversions\n" in made.skeleton.text
+    assert "\nfrom jausml_runtime import conversions\n" in made.skeleton.text
