@@ -10,15 +10,17 @@ import gc
 import random
 import threading
 import time
+from collections.abc import Callable
 from contextlib import ExitStack, closing
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ends import LOOPBACK, free_port, udp_socket, wait_until
 from figures import Blocks
 from hosts import HOSTED, component
 from processes import Children
+from scale import Scale
 from systems import Measured, generate
 from variants import PATIENCE, UnreachableError
 
@@ -28,13 +30,8 @@ from jausml.runtime.base.settings import TransportSettings
 from jausml.runtime.messages import ReportStatus
 from jausml.runtime.transports.udp.judp import JudpTransport
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from scale import Scale
-
-    Trips = Callable[[int], list[float | None]]
-    """Makes so many round trips, a pause before each; microseconds, None for what was lost."""
+Trips = Callable[[int], list[float | None]]
+"""Makes so many round trips, a pause before each; microseconds, None for what was lost."""
 
 HERE = Path(__file__).resolve().parent
 DATAGRAMS, MESSAGES = "datagrams", "messages"

@@ -7,8 +7,9 @@ import importlib
 import socket
 import struct
 import time
+from collections.abc import Callable, Sequence
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import rclpy
 from rclpy.context import Context
@@ -18,9 +19,6 @@ from rclpy.signals import SignalHandlerOptions
 
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.transports.packets.packet import AckNak, DataFlags, Packet
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
 
 Numbers = tuple[int, int, int]
 LOOPBACK = "127.0.0.1"

@@ -10,13 +10,11 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from tables import table
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
 
 BOUNDS = Path(__file__).resolve().parent / "fault_bounds.json"
 CONNECTIONS = {

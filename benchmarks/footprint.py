@@ -15,22 +15,16 @@ import time
 from contextlib import closing
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from ends import QUERY_STATUS, REPORT_STATUS, JausEnd, RosEnd
+from ends import QUERY_STATUS, REPORT_STATUS, JausEnd, Numbers, RosEnd
 from figures import rounded
 from names import FLOOR, VARIANTS
-from processes import Children
-from samples import sample
-from systems import Measured, generate
+from processes import Child, Children
+from samples import Sample, sample
+from scale import Scale
+from systems import Measured, System, generate
 from variants import Loop, reached
-
-if TYPE_CHECKING:
-    from ends import Numbers
-    from processes import Child
-    from samples import Sample
-    from scale import Scale
-    from systems import System
 
 CONNECTIONS = (20, 300)
 _EMPTY = """

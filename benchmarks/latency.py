@@ -10,22 +10,17 @@ import gc
 import random
 import time
 from contextlib import closing
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 from ends import RosEnd
 from figures import Blocks
 from names import COMPILED, GENERATED, KINDS, VARIANTS, WAYS
 from processes import Children
-from samples import sample
-from systems import MAPS, Measured, generate
+from samples import Sample, sample
+from scale import Scale
+from systems import MAPS, Measured, System, generate
 from variants import Loop, reached, settle
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from samples import Sample
-    from scale import Scale
-    from systems import System
 
 _RATES = {10: 60, 100: 500, 1000: 1000}
 """Messages a second, and how many are measured of each variant and way."""

@@ -22,16 +22,14 @@ import sys
 import tempfile
 import threading
 import time
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 from urllib.parse import urlsplit
 
 from tables import table
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
 
 VEHICLE, MESSAGE, FIELD = "100.1.10", "SetWrenchEffort", "PropulsiveLinearEffortX"
 TIMEOUT, LEASE, LATE = 0.5, 1.0, 0.1

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
 
 from names import COMPILED, FLOOR, GENERATED, KINDS, WAY_NAMES, WAYS
 from tables import table, times
 from targets import JUDGED_RATE, TAIL_RATE, TARGETS
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
-    from pathlib import Path
 
 _QUIET_LOAD = 0.7
 _INTRODUCTION = """\

@@ -21,18 +21,14 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import page
-from scale import FULL, QUICK, SCALES, TINY
+from scale import FULL, QUICK, SCALES, TINY, Scale
 from toolchain import BEFORE
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from scale import Scale
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent

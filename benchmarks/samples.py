@@ -5,17 +5,15 @@ from __future__ import annotations
 import array
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ends import message_class
 from names import KINDS
 from rclpy.serialization import serialize_message
 
 from jausml.language.metamodel.classes import bridge
+from jausml.language.model import Model
 from jausml.live.messages.defined import DefinedCatalogue
-
-if TYPE_CHECKING:
-    from jausml.language.model import Model
 
 _TIME = {"seconds": 1_700_000_000, "nanoseconds": 123_456_789}
 _RATES = {"vx": 1.25, "vy": -0.5, "yaw_rate": 0.25}

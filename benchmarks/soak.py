@@ -16,27 +16,21 @@ import os
 import sys
 import tempfile
 import time
+from collections.abc import Mapping, Sequence
 from contextlib import closing
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from ends import JausEnd, RosEnd, drained, paced
 from figures import rounded
 from names import GENERATED, WAYS
-from processes import Children
+from processes import Child, Children
 from rclpy.serialization import deserialize_message
 from run import LOOKS, RESULTS, machine
-from samples import sample
-from systems import Measured, generate
+from samples import Sample, sample
+from systems import Measured, System, generate
 from variants import Loop, settle
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from processes import Child
-    from samples import Sample
-    from systems import System
 
 FULL = 60.0
 """Minutes of a run that the page on performance tells of."""

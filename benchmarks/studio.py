@@ -13,23 +13,20 @@ import statistics
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from urllib.parse import urlsplit
 
 import growth
 from figures import rounded
+from scale import Scale
 from websockets.sync.client import ClientConnection, connect
 
 from jausml.language.model import read_models
 from jausml.language.model.uris import LIBRARY_URI
 from jausml.language.text.notation import NOTATIONS
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from scale import Scale
 
 ROOT = Path(__file__).resolve().parent.parent
 EXAMPLE = "the example"

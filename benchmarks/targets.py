@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from names import COMPILED, GENERATED, KINDS, PACKETS, SMALL, WAY_NAMES
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
 
 JUDGED_RATE, TAIL_RATE = "100", "1000"
 """Messages a second at which medians, and 99th percentiles, are judged."""
@@ -16,8 +14,7 @@ JUDGED_RATE, TAIL_RATE = "100", "1000"
 Finding = tuple[str, float]
 """Where, and how much."""
 
-if TYPE_CHECKING:
-    Find = Callable[[Mapping[str, Any]], Iterator[Finding]]
+Find = Callable[[Mapping[str, Any]], Iterator[Finding]]
 
 
 @dataclass(frozen=True)

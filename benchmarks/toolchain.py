@@ -12,19 +12,16 @@ import os
 import subprocess
 import sys
 import tempfile
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import growth
 from figures import rounded
+from scale import Scale
 
 from jausml.language.model.uris import LIBRARY_URI
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from scale import Scale
 
 BEFORE = "JAUSML_BEFORE"
 """Variable with the Python of another environment, whose jausml is measured too."""

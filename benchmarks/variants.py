@@ -3,19 +3,14 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from ends import PEER, JausEnd, drained, free_port, wait_until
+from ends import PEER, JausEnd, RosEnd, drained, free_port, wait_until
 from names import FLOOR, GENERATED, WAYS
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from ends import RosEnd
-    from processes import Child, Children
-    from samples import Sample
-    from systems import System
+from processes import Child, Children
+from samples import Sample
+from systems import System
 
 HERE = Path(__file__).resolve().parent
 PATIENCE = 20.0

@@ -17,13 +17,10 @@ import ast
 import re
 import subprocess
 from collections import defaultdict
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Mapping
+from pathlib import Path
 
 import grimp
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
-    from pathlib import Path
 
 PACKAGES = {"jausml": "jausml", "jausml_generators": "generators/jausml_generators"}
 """Where each package lies in a checkout."""

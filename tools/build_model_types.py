@@ -9,11 +9,13 @@ from __future__ import annotations
 import subprocess
 import sys
 import textwrap
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import jinja2
 from multigen.jinja import JinjaGenerator
 from pyecoregen.ecore import EcoreGenerator, EcorePackageModuleTask
 
@@ -27,11 +29,6 @@ from jausml.language.metamodel import (
     documentation,
     load_metamodels,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    import jinja2
 
 ROOT = Path(__file__).resolve().parent.parent
 FOLDER = ROOT / "jausml" / "language" / "metamodel" / "classes"

@@ -7,21 +7,16 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import groupby
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from jausml.language.model.library import library_paths, module_of
 from jausml.language.validation.engine import check_project
 from jausml.proving.layout import JAUS
-from jausml.proving.results import by_map, outcome_text, with_proofs
+from jausml.proving.results import FieldResult, MapResult, by_map, outcome_text, with_proofs
 from jausml.proving.round_trips import round_trips
 from jausml.proving.running import Settings, program, prove_all
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
-
-    from jausml.proving.results import FieldResult, MapResult
 
 PAGE = Path(__file__).resolve().parent.parent / "build" / "results" / "proofs.md"
 

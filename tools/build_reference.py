@@ -7,9 +7,9 @@ docs/reference/ for who reads the pages in a checkout.
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
@@ -27,19 +27,13 @@ from jausml.language.model import read_models
 from jausml.language.semantics.assignments.steps import knows_unknown
 from jausml.language.semantics.conversions import CONVERSIONS
 from jausml.language.semantics.conversions.definition import Definition, NoArithmetic
-from jausml.language.semantics.paths.attributes import Attribute
+from jausml.language.semantics.paths.attributes import Attribute, Found
 from jausml.language.semantics.paths.markers import unknown
 from jausml.language.semantics.paths.ros_paths import RosPlace
-from jausml.language.semantics.paths.scopes import flattened, outer_scope
+from jausml.language.semantics.paths.scopes import Placed, flattened, outer_scope
 from jausml.language.text.notation import NOTATIONS
 from jausml.live.systems.explaining import MEANINGS
 from jausml.views.pages import markdown_table
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
-
-    from jausml.language.semantics.paths.attributes import Found
-    from jausml.language.semantics.paths.scopes import Placed
 
 ROOT = Path(__file__).resolve().parent.parent
 FOLDER = ROOT / "docs" / "reference"

@@ -17,18 +17,16 @@ import hashlib
 import re
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml.language.attributes.expressions import ExpressionError, parse_expression
 from jausml.language.attributes.units import parse_unit
 from jausml.language.importers.ros import ImportResult, import_packages, package_sources, placed
+from jausml.language.metamodel import Metamodels
+from jausml.language.metamodel.classes import ros
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.metamodel.filling import assign, new_object
 from jausml.language.model.xmi.writer import write_model
-
-if TYPE_CHECKING:
-    from jausml.language.metamodel import Metamodels
-    from jausml.language.metamodel.classes import ros
-    from jausml.language.metamodel.classes.ecore import EObject
 
 HERE = Path(__file__).resolve().parent
 OWN_DEFINITIONS = HERE / "ros_definitions"

@@ -12,15 +12,12 @@ import argparse
 import json
 import sys
 import traceback
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from experiments.right_turn import ROOT, wall
 from experiments.right_turn.data import STAGES, Plan
 from experiments.simulator import stage as simulator
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
 
 OUT = ROOT / "experiment-out"
 RUN = dict(zip(STAGES, (wall.run, simulator.run), strict=True))

@@ -4,21 +4,17 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import astuple
 from itertools import combinations, pairwise, product
 from statistics import median
-from typing import TYPE_CHECKING
 
 from catvehicle.metrics import Sample, total_variation
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from experiments.right_turn import style
 from experiments.right_turn.tables import number
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
-
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 _MOST_POINTS = 130
 _STEP = 0.1

@@ -9,14 +9,12 @@ from __future__ import annotations
 import csv
 import json
 import math
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 from catvehicle.metrics import LatencySummary, Sample, latency_summary, read_log, write_log
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
-    from pathlib import Path
 
 HOPS = ("to_controller", "to_vehicle", "sense_act")
 """Ways whose time is measured: a report to the controller, a command to the vehicle, and the whole

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import shutil
+from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from catvehicle.evaluation import MOVING, counted, delays
 from catvehicle.metrics import Sample, comfort, path_error, read_log, total_variation
@@ -16,10 +17,6 @@ from catvehicle.progress import is_at_goal
 from experiments.processes import ExperimentError, wait_until
 from experiments.right_turn.data import Run
 from experiments.right_turn.systems import OPERATOR, Running, Setting, Workspace
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-    from pathlib import Path
 
 START_LIMIT = 60.0
 """Seconds in which the processes of systems must begin to exchange messages."""

@@ -10,23 +10,18 @@ Read are, below the folder of a stage:
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
-from catvehicle.metrics import aligned, closeness
+from catvehicle.metrics import Sample, aligned, closeness
 from catvehicle.parameters import VehicleParameters
 
 from experiments.right_turn import judging
+from experiments.right_turn.data import Plan, Run
 from experiments.right_turn.pictures import moved
 from experiments.right_turn.results import FORMAT, by_system, machine, of_system, runs_of, summaries
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
-    from pathlib import Path
-
-    from catvehicle.metrics import Sample
-
-    from experiments.right_turn.data import Plan, Run
 
 SHIFTS = (0.0, 0.1, 0.25)
 """Seconds by which states of two drives may be apart when they are looked for in each other."""

@@ -43,24 +43,20 @@ when an interval lies wholly outside its bound: that is what positive controls m
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import pairwise
 from statistics import fmean
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from catvehicle.closed_loop import EFFORT_QUANTUM, Loop
 from catvehicle.metrics import Sample, closeness, gap
+from catvehicle.parameters import VehicleParameters
 
+from experiments.right_turn.data import Run
 from experiments.right_turn.drives import from_first_motion, judged
 from experiments.right_turn.student import mean_interval
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from catvehicle.parameters import VehicleParameters
-
-    from experiments.right_turn.data import Run
 
 TOLERATED_DELAY = 0.005
 """Seconds that a bridge may add on each way."""

@@ -2,25 +2,20 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
 
 from catvehicle.evaluation import MOVING
+from catvehicle.metrics import Sample
 from catvehicle.parameters import VehicleParameters
 from catvehicle.path import StraightArcStraight
+from matplotlib.figure import Figure
 
 from experiments.right_turn import comparisons, style, turns
-from experiments.right_turn.data import HOPS
+from experiments.right_turn.data import HOPS, Run
 from experiments.right_turn.results import by_system, runs_of
 from experiments.simulator import figure as simulator
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-    from pathlib import Path
-
-    from catvehicle.metrics import Sample
-    from matplotlib.figure import Figure
-
-    from experiments.right_turn.data import Run
 
 _ROWS = {"J": "J, JAUS alone", "R": "R, ROS through the bridge"}
 

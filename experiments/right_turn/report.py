@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator, Mapping
+from typing import Any
 
 from catvehicle.metrics import Table
 
 from experiments.right_turn.comparisons import HOP_NAMES
 from experiments.right_turn.results import MEASURES, QUIET_SHARE
 from experiments.right_turn.tables import answer, figure, markdown_table, number
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
 
 _INTRODUCTION = """\
 # The right turn, by JAUS alone and through the bridge

@@ -6,16 +6,14 @@ import json
 import math
 import os
 import platform
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
 from statistics import fmean
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from catvehicle.metrics import latency_summary
 
 from experiments.right_turn.data import HOPS, STAGES, Run, read_all
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
-    from pathlib import Path
 
 FORMAT = 1
 """Version of the data."""

@@ -7,11 +7,8 @@ is needed for one number (docs/experiment.md).
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from statistics import fmean, stdev
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
 
 _SLICES = 1000
 

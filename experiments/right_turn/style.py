@@ -7,16 +7,14 @@ line too, so that a print in grey says the same.
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from contextlib import AbstractContextManager
+from pathlib import Path
+from typing import Any
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-    from contextlib import AbstractContextManager
-    from pathlib import Path
-
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-    from matplotlib.typing import RcStyleType
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.typing import RcStyleType
 
 WIDTH = 7.16
 """Inches across both columns of a page."""

@@ -9,16 +9,14 @@ from __future__ import annotations
 
 import os
 import shutil
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 from experiments import processes
 from experiments.right_turn import EXAMPLE
 from jausml.generation.manifest import read_manifest
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-    from pathlib import Path
 
 FIRST_PORT = 14_000
 """JAUS port of the first place."""

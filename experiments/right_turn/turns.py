@@ -3,22 +3,18 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
+from catvehicle.metrics import Sample
+from catvehicle.parameters import VehicleParameters
+from catvehicle.path import StraightArcStraight
 from catvehicle.velocity import safe_speed
+from matplotlib.axes import Axes
+from matplotlib.collections import PathCollection
+from matplotlib.figure import Figure
 
 from experiments.right_turn import style
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from catvehicle.metrics import Sample
-    from catvehicle.parameters import VehicleParameters
-    from catvehicle.path import StraightArcStraight
-    from matplotlib.axes import Axes
-    from matplotlib.collections import PathCollection
-    from matplotlib.figure import Figure
 
 _MOST_POINTS = 90
 _MOST_DOTS = 260

@@ -5,19 +5,16 @@ from __future__ import annotations
 import json
 import os
 import shutil
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
 
 from catvehicle.parameters import VehicleParameters
 
+from experiments.right_turn.data import Plan, Run
 from experiments.right_turn.drives import Drive, drive
 from experiments.right_turn.judging import judge
 from experiments.right_turn.systems import BRIDGED, JAUS_ALONE, Setting, Workspace, generate
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-    from pathlib import Path
-
-    from experiments.right_turn.data import Plan, Run
 
 CONTROL_DRIVES = 3
 """Drives of each positive control, all of them at once: they need no ROS."""

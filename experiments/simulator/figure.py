@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 from bisect import bisect_left
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from catvehicle.parameters import VehicleParameters
 from catvehicle.path import StraightArcStraight
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from experiments.right_turn import style
 
 from .results import RATE, Result, arrivals, states
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 HEIGHT = 2.75
 """Inches."""

@@ -5,13 +5,11 @@ from __future__ import annotations
 import csv
 import json
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from pathlib import Path
+from typing import NamedTuple
 
 from catvehicle.parameters import VehicleParameters
 from catvehicle.path import StraightArcStraight
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 RATE = 20.0
 """Events a second that the driver asks for, in models/examples/simulator/simulator.ros2jaus."""

@@ -5,10 +5,10 @@ from __future__ import annotations
 import json
 import shutil
 import time
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from experiments.processes import (
     ExperimentError,
@@ -18,14 +18,10 @@ from experiments.processes import (
     generate,
     wait_until,
 )
+from experiments.right_turn.data import Plan
 
 from . import CATVEHICLE, MODELS
 from .results import PATH_TOLERANCE, RATE, TOLERANCE, Result, arrivals, judge, spread
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
-
-    from experiments.right_turn.data import Plan
 
 EXAMPLE = MODELS / "examples" / "simulator"
 PATIENCE = 40.0
