@@ -46,7 +46,6 @@ def path():
 
 @contextmanager
 def running(path, log, monkeypatch, compiled):
-    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
     made = System(path, log, compiled=compiled)
     try:
@@ -112,11 +111,7 @@ class System:
 
     def values(self, connection):
         """What the bridge said last of a connection, by name."""
-        for array in reversed(list(self.told)):
-            for status in array.status:
-                if status.name.endswith(f": {connection}"):
-                    return {value.key: value.value for value in status.values}
-        return {}
+        return self.ros.values(connection)
 
     def account(self, connection):
         """The same of all messages up to now, without what depends on time and form."""
@@ -365,8 +360,7 @@ def test_messages_of_several_packets(system):
 
 @pytest.mark.slow
 def test_a_parameter_counts_from_the_next_message_on(system):
-    from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
-    from rcl_interfaces.srv import ListParameters, SetParameters
+    from rcl_interfaces.srv import ListParameters
 
     def said(vx):
         before = len(system.speeds)
@@ -377,9 +371,7 @@ def test_a_parameter_counts_from_the_next_message_on(system):
     assert [said(vx) for vx in (1.0, 2.0, 3.0, 25.0, 4.0)] == [1.0, 2.0, 3.0, 20.0, 4.0]
     names = system.call(ListParameters, "list_parameters", ListParameters.Request()).result.names
     (name,) = [parameter_name for parameter_name in names if parameter_name.endswith("max_speed")]
-    value = ParameterValue(type=ParameterType.PARAMETER_DOUBLE, double_value=2.5)
-    asked = SetParameters.Request(parameters=[Parameter(name=name, value=value)])
-    assert system.call(SetParameters, "set_parameters", asked).results[0].successful
+    assert system.ros.set_parameter("/fast", name, 2.5).successful
     assert [said(vx) for vx in (1.0, 3.0, 2.0, 25.0)] == [1.0, 2.5, 2.0, 2.5]
     if system.is_compiled:
         wait_for(lambda: system.alone("speed_up") >= 4, "messages of the core")
@@ -425,9 +417,6 @@ def test_nothing_passes_once_the_bridge_is_inactive(system):
 
 @pytest.mark.slow
 def test_a_latency_that_is_wanted_is_measured_in_python(system):
-    from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
-    from rcl_interfaces.srv import SetParameters
-
     def pass_on(count):
         for _ in range(count):
             before = len(system.points)
@@ -437,9 +426,7 @@ def test_a_latency_that_is_wanted_is_measured_in_python(system):
         return system.alone("point_up")
 
     assert (pass_on(5) > 0) is system.is_compiled
-    value = ParameterValue(type=ParameterType.PARAMETER_BOOL, bool_value=True)
-    asked = SetParameters.Request(parameters=[Parameter(name="point_up.latency", value=value)])
-    assert system.call(SetParameters, "set_parameters", asked).results[0].successful
+    assert system.ros.set_parameter("/fast", "point_up.latency", value=True).successful
     alone = system.alone("point_up")
     assert pass_on(5) == alone
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import needs
 import pytest
 import warm
-from ports import free_domain, free_port
+from ports import free_port
 from scripts import succeeded
 
 needs.ask("rclpy")
@@ -27,23 +27,20 @@ def fleet(tmp_path_factory):
     command = [*warm.command(), "generate", str(FLEET / "fleet.ros2jaus")]
     subprocess.run([*command, "-o", str(folder / "ws")], check=True, capture_output=True)
     port = str(free_port())
-    with pytest.MonkeyPatch.context() as environment:
-        environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-        environment.setenv("ROS_DOMAIN_ID", free_domain())
-        ros = RosPeer()
-        robots = []
-        for name in ADDRESSES:
-            line = ["-m", "robot.main", "--jaus-port", port, "--ros-args", "-r", f"__ns:=/{name}"]
-            if name == "second":
-                line += ["--params-file", str(FLEET / "second.yaml")]
-            robots.append(Process(line, packages_of(folder / "ws"), folder / f"{name}.log"))
-        for name, robot in zip(ADDRESSES, robots, strict=True):
-            words = f"/{name}/robot runs as {ADDRESSES[name]}"
-            wait_for(lambda log=robot.log, words=words: words in log.read_text(), words)
-        yield ros, port
-        for robot in robots:
-            assert robot.stop() == 0
-        ros.close()
+    ros = RosPeer()
+    robots = []
+    for name in ADDRESSES:
+        line = ["-m", "robot.main", "--jaus-port", port, "--ros-args", "-r", f"__ns:=/{name}"]
+        if name == "second":
+            line += ["--params-file", str(FLEET / "second.yaml")]
+        robots.append(Process(line, packages_of(folder / "ws"), folder / f"{name}.log"))
+    for name, robot in zip(ADDRESSES, robots, strict=True):
+        words = f"/{name}/robot runs as {ADDRESSES[name]}"
+        wait_for(lambda log=robot.log, words=words: words in log.read_text(), words)
+    yield ros, port
+    for robot in robots:
+        assert robot.stop() == 0
+    ros.close()
 
 
 def ocu(port, *arguments):

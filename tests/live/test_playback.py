@@ -7,7 +7,7 @@ import sys
 import needs
 import pytest
 import warm
-from ports import free_domain, free_port
+from ports import free_port
 
 needs.ask("rclpy")
 
@@ -36,40 +36,35 @@ def recorded(tmp_path_factory):
     """A recording in which a vehicle is driven, then with an effort that no field can carry."""
     folder = tmp_path_factory.mktemp("playback")
     path, log, port = folder / "run.mcap", folder / "record.log", str(free_port())
-    with pytest.MonkeyPatch.context() as environment:
-        environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-        environment.setenv("ROS_DOMAIN_ID", free_domain())
-        packages = generate()
-        ros = RosPeer()
-        words = ("record", str(MODEL), "--output", str(path), "--port", port)
-        with log.open("wb") as stream:
-            recorder = subprocess.Popen([*warm.command(), *words], stderr=stream)
-        started = []
-        try:
-            wait_for(lambda: "record" in log.read_text(), "recorder", PATIENCE)
-            for index, line in enumerate(
-                (["-m", "loop_bridge.main"], [VEHICLE, "--address", "10.1.1"])
-            ):
-                started.append(
-                    Process([*line, "--jaus-port", port], packages, folder / f"{index}.log")
-                )
-            vehicle = started[1]
-            publisher = ros.publisher(type(twist(0.0)), "cmd_vel")
-            wait_for(lambda: publisher.get_subscription_count() > 1, "recorder of ROS", PATIENCE)
-            with Repeater(publisher, twist(2.0)):
-                wait_for(lambda: len(vehicle.of_kind("effort")) > 40, "efforts", PATIENCE)
-                publisher.publish(twist(50.0))
-                obeyed = len(vehicle.of_kind("effort"))
-                wait_for(lambda: len(vehicle.of_kind("effort")) > obeyed + 60, "efforts", PATIENCE)
-            recorder.send_signal(signal.SIGTERM)
-            assert recorder.wait(timeout=PATIENCE) == 0, log.read_text()
-        finally:
-            recorder.kill()
-            recorder.wait()
-            for process in started:
-                process.close()
-            ros.close()
-            sys.stderr.write(log.read_text())
+    packages = generate()
+    ros = RosPeer()
+    words = ("record", str(MODEL), "--output", str(path), "--port", port)
+    with log.open("wb") as stream:
+        recorder = subprocess.Popen([*warm.command(), *words], stderr=stream)
+    started = []
+    try:
+        wait_for(lambda: "record" in log.read_text(), "recorder", PATIENCE)
+        for index, line in enumerate(
+            (["-m", "loop_bridge.main"], [VEHICLE, "--address", "10.1.1"])
+        ):
+            started.append(Process([*line, "--jaus-port", port], packages, folder / f"{index}.log"))
+        vehicle = started[1]
+        publisher = ros.publisher(type(twist(0.0)), "cmd_vel")
+        wait_for(lambda: publisher.get_subscription_count() > 1, "recorder of ROS", PATIENCE)
+        with Repeater(publisher, twist(2.0)):
+            wait_for(lambda: len(vehicle.of_kind("effort")) > 40, "efforts", PATIENCE)
+            publisher.publish(twist(50.0))
+            obeyed = len(vehicle.of_kind("effort"))
+            wait_for(lambda: len(vehicle.of_kind("effort")) > obeyed + 60, "efforts", PATIENCE)
+        recorder.send_signal(signal.SIGTERM)
+        assert recorder.wait(timeout=PATIENCE) == 0, log.read_text()
+    finally:
+        recorder.kill()
+        recorder.wait()
+        for process in started:
+            process.close()
+        ros.close()
+        sys.stderr.write(log.read_text())
     return indexed(str(path))
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import needs
 import pytest
-from ports import free_domain, free_port
+from ports import free_port
 
 needs.ask("rclpy")
 
@@ -103,30 +103,27 @@ def capture(tmp_path_factory):
     path = generate()
     logs = tmp_path_factory.mktemp("logs")
     port = free_port()
-    with pytest.MonkeyPatch.context() as environment:
-        environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-        environment.setenv("ROS_DOMAIN_ID", free_domain())
-        listening = Capture(port)
-        ros = RosPeer()
-        starts = [
-            ("-m", "loop_bridge.main"),
-            *((VEHICLE, "--address", f"10.1.{n}") for n in (1, 2)),
-        ]
-        processes = [
-            Process([*line, "--jaus-port", str(port)], path, logs / f"{number}.log")
-            for number, line in enumerate(starts)
-        ]
-        from geometry_msgs.msg import Twist
+    listening = Capture(port)
+    ros = RosPeer()
+    starts = [
+        ("-m", "loop_bridge.main"),
+        *((VEHICLE, "--address", f"10.1.{n}") for n in (1, 2)),
+    ]
+    processes = [
+        Process([*line, "--jaus-port", str(port)], path, logs / f"{number}.log")
+        for number, line in enumerate(starts)
+    ]
+    from geometry_msgs.msg import Twist
 
-        publisher = ros.publisher(Twist, "cmd_vel")
-        metronome = Metronome(lambda: publisher.publish(Twist()), PUBLISHED)
-        yield listening
-        metronome.close()
-        for process in processes:
-            process.close()
-            sys.stderr.write(process.log.read_text())
-        ros.close()
-        listening.close()
+    publisher = ros.publisher(Twist, "cmd_vel")
+    metronome = Metronome(lambda: publisher.publish(Twist()), PUBLISHED)
+    yield listening
+    metronome.close()
+    for process in processes:
+        process.close()
+        sys.stderr.write(process.log.read_text())
+    ros.close()
+    listening.close()
 
 
 @pytest.fixture(scope="module")

@@ -112,7 +112,6 @@ class System:
 
 @pytest.fixture(params=sweep([True, False], every=2), ids=["core", "Python"])
 def system(request, tmp_path, monkeypatch):
-    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
     made = System(generate(MODEL, compiled=True), tmp_path, compiled=request.param)
     try:

@@ -85,8 +85,7 @@ def running(tmp_path):
         log.close()
 
 
-def test_from_an_empty_folder_to_a_running_system(open_studio, tmp_path, running, monkeypatch):
-    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+def test_from_an_empty_folder_to_a_running_system(open_studio, tmp_path, running):
     folder = tmp_path / "robot"
     folder.mkdir()
     desk = Desktop(open_studio(folder))
