@@ -57,7 +57,10 @@ COVERED = """() => {
 
 @pytest.fixture
 def running(tmp_path):
-    """Returns a function that starts a command of the page; all end with the test."""
+    """Returns a function that starts a command of the page; all end with the test.
+
+    There is no compiler: the bridge begins sooner.
+    """
     started = []
 
     def run(command):
@@ -70,7 +73,7 @@ def running(tmp_path):
                     [*warm.command(), *words],
                     stdout=log,
                     stderr=subprocess.STDOUT,
-                    env={**os.environ, "PYTHONUNBUFFERED": "1"},
+                    env={**os.environ, "PYTHONUNBUFFERED": "1", "CXX": "none"},
                 ),
                 log,
             )
