@@ -4,7 +4,7 @@ import random
 import socket
 import struct
 import threading
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from itertools import pairwise
 from pathlib import Path
 
@@ -44,14 +44,9 @@ def path():
     return generate(MODEL, compiled=True)
 
 
-@contextmanager
 def running(path, log, monkeypatch, compiled):
     monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
-    made = System(path, log, compiled=compiled)
-    try:
-        yield made
-    finally:
-        made.close()
+    return System(path, log, compiled=compiled)
 
 
 FORMS = [pytest.param(True, id="core"), pytest.param(False, id="Python")]
@@ -75,19 +70,36 @@ def report(x, y=0.0):
     return struct.pack("<Hdd", 0xD107, x, y)
 
 
-class System:
+class Connected:
     """A bridge, its JAUS peer on a socket of the test, and a node of the test."""
+
+    def __init__(self, path, log, *parameters, **environment):
+        port = free_port()
+        line = ["-m", "fast.main", "--jaus-port", str(port), "--ros-args"]
+        line += [word for parameter in parameters for word in ("-p", parameter.lower())]
+        self.peer = RawPeer(port)
+        self.process = Process(line, path, log, environment=environment)
+        self.ros = RosPeer()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        assert self.process.stop() == 0, self.process.log.read_text()
+        self.ros.close()
+        self.peer.close()
+        assert "Traceback" not in self.process.log.read_text()
+
+
+class System(Connected):
+    """Hears what the topics of the bridge carry."""
 
     def __init__(self, path, log, *, compiled):
         from diagnostic_msgs.msg import DiagnosticArray
         from geometry_msgs.msg import Point, PointStamped, TwistStamped
 
-        self.port, self.is_compiled = free_port(), compiled
-        line = ["-m", "fast.main", "--jaus-port", str(self.port), "--ros-args"]
-        line += ["-p", f"compiled:={compiled}".lower(), "-p", "diagnostics_frequency:=10.0"]
-        self.peer = RawPeer(self.port)
-        self.process = Process(line, path, log)
-        self.ros = RosPeer()
+        self.is_compiled = compiled
+        super().__init__(path, log, f"compiled:={compiled}", "diagnostics_frequency:=10.0")
         wait_for(lambda: " runs as " in log.read_text(), "start")
         self.points = self.ros.listen_to_publisher(PointStamped, "point_up", 1000)
         self.speeds = self.ros.listen_to_publisher(TwistStamped, "speed_up", 1000)
@@ -109,32 +121,22 @@ class System:
         wait_for(lambda: self.speeds[-1].twist.linear.x == -GREETING, "last speed")
         self.greeted = greeted + 1
 
-    def values(self, connection):
-        """What the bridge said last of a connection, by name."""
-        return self.ros.values(connection)
-
     def account(self, connection):
         """The same of all messages up to now, without what depends on time and form."""
         told = len(self.told)
         wait_for(lambda: len(self.told) > told + 2, "diagnostics")
-        found = {k: v for k, v in self.values(connection).items() if k not in NOT_COMPARED}
+        found = {k: v for k, v in self.ros.values(connection).items() if k not in NOT_COMPARED}
         for count_name in ("messages taken", "messages passed"):
             found[count_name] = str(int(found[count_name]) - self.greeted)
         return found
 
     def alone(self, connection):
         """How many messages the core has passed on alone."""
-        return int(self.values(connection).get("passed on by the core", 0))
+        return int(self.ros.values(connection).get("passed on by the core", 0))
 
     def call(self, kind, name, request):
         """The answer of a service of the bridge."""
         return self.ros.call(kind, f"/fast/{name}", request)
-
-    def close(self):
-        assert self.process.stop() == 0, self.process.log.read_text()
-        self.ros.close()
-        self.peer.close()
-        assert "Traceback" not in self.process.log.read_text()
 
 
 class RawPeer:
@@ -197,7 +199,7 @@ def confirmed(system):
 
     def is_there():
         system.peer.look()
-        return system.values("report_up").get("peer 1.1.1") == "confirmed"
+        return system.ros.values("report_up").get("peer 1.1.1") == "confirmed"
 
     wait_for(is_there, "event")
 
@@ -492,7 +494,7 @@ def test_reports_of_an_event_and_what_is_lost_of_them(system):
         float(number) for number in range(40)
     ]
     system.account("report_up")
-    values = system.values("report_up")
+    values = system.ros.values("report_up")
     assert values["lost on the way"] == "8"
     assert values["out of order"] == "4"
     if system.is_compiled:
