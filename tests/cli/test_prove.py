@@ -104,18 +104,6 @@ def test_findings_and_pages(jausml, model, tmp_path, monkeypatch):
     ]
 
 
-@pytest.mark.slow
-@needs_compiler
-@pytest.mark.timeout(300)
-def test_a_module_of_the_library(jausml):
-    asked = ("mappings.travel_speed", "--only", "travel_speed")
-    result = jausml("prove", *asked, "--budget", "0.01", "--format", "json")
-    assert result.exit_code == 0, result.output
-    [found] = json.loads(result.stdout)["maps"]
-    assert found["name"] == "travel_speed"
-    assert found["fields"]
-
-
 def test_a_module_that_is_none(jausml, model, monkeypatch):
     monkeypatch.chdir(model.parent)
     for name in ("mappings.travel", "jaus.mobility", "mapping"):

@@ -27,7 +27,6 @@ def workspace(folder, jausml, model_text):
 def test_component_and_bridge_start_and_stop(workspace):
     environment = {
         **os.environ,
-        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
         "ROS_DOMAIN_ID": "83",
         "PYTHONUNBUFFERED": "1",
     }

@@ -47,19 +47,12 @@ def rows(verdict: Verdict) -> dict[str, Row]:
 
 
 @pytest.mark.slow
-def test_the_same_system_twice_is_equivalent():
-    verdict = judge(drives(0.0002, 1, 4), drives(0.0002, 2, 4), PARAMETERS)
-
-    assert verdict.passes, verdict
-    assert not verdict.differs
-    assert verdict.pairs == 4
-
-
-@pytest.mark.slow
 def test_a_good_bridge_is_equivalent():
     verdict = judge(drives(0.0002, 1, 4), drives(0.002, 3, 4), PARAMETERS)
 
     assert verdict.passes, verdict
+    assert not verdict.differs
+    assert verdict.pairs == 4
 
 
 @pytest.mark.slow

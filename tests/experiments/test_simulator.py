@@ -68,11 +68,10 @@ def test_the_factor_changes_and_a_wrong_one_is_refused(tmp_path):
 
 
 @pytest.mark.live
-def test_has_the_topics_that_gazebo_has_behind_its_bridge(tmp_path, monkeypatch):
+def test_has_the_topics_that_gazebo_has_behind_its_bridge(tmp_path):
     import rclpy
 
     wanted = yaml.safe_load(STAND_IN.with_name("ros_gz_bridge.yaml").read_text(encoding="utf-8"))
-    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     context = rclpy.Context()
     rclpy.init(context=context, domain_id=78)
     node = rclpy.create_node("looks", context=context)

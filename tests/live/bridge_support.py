@@ -12,6 +12,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from ports import free_port
 from ros_nodes import SpinningNode
 from workspaces import kept, packages_of
 
@@ -195,6 +196,62 @@ class RosPeer(SpinningNode):
         answer = wait_for(answered, f"answer of {name}")
         self.node.destroy_client(client)
         return answer.result()
+
+    def set_parameter(self, node: str, name: str, value):
+        """Sets a parameter of a node; returns what it says."""
+        from rcl_interfaces.srv import SetParameters
+        from rclpy.parameter import Parameter
+
+        parameter = Parameter(name, value=value).to_parameter_msg()
+        request = SetParameters.Request(parameters=[parameter])
+        (result,) = self.call(SetParameters, f"{node}/set_parameters", request).results
+        return result
+
+    def statuses(self, name: str) -> list:
+        """Returns what `/diagnostics` says of something since the first call, the latest last."""
+        from diagnostic_msgs.msg import DiagnosticArray
+
+        arrays = list(self.listen(DiagnosticArray, "/diagnostics"))
+        every = [status for array in arrays for status in array.status]
+        return [status for status in every if status.name.endswith(f": {name}")]
+
+    def status(self, name: str):
+        """Waits until something has a status; returns the latest."""
+        return wait_for(lambda: self.statuses(name), f"diagnostics of {name}")[-1]
+
+    def values(self, name: str) -> dict[str, str]:
+        """Waits until something has a status; returns the values of the latest."""
+        return {value.key: value.value for value in self.status(name).values}
+
+
+class System:
+    """Processes that share a port of JAUS, and a node of the test."""
+
+    def __init__(self, path: list[str], logs: Path) -> None:
+        self.path, self.logs, self.port = path, logs, free_port()
+        self.processes: list[Process] = []
+        self.ros = RosPeer()
+
+    def start(self, *arguments: str, option: str = "--jaus-port", stdin: bool = False) -> Process:
+        """Starts a process, which is told the port by an option."""
+        log = self.logs / f"{len(self.processes)}.log"
+        line = [*arguments, option, str(self.port)]
+        self.processes.append(Process(line, self.path, log, stdin=stdin))
+        return self.processes[-1]
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+    def close(self) -> None:
+        """Ends all of it, and shows what was logged."""
+        self.ros.close()
+        for process in self.processes:
+            process.close()
+        for process in self.processes:
+            sys.stderr.write(process.log.read_text())
 
 
 class Repeater:

@@ -9,21 +9,25 @@ from jausml.runtime.base.loop import Loop
 from .bridge_support import RosPeer
 
 
+@pytest.fixture(scope="module", autouse=True)
+def own_domain():
+    """A ROS domain of the module, where nodes of earlier ones are not found."""
+    with pytest.MonkeyPatch.context() as environment:
+        environment.setenv("ROS_DOMAIN_ID", free_domain())
+        yield
+
+
 @pytest.fixture(scope="module")
 def peer():
-    """A ROS node beside the tested one, in a domain of the module."""
-    with pytest.MonkeyPatch.context() as environment:
-        environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-        environment.setenv("ROS_DOMAIN_ID", free_domain())
-        made = RosPeer()
-        yield made
-        made.close()
+    """A ROS node beside the tested one."""
+    made = RosPeer()
+    yield made
+    made.close()
 
 
 @pytest.fixture
 def ros(monkeypatch):
     """A ROS node beside the tested one, in a domain of the test."""
-    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
     made = RosPeer()
     yield made
@@ -52,11 +56,10 @@ def loop():
 
 
 @pytest.fixture
-def node(peer, loop, waiting):
+def node(loop, waiting):
     """Makes ROS sides of bridges, which end with the test."""
     from jausml.runtime.bridge.ros.node import RosNode
 
-    del peer  # it sets the domain
     nodes = []
 
     def make(*ros_arguments, namespace=""):

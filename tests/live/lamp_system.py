@@ -3,24 +3,21 @@
 from functools import partial
 from pathlib import Path
 
-from ports import free_port
-
-from .bridge_support import Process, RosPeer, wait_for
+from . import bridge_support
+from .bridge_support import wait_for
 
 FOLDER = Path(__file__).resolve().parent
 MODEL = FOLDER / "services.ros2jaus"
 
 
-class System:
-    """The bridge, a lamp, an operator, and a node of the test."""
+class System(bridge_support.System):
+    """The bridge, a lamp and an operator."""
 
     def __init__(self, path, logs, *arguments):
         from rclpy.qos import QoSProfile
         from std_srvs.srv import SetBool, Trigger
 
-        self.path, self.logs, self.port = path, logs, free_port()
-        self.processes = []
-        self.ros = RosPeer()
+        super().__init__(path, logs)
         self.bridge = self.start("-m", "front.main", *arguments)
         create = partial(self.ros.node.create_client, qos_profile=QoSProfile(depth=100))
         self.clients = {
@@ -29,15 +26,8 @@ class System:
             "shine": create(Trigger, "/shine"),
         }
 
-    def start(self, *arguments):
-        line = [*arguments, "--jaus-port", str(self.port)]
-        log = self.logs / f"{len(self.processes)}.log"
-        process = Process(line, self.path, log, stdin=True)
-        self.processes.append(process)
-        return process
-
     def lamp(self, mode="answer"):
-        process = self.start(str(FOLDER / "lamp.py"))
+        process = self.start(str(FOLDER / "lamp.py"), stdin=True)
         process.tell(mode)
         wait_for(lambda: process.of_kind("mode"), "lamp")
         return process
@@ -70,7 +60,7 @@ class System:
 
     def operator(self):
         """Returns an operator that controls the bridge."""
-        process = self.start(str(FOLDER / "lamp_operator.py"))
+        process = self.start(str(FOLDER / "lamp_operator.py"), stdin=True)
         process.tell("take")
         wait_for(lambda: "READY" in states(process), "control of the bridge")
         return process
@@ -87,30 +77,13 @@ class System:
         wait_for(lambda: self.value("switch_robot", "service is") == "there", "discovery")
         return made
 
-    def status(self, connection):
-        """Returns the latest diagnostics of a connection."""
-        from diagnostic_msgs.msg import DiagnosticArray
-
-        found = self.ros.listen(DiagnosticArray, "/diagnostics")
-        for array in reversed(list(found)):
-            for status in array.status:
-                if status.name.endswith(connection):
-                    return status
-        return None
-
     def value(self, connection, key):
-        status = self.status(connection)
-        values = {value.key: value.value for value in status.values} if status is not None else {}
-        return values.get(key)
+        return self.ros.values(connection).get(key)
 
     def close(self):
-        for process in self.processes:
-            process.close()
-        self.ros.close()
-        logs = "".join(
-            system_process.log.read_text(encoding="utf-8") for system_process in self.processes
-        )
-        assert "Traceback" not in logs, logs
+        super().close()
+        logs = [process.log.read_text(encoding="utf-8") for process in self.processes]
+        assert "Traceback" not in "".join(logs)
 
 
 def states(process):

@@ -1,15 +1,15 @@
 """A generated bridge between real JAUS components and real ROS nodes, in both directions."""
 
-import sys
 from pathlib import Path
 
 import needs
 import pytest
-from ports import free_domain, free_port
+from ports import free_domain
 
 needs.ask("rclpy")
 
-from .bridge_support import Process, Repeater, RosPeer, generate, wait_for
+from . import bridge_support
+from .bridge_support import Repeater, generate, wait_for
 
 pytestmark = pytest.mark.live
 
@@ -24,37 +24,18 @@ def path():
 
 @pytest.fixture(scope="module")
 def system(path, tmp_path_factory):
-    with pytest.MonkeyPatch.context() as environment:
-        environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-        environment.setenv("ROS_DOMAIN_ID", free_domain())
-        started = System(path, tmp_path_factory.mktemp("logs"))
+    with System(path, tmp_path_factory.mktemp("logs")) as started:
         yield started
-        started.close()
 
 
-class System:
-    """The bridge, the vehicle, the trailer and a node of the test."""
+class System(bridge_support.System):
+    """The bridge, the vehicle and the trailer."""
 
     def __init__(self, path, logs, bridge=("-m", "loop_bridge.main")):
-        self.path, self.logs, self.port = path, logs, free_port()
-        self.processes = []
-        self.ros = RosPeer()
+        super().__init__(path, logs)
         self.bridge = self.start(*bridge)
         self.vehicle = self.start(VEHICLE, "--address", "10.1.1")
         self.trailer = self.start(VEHICLE, "--address", "10.1.2")
-
-    def start(self, *arguments):
-        line = [*arguments, "--jaus-port", str(self.port)]
-        process = Process(line, self.path, self.logs / f"{len(self.processes)}.log")
-        self.processes.append(process)
-        return process
-
-    def close(self):
-        for process in self.processes:
-            process.close()
-        self.ros.close()
-        for process in self.processes:
-            sys.stderr.write(process.log.read_text())
 
 
 def efforts(vehicle, since=0):
@@ -187,14 +168,9 @@ def call(system, service, name, request):
 
 def test_latency_is_measured_on_a_running_bridge(system):
     from diagnostic_msgs.msg import DiagnosticArray
-    from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
-    from rcl_interfaces.srv import SetParameters
 
     def measure(wanted):
-        value = ParameterValue(type=ParameterType.PARAMETER_BOOL, bool_value=wanted)
-        request = SetParameters.Request(parameters=[Parameter(name="latency", value=value)])
-        (result,) = call(system, SetParameters, "set_parameters", request).results
-        assert result.successful
+        assert system.ros.set_parameter("/loop_bridge", "latency", wanted).successful
 
     def latency():
         """Keys of the latest status of each connection."""
@@ -272,7 +248,7 @@ def test_topic_to_report(system):
     assert event["day"] == 28
     # Out of range: the message is dropped and counted, the report stays.
     with Repeater(publisher, odometry_of(2e5, 0.0)):
-        wait_for(lambda: drops(system, "estimate", "out_of_range"), "counted drop")
+        wait_for(lambda: counted(system, "estimate", "dropped: out_of_range"), "counted drop")
     assert operator.of_kind("event")[-1]["x"] == pytest.approx(3.0, abs=1e-4)
     # Another field has another policy: the report goes out without it.
     with Repeater(publisher, odometry_of(5.0, float("nan"))):
@@ -289,28 +265,15 @@ def test_a_value_whose_policy_is_error(system):
     with Repeater(publisher, twist(1.0, 0.5)):
         wait_for(lambda: commands(system.vehicle), "command")
     with Repeater(publisher, twist(11.0, 0.5)):
-        wait_for(lambda: state(system, "drive").level == b"\x02", "status ERROR")
+        wait_for(lambda: system.ros.status("drive").level == b"\x02", "status ERROR")
         # The topic is not silent, but nothing of it is of use.
         wait_for(lambda: efforts(system.vehicle)[-1]["rotational"] is None, "safe value")
     name = "out of range: error PropulsiveLinearEffortX"
     wait_for(lambda: counted(system, "drive", name), "count")
 
 
-def state(system, connection):
-    from diagnostic_msgs.msg import DiagnosticArray
-
-    arrays = system.ros.listen(DiagnosticArray, "/diagnostics")
-    statuses = wait_for(lambda: arrays, "diagnostics")[-1].status
-    return next(status for status in statuses if status.name.endswith(f": {connection}"))
-
-
 def counted(system, connection, name):
-    values = {value.key: value.value for value in state(system, connection).values}
-    return int(values.get(name, 0))
-
-
-def drops(system, connection, reason):
-    return counted(system, connection, f"dropped: {reason}")
+    return int(system.ros.values(connection).get(name, 0))
 
 
 @pytest.mark.slow
@@ -350,8 +313,7 @@ def test_overrides_choose_their_classes(path, tmp_path, monkeypatch):
     from std_msgs.msg import Float64
 
     monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
-    mixed = System(path, tmp_path, (str(FOLDER / "mixed_bridge.py"),))
-    try:
+    with System(path, tmp_path, (str(FOLDER / "mixed_bridge.py"),)) as mixed:
         odometry = mixed.ros.listen(Odometry, "odometry_copy")
         speed, pose = mixed.ros.listen(Float64, "speed"), mixed.ros.listen(PoseStamped, "pose")
         arrays = mixed.ros.listen(DiagnosticArray, "/diagnostics")
@@ -375,5 +337,3 @@ def test_overrides_choose_their_classes(path, tmp_path, monkeypatch):
         assert forms.pop("speed") == "light classes"
         assert set(forms) == {"pose", "cruise", "estimate"}
         assert "ROS classes" not in forms.values()
-    finally:
-        mixed.close()

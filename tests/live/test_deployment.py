@@ -9,14 +9,14 @@ import needs
 import pytest
 import warm
 import yaml
-from ports import free_domain, free_port
+from ports import free_port
 from sweeps import sweep
 
 needs.ask("rclpy")
 
 from workspaces import packages_of
 
-from .bridge_support import Process, RosPeer, wait_for
+from .bridge_support import Process, wait_for
 
 pytestmark = pytest.mark.live
 
@@ -36,19 +36,8 @@ def workspaces(tmp_path_factory):
     return folder
 
 
-@pytest.fixture(scope="module")
-def ros():
-    with pytest.MonkeyPatch.context() as environment:
-        environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-        environment.setenv("ROS_DOMAIN_ID", free_domain())
-        made = RosPeer()
-        yield made
-        made.close()
-
-
 @pytest.fixture
-def bridge(workspaces, ros, tmp_path):
-    del ros  # it sets the domain
+def bridge(workspaces, tmp_path):
     started = []
 
     def start(model, *arguments):

@@ -4,19 +4,18 @@ The camera is a bridge of its own and registers the address at the vehicle. The 
 """
 
 import subprocess
-import sys
 
 import needs
 import pytest
-from ports import free_domain, free_port
+from ports import free_port
 
 needs.ask("rclpy")
 
-from .bridge_support import SUPPORT, Process, RosPeer, generate_text, wait_for
+from .bridge_support import SUPPORT, System, generate_text, wait_for
 
 pytestmark = [pytest.mark.slow, pytest.mark.live, pytest.mark.needs("gstreamer")]
 
-SYSTEM = """
+MODEL = """
 import mappings.digital_resource
 import mappings.odometer
 import mappings.visual_sensor
@@ -58,27 +57,14 @@ def front(tmp_path):
 
 
 @pytest.fixture
-def ros(front, tmp_path, monkeypatch):
+def ros(front, tmp_path):
     """Yields a node of the test while the bridges run; the camera is told two addresses."""
-    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
-    path, port = generate_text(tmp_path, "video", SYSTEM), str(free_port())
     urls = f"jaus_digital_resources:={front} http://127.0.0.1/rear"
-    told = {"camera": ["--ros-args", "-p", urls]}
-    peer = RosPeer()
-    running = [
-        Process(
-            ["-m", f"{name}.main", "--jaus-port", port, *told.get(name, ())],
-            path,
-            tmp_path / f"{name}.log",
-        )
-        for name in ("vehicle", "camera", "station")
-    ]
-    yield peer
-    for process in running:
-        process.close()
-        sys.stderr.write(process.log.read_text())
-    peer.close()
+    told = {"camera": ["--ros-args", "-p", urls, "--"]}
+    with System(generate_text(tmp_path, "video", MODEL), tmp_path) as system:
+        for name in ("vehicle", "camera", "station"):
+            system.start("-m", f"{name}.main", *told.get(name, ()))
+        yield system.ros
 
 
 def test_a_client_plays_what_it_has_discovered(ros, front):

@@ -4,7 +4,6 @@ from pathlib import Path
 
 import needs
 import pytest
-from ports import free_domain
 
 needs.ask("rclpy")
 
@@ -16,10 +15,8 @@ MODEL = Path(__file__).with_name("emergency_stop.ros2jaus")
 
 
 @pytest.fixture
-def ros(tmp_path, monkeypatch):
+def ros(tmp_path):
     """A node beside the bridges of the robot and of the panel, which run."""
-    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
     path = generate(MODEL)
     peer = RosPeer()
     bridges = [

@@ -66,18 +66,7 @@ def start(tmp_path):
 
 def told_of(ros, peer):
     """Returns what `/diagnostics` says of a peer, as it is when it is asked for."""
-    from diagnostic_msgs.msg import DiagnosticArray
-
-    arrays = ros.listen(DiagnosticArray, "/diagnostics")
-
-    def told():
-        for array in reversed(list(arrays)):
-            for status in array.status:
-                if status.name.endswith(f": account of {peer}"):
-                    return {value.key: value.value for value in status.values}
-        return {}
-
-    return told
+    return lambda: ros.values(f"account of {peer}")
 
 
 def effort_of(command):

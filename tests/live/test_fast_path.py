@@ -4,7 +4,7 @@ import random
 import socket
 import struct
 import threading
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from itertools import pairwise
 from pathlib import Path
 
@@ -44,15 +44,9 @@ def path():
     return generate(MODEL, compiled=True)
 
 
-@contextmanager
 def running(path, log, monkeypatch, compiled):
-    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
-    made = System(path, log, compiled=compiled)
-    try:
-        yield made
-    finally:
-        made.close()
+    return System(path, log, compiled=compiled)
 
 
 FORMS = [pytest.param(True, id="core"), pytest.param(False, id="Python")]
@@ -76,19 +70,36 @@ def report(x, y=0.0):
     return struct.pack("<Hdd", 0xD107, x, y)
 
 
-class System:
+class Connected:
     """A bridge, its JAUS peer on a socket of the test, and a node of the test."""
+
+    def __init__(self, path, log, *parameters, **environment):
+        port = free_port()
+        line = ["-m", "fast.main", "--jaus-port", str(port), "--ros-args"]
+        line += [word for parameter in parameters for word in ("-p", parameter.lower())]
+        self.peer = RawPeer(port)
+        self.process = Process(line, path, log, environment=environment)
+        self.ros = RosPeer()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        assert self.process.stop() == 0, self.process.log.read_text()
+        self.ros.close()
+        self.peer.close()
+        assert "Traceback" not in self.process.log.read_text()
+
+
+class System(Connected):
+    """Hears what the topics of the bridge carry."""
 
     def __init__(self, path, log, *, compiled):
         from diagnostic_msgs.msg import DiagnosticArray
         from geometry_msgs.msg import Point, PointStamped, TwistStamped
 
-        self.port, self.is_compiled = free_port(), compiled
-        line = ["-m", "fast.main", "--jaus-port", str(self.port), "--ros-args"]
-        line += ["-p", f"compiled:={compiled}".lower(), "-p", "diagnostics_frequency:=10.0"]
-        self.peer = RawPeer(self.port)
-        self.process = Process(line, path, log)
-        self.ros = RosPeer()
+        self.is_compiled = compiled
+        super().__init__(path, log, f"compiled:={compiled}", "diagnostics_frequency:=10.0")
         wait_for(lambda: " runs as " in log.read_text(), "start")
         self.points = self.ros.listen_to_publisher(PointStamped, "point_up", 1000)
         self.speeds = self.ros.listen_to_publisher(TwistStamped, "speed_up", 1000)
@@ -110,36 +121,22 @@ class System:
         wait_for(lambda: self.speeds[-1].twist.linear.x == -GREETING, "last speed")
         self.greeted = greeted + 1
 
-    def values(self, connection):
-        """What the bridge said last of a connection, by name."""
-        for array in reversed(list(self.told)):
-            for status in array.status:
-                if status.name.endswith(f": {connection}"):
-                    return {value.key: value.value for value in status.values}
-        return {}
-
     def account(self, connection):
         """The same of all messages up to now, without what depends on time and form."""
         told = len(self.told)
         wait_for(lambda: len(self.told) > told + 2, "diagnostics")
-        found = {k: v for k, v in self.values(connection).items() if k not in NOT_COMPARED}
+        found = {k: v for k, v in self.ros.values(connection).items() if k not in NOT_COMPARED}
         for count_name in ("messages taken", "messages passed"):
             found[count_name] = str(int(found[count_name]) - self.greeted)
         return found
 
     def alone(self, connection):
         """How many messages the core has passed on alone."""
-        return int(self.values(connection).get("passed on by the core", 0))
+        return int(self.ros.values(connection).get("passed on by the core", 0))
 
     def call(self, kind, name, request):
         """The answer of a service of the bridge."""
         return self.ros.call(kind, f"/fast/{name}", request)
-
-    def close(self):
-        assert self.process.stop() == 0, self.process.log.read_text()
-        self.ros.close()
-        self.peer.close()
-        assert "Traceback" not in self.process.log.read_text()
 
 
 class RawPeer:
@@ -202,7 +199,7 @@ def confirmed(system):
 
     def is_there():
         system.peer.look()
-        return system.values("report_up").get("peer 1.1.1") == "confirmed"
+        return system.ros.values("report_up").get("peer 1.1.1") == "confirmed"
 
     wait_for(is_there, "event")
 
@@ -365,8 +362,7 @@ def test_messages_of_several_packets(system):
 
 @pytest.mark.slow
 def test_a_parameter_counts_from_the_next_message_on(system):
-    from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
-    from rcl_interfaces.srv import ListParameters, SetParameters
+    from rcl_interfaces.srv import ListParameters
 
     def said(vx):
         before = len(system.speeds)
@@ -377,9 +373,7 @@ def test_a_parameter_counts_from_the_next_message_on(system):
     assert [said(vx) for vx in (1.0, 2.0, 3.0, 25.0, 4.0)] == [1.0, 2.0, 3.0, 20.0, 4.0]
     names = system.call(ListParameters, "list_parameters", ListParameters.Request()).result.names
     (name,) = [parameter_name for parameter_name in names if parameter_name.endswith("max_speed")]
-    value = ParameterValue(type=ParameterType.PARAMETER_DOUBLE, double_value=2.5)
-    asked = SetParameters.Request(parameters=[Parameter(name=name, value=value)])
-    assert system.call(SetParameters, "set_parameters", asked).results[0].successful
+    assert system.ros.set_parameter("/fast", name, 2.5).successful
     assert [said(vx) for vx in (1.0, 3.0, 2.0, 25.0)] == [1.0, 2.5, 2.0, 2.5]
     if system.is_compiled:
         wait_for(lambda: system.alone("speed_up") >= 4, "messages of the core")
@@ -425,9 +419,6 @@ def test_nothing_passes_once_the_bridge_is_inactive(system):
 
 @pytest.mark.slow
 def test_a_latency_that_is_wanted_is_measured_in_python(system):
-    from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
-    from rcl_interfaces.srv import SetParameters
-
     def pass_on(count):
         for _ in range(count):
             before = len(system.points)
@@ -437,9 +428,7 @@ def test_a_latency_that_is_wanted_is_measured_in_python(system):
         return system.alone("point_up")
 
     assert (pass_on(5) > 0) is system.is_compiled
-    value = ParameterValue(type=ParameterType.PARAMETER_BOOL, bool_value=True)
-    asked = SetParameters.Request(parameters=[Parameter(name="point_up.latency", value=value)])
-    assert system.call(SetParameters, "set_parameters", asked).results[0].successful
+    assert system.ros.set_parameter("/fast", "point_up.latency", value=True).successful
     alone = system.alone("point_up")
     assert pass_on(5) == alone
 
@@ -505,7 +494,7 @@ def test_reports_of_an_event_and_what_is_lost_of_them(system):
         float(number) for number in range(40)
     ]
     system.account("report_up")
-    values = system.values("report_up")
+    values = system.ros.values("report_up")
     assert values["lost on the way"] == "8"
     assert values["out of order"] == "4"
     if system.is_compiled:

@@ -6,14 +6,13 @@ from pathlib import Path
 import needs
 import pytest
 import warm
-from ports import free_domain, free_port
 from scripts import succeeded
 
 needs.ask("rclpy")
 
 from workspaces import packages_of
 
-from .bridge_support import Process, Repeater, RosPeer, wait_for
+from .bridge_support import Repeater, System, wait_for
 
 pytestmark = [pytest.mark.slow, pytest.mark.live]
 
@@ -26,24 +25,18 @@ def fleet(tmp_path_factory):
     folder = tmp_path_factory.mktemp("fleet")
     command = [*warm.command(), "generate", str(FLEET / "fleet.ros2jaus")]
     subprocess.run([*command, "-o", str(folder / "ws")], check=True, capture_output=True)
-    port = str(free_port())
-    with pytest.MonkeyPatch.context() as environment:
-        environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-        environment.setenv("ROS_DOMAIN_ID", free_domain())
-        ros = RosPeer()
-        robots = []
+    with System(packages_of(folder / "ws"), folder) as system:
         for name in ADDRESSES:
-            line = ["-m", "robot.main", "--jaus-port", port, "--ros-args", "-r", f"__ns:=/{name}"]
+            line = ["-m", "robot.main", "--ros-args", "-r", f"__ns:=/{name}"]
             if name == "second":
                 line += ["--params-file", str(FLEET / "second.yaml")]
-            robots.append(Process(line, packages_of(folder / "ws"), folder / f"{name}.log"))
-        for name, robot in zip(ADDRESSES, robots, strict=True):
+            system.start(*line, "--")
+        for name, robot in zip(ADDRESSES, system.processes, strict=True):
             words = f"/{name}/robot runs as {ADDRESSES[name]}"
             wait_for(lambda log=robot.log, words=words: words in log.read_text(), words)
-        yield ros, port
-        for robot in robots:
+        yield system.ros, str(system.port)
+        for robot in system.processes:
             assert robot.stop() == 0
-        ros.close()
 
 
 def ocu(port, *arguments):

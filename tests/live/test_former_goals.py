@@ -24,8 +24,7 @@ pytestmark = pytest.mark.live
 SERVICE = "/follow/_action/cancel_goal"
 
 
-def test_goals_with_the_mark_that_go_on_are_cancelled_once_and_no_others(monkeypatch):
-    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+def test_goals_with_the_mark_that_go_on_are_cancelled_once_and_no_others():
     context = Context()
     rclpy.init(context=context, domain_id=int(free_domain()))
     node = rclpy.create_node("robot", context=context)
@@ -71,8 +70,7 @@ def test_goals_with_the_mark_that_go_on_are_cancelled_once_and_no_others(monkeyp
     rclpy.try_shutdown(context=context)
 
 
-def test_marks_differ_by_node_and_action(monkeypatch):
-    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+def test_marks_differ_by_node_and_action():
     context = Context()
     rclpy.init(context=context, domain_id=int(free_domain()))
     marks = set()

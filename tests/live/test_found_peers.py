@@ -1,16 +1,16 @@
 """A generated bridge whose peers are found by their services: they come, die, move."""
 
-import sys
 from pathlib import Path
 
 import needs
 import pytest
-from ports import free_domain, free_port
+from ports import free_domain
 
 needs.ask("rclpy")
 
 
-from .bridge_support import Process, Repeater, RosPeer, generate, wait_for
+from . import bridge_support
+from .bridge_support import Repeater, generate, wait_for
 
 pytestmark = pytest.mark.live
 
@@ -23,19 +23,8 @@ def path():
     return generate(FOLDER / "found_peers.ros2jaus")
 
 
-class System:
-    """The bridge and a node of the test; vehicles come and go."""
-
-    def __init__(self, path, logs):
-        self.path, self.logs, self.port = path, logs, free_port()
-        self.processes = []
-        self.ros = RosPeer()
-
-    def start(self, *arguments):
-        line = [*arguments, "--jaus-port", str(self.port)]
-        process = Process(line, self.path, self.logs / f"{len(self.processes)}.log")
-        self.processes.append(process)
-        return process
+class System(bridge_support.System):
+    """The bridge; vehicles come and go."""
 
     def bridge(self):
         return self.start("-m", "finder.main")
@@ -52,35 +41,18 @@ class System:
         ]
 
     def diagnostics(self):
-        from diagnostic_msgs.msg import DiagnosticArray
-
-        found = self.ros.listen(DiagnosticArray, "/diagnostics")
-
         def search_of(connection):
-            for array in reversed(list(found)):
-                for status in array.status:
-                    if connection in status.name:
-                        values = {value.key: value.value for value in status.values}
-                        return status.message, values.get("search", "")
-            return "", ""
+            status = self.ros.status(connection)
+            return status.message, self.ros.values(connection).get("search", "")
 
         return search_of
-
-    def close(self):
-        for process in self.processes:
-            process.close()
-        self.ros.close()
-        for process in self.processes:
-            sys.stderr.write(process.log.read_text())
 
 
 @pytest.fixture
 def system(path, tmp_path, monkeypatch):
-    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
-    started = System(path, tmp_path)
-    yield started
-    started.close()
+    with System(path, tmp_path) as started:
+        yield started
 
 
 @pytest.mark.slow
@@ -132,19 +104,12 @@ def test_commands_go_to_whoever_is_found(system):
 
 @pytest.mark.slow
 def test_another_component_with_the_id_of_the_bridge_is_told_of(system):
-    from diagnostic_msgs.msg import DiagnosticArray
-
-    found = system.ros.listen(DiagnosticArray, "/diagnostics")
     bridge = system.bridge()
-    wait_for(lambda: found, "diagnostics")
+    wait_for(lambda: system.ros.statuses("nearest"), "diagnostics")
     system.vehicle("10.1.9", 1.0)
     text = "another component has your id: 10.1.9 at 127.0.0.1:"
 
-    def doubles():
-        every = [status for array in list(found) for status in array.status]
-        return [status for status in every if status.name.endswith(": jaus id")]
-
-    wait_for(doubles, "double in the diagnostics")
-    assert doubles()[0].message.startswith(text)
-    assert doubles()[0].level == b"\x02"
+    (double, *_) = wait_for(lambda: system.ros.statuses("jaus id"), "double in the diagnostics")
+    assert double.message.startswith(text)
+    assert double.level == b"\x02"
     assert bridge.log.read_text().count(text) == 1

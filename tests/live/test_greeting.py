@@ -32,7 +32,6 @@ bridge entry {{
 @pytest.fixture
 def system(tmp_path, monkeypatch):
     """Starts the judge, and the bridge of a model that says whether it is to be greeted."""
-    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
     processes, peers = [], []
 

@@ -1,21 +1,20 @@
 """A generated bridge that makes one JAUS report of two ROS topics."""
 
-import sys
 from pathlib import Path
 
 import needs
 import pytest
-from ports import free_domain, free_port
+from ports import free_domain
 
 needs.ask("rclpy")
 
 
-from .bridge_support import Process, Repeater, RosPeer, generate_text, wait_for
+from .bridge_support import Repeater, System, generate_text, wait_for
 
 pytestmark = pytest.mark.live
 
 OBSERVER = str(Path(__file__).with_name("join_observer.py"))
-SYSTEM = """
+MODEL = """
 import mappings.global_pose_sensor
 import mappings.travel_speed
 bridge pose_bridge {
@@ -43,19 +42,10 @@ bridge pose_bridge {
 @pytest.fixture
 def system(tmp_path, monkeypatch):
     """Starts the bridge and an observer; yields the observer and a node of the test."""
-    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
-    path, port = generate_text(tmp_path, "pose", SYSTEM), str(free_port())
-    processes = []
-    ros = RosPeer()
-    for number, line in enumerate((["-m", "pose_bridge.main"], [OBSERVER])):
-        log = tmp_path / f"{number}.log"
-        processes.append(Process([*line, "--jaus-port", port], path, log))
-    yield processes[1], ros
-    for process in processes:
-        process.close()
-        sys.stderr.write(process.log.read_text())
-    ros.close()
+    with System(generate_text(tmp_path, "pose", MODEL), tmp_path) as system:
+        system.start("-m", "pose_bridge.main")
+        yield system.start(OBSERVER), system.ros
 
 
 def test_the_attitude_is_that_of_the_joined_topic_while_it_is_fresh(system):

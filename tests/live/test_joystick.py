@@ -1,18 +1,15 @@
 """A joystick goes from a ROS node through two bridges to another, byte by byte."""
 
-import sys
-
 import needs
 import pytest
-from ports import free_domain, free_port
 
 needs.ask("rclpy")
 
-from .bridge_support import Process, Repeater, RosPeer, generate_text, wait_for
+from .bridge_support import Repeater, System, generate_text, wait_for
 
 pytestmark = [pytest.mark.slow, pytest.mark.live]
 
-SYSTEM = """
+MODEL = """
 import mappings.hmi
 
 bridge desk {
@@ -36,21 +33,12 @@ bridge cab {
 
 
 @pytest.fixture
-def ros(tmp_path, monkeypatch):
+def ros(tmp_path):
     """Yields a node of the test while both bridges run."""
-    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
-    path, port = generate_text(tmp_path, "joystick", SYSTEM), str(free_port())
-    peer = RosPeer()
-    running = [
-        Process(["-m", f"{name}.main", "--jaus-port", port], path, tmp_path / f"{name}.log")
-        for name in ("desk", "cab")
-    ]
-    yield peer
-    for process in running:
-        process.close()
-        sys.stderr.write(process.log.read_text())
-    peer.close()
+    with System(generate_text(tmp_path, "joystick", MODEL), tmp_path) as system:
+        for name in ("desk", "cab"):
+            system.start("-m", f"{name}.main")
+        yield system.ros
 
 
 def test_each_axis_and_a_button(ros):

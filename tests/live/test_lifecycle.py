@@ -7,7 +7,7 @@ from ports import free_domain
 needs.ask("rclpy")
 
 from .bridge_support import Repeater, generate, wait_for
-from .test_bridge_live import OPERATOR, System, call, efforts, state, twist
+from .test_bridge_live import OPERATOR, System, call, efforts, twist
 
 pytestmark = pytest.mark.live
 
@@ -20,14 +20,11 @@ def path():
 
 
 @pytest.fixture
-def system(path, tmp_path, request):
-    with pytest.MonkeyPatch.context() as environment:
-        environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-        environment.setenv("ROS_DOMAIN_ID", free_domain())
-        arguments = getattr(request, "param", ("-m", "loop_bridge.main"))
-        started = System(path, tmp_path, bridge=arguments)
+def system(path, tmp_path, request, monkeypatch):
+    monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
+    arguments = getattr(request, "param", ("-m", "loop_bridge.main"))
+    with System(path, tmp_path, bridge=arguments) as started:
         yield started
-        started.close()
 
 
 def lifecycle(system):
@@ -46,10 +43,6 @@ def change(system, name):
     return call(system, ChangeState, "change_state", request).success
 
 
-def status_of_the_bridge(system):
-    return {value.key: value.value for value in state(system, "jaus state").values}
-
-
 def subscriptions(system):
     return system.ros.node.count_subscribers("cmd_vel")
 
@@ -61,8 +54,8 @@ def is_stopped(system):
 @pytest.mark.slow
 def test_it_becomes_active_by_itself(system):
     wait_for(lambda: lifecycle(system) == "active", "active state")
-    wait_for(lambda: status_of_the_bridge(system)["node"] == "active", "status")
-    assert status_of_the_bridge(system) == {
+    wait_for(lambda: system.ros.values("jaus state")["node"] == "active", "status")
+    assert system.ros.values("jaus state") == {
         "node": "active",
         "jaus": "standby",
         "controller": "none",
@@ -78,7 +71,7 @@ def test_it_waits_for_its_manager(system):
     assert change(system, "configure")
     assert lifecycle(system) == "inactive"
     wait_for(lambda: subscriptions(system) == 1, "subscription")
-    wait_for(lambda: status_of_the_bridge(system)["node"] == "inactive", "status")
+    wait_for(lambda: system.ros.values("jaus state")["node"] == "inactive", "status")
     assert not system.vehicle.of_kind("effort")
     assert change(system, "activate")
     drive(system)
@@ -140,14 +133,14 @@ def test_inactive_stops_and_passes_nothing_either_way(system):
         assert change(system, "deactivate")
         wait_for(lambda: is_stopped(system), "stop of the vehicle")
         wait_for(lambda: cruise[-1].twist.linear.x == 0.0, "stop on the topic")
-        wait_for(lambda: status_of_the_bridge(system)["node"] == "inactive", "status")
-        assert status_of_the_bridge(system) == {
+        wait_for(lambda: system.ros.values("jaus state")["node"] == "inactive", "status")
+        assert system.ros.values("jaus state") == {
             "node": "inactive",
             "jaus": "standby",
             "controller": "none",
         }
         known, reports = len(efforts(system.vehicle)), len(odometry)
-        wait_for(lambda: state(system, "drive").message == "the bridge is inactive", "reason")
+        wait_for(lambda: system.ros.status("drive").message == "the bridge is inactive", "reason")
         assert len(efforts(system.vehicle)) == known
         assert len(odometry) == reports
         # The operator goes on asking for control, and gets it when there is some to have.
@@ -155,8 +148,8 @@ def test_inactive_stops_and_passes_nothing_either_way(system):
         wait_for(lambda: not is_stopped(system), "command after activation")
         wait_for(lambda: len(odometry) > reports, "odometry after activation")
         wait_for(lambda: cruise[-1].twist.linear.x > 0, "command of the operator")
-        wait_for(lambda: status_of_the_bridge(system)["jaus"] == "ready", "status")
-        assert status_of_the_bridge(system)["controller"] != "none"
+        wait_for(lambda: system.ros.values("jaus state")["jaus"] == "ready", "status")
+        assert system.ros.values("jaus state")["controller"] != "none"
     assert operator.stop() == 0
 
 

@@ -5,7 +5,6 @@ import sys
 
 import needs
 import pytest
-from ports import free_domain
 
 needs.ask("rclpy")
 
@@ -28,19 +27,14 @@ ROOT = MODEL.parents[3]
 
 
 @pytest.fixture(scope="module")
-def model():
-    return read_models([MODEL], allow_outside=True).model
+def system(tmp_path_factory):
+    with System(generate(), tmp_path_factory.mktemp("logs")) as started:
+        yield started
 
 
 @pytest.fixture(scope="module")
-def system(tmp_path_factory):
-    with pytest.MonkeyPatch.context() as environment:
-        environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-        environment.setenv("ROS_DOMAIN_ID", free_domain())
-        path = generate()
-        started = System(path, tmp_path_factory.mktemp("logs"))
-        yield started
-        started.close()
+def model():
+    return read_models([MODEL], allow_outside=True).model
 
 
 class Page:

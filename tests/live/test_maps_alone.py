@@ -5,7 +5,6 @@ So does the paper run its Figure 5. Each of two such bridges is the JAUS peer of
 
 import needs
 import pytest
-from ports import free_domain, free_port
 
 needs.ask("rclpy")
 
@@ -14,7 +13,7 @@ from workspaces import packages_of
 
 from jausml.cli import main
 
-from .bridge_support import Process, Repeater, RosPeer, wait_for
+from .bridge_support import Repeater, System, wait_for
 
 pytestmark = [pytest.mark.slow, pytest.mark.live]
 
@@ -45,29 +44,17 @@ def path(tmp_path_factory):
     return packages_of(folder / "ws")
 
 
-def test_reports_and_commands_cross_between_two_bridges(path, tmp_path, monkeypatch):
+def test_reports_and_commands_cross_between_two_bridges(path, tmp_path):
     from std_msgs.msg import UInt16
 
-    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
-    port = str(free_port())
-    line = ["-m", "winch_bridge.main", "--jaus-port", port]
-    ros = RosPeer()
-    here = Process(line, path, tmp_path / "here.log")
-    there = Process(
-        [*line, "--jaus-id", "100.1.21", "--ros-args", "-r", "__ns:=/there"],
-        path,
-        tmp_path / "there.log",
-    )
-    try:
+    with System(path, tmp_path) as system:
+        system.start("-m", "winch_bridge.main")
+        own = ("--jaus-id", "100.1.21", "--ros-args", "-r", "__ns:=/there", "--")
+        system.start("-m", "winch_bridge.main", *own)
         for sender, receiver, value in (("", "/there", 5), ("/there", "", 7)):
             for name in ("WinchState", "haul"):
-                heard = ros.listen(UInt16, f"{receiver}/{name}/from_jaus")
-                publisher = ros.publisher(UInt16, f"{sender}/{name}/to_jaus")
+                heard = system.ros.listen(UInt16, f"{receiver}/{name}/from_jaus")
+                publisher = system.ros.publisher(UInt16, f"{sender}/{name}/to_jaus")
                 with Repeater(publisher, UInt16(data=value)):
                     wait_for(lambda heard=heard: heard, f"{name} at '{receiver}'", 60)
                 assert {message.data for message in heard} == {value}
-    finally:
-        for process in (here, there):
-            process.close()
-        ros.close()

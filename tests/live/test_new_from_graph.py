@@ -31,7 +31,6 @@ def vehicle(monkeypatch):
     from std_msgs.msg import String
     from std_srvs.srv import SetBool, Trigger
 
-    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
     with SpinningNode("wheels", "car") as spinning:
         node = spinning.node
@@ -149,7 +148,6 @@ def surveyor(monkeypatch):
     from nav2_msgs.action import FollowWaypoints
     from rclpy.action import ActionServer
 
-    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
     silent = SpinningNode("surveyor", "car")
     server = ActionServer(silent.node, FollowWaypoints, "survey", print)
@@ -192,7 +190,6 @@ def crane(monkeypatch):
     from nav_msgs.msg import Odometry
     from sensor_msgs.msg import Imu, Temperature
 
-    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
     with SpinningNode("base", "crane") as spinning:
         node = spinning.node

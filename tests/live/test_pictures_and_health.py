@@ -1,18 +1,16 @@
 """Pictures and health go from a ROS node through two bridges to another, byte by byte."""
 
-import sys
-
 import needs
 import pytest
-from ports import free_domain, free_port
+from ports import free_domain
 
 needs.ask("rclpy")
 
-from .bridge_support import Process, Repeater, RosPeer, generate_text, wait_for
+from .bridge_support import Repeater, System, generate_text, wait_for
 
 pytestmark = [pytest.mark.slow, pytest.mark.live]
 
-SYSTEM = """
+MODEL = """
 import mappings.still_image
 import mappings.health_monitor
 
@@ -41,19 +39,12 @@ PICTURES = {
 @pytest.fixture
 def ros(tmp_path, monkeypatch, used):
     """Yields a node of the test while both bridges run."""
-    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
-    path, port = generate_text(tmp_path, "camera", SYSTEM.replace("MAP", used)), str(free_port())
-    peer = RosPeer()
-    running = [
-        Process(["-m", f"{name}.main", "--jaus-port", port], path, tmp_path / f"{name}.log")
-        for name in ("vehicle", "station")
-    ]
-    yield peer
-    for process in running:
-        process.close()
-        sys.stderr.write(process.log.read_text())
-    peer.close()
+    path = generate_text(tmp_path, "camera", MODEL.replace("MAP", used))
+    with System(path, tmp_path) as system:
+        for name in ("vehicle", "station"):
+            system.start("-m", f"{name}.main")
+        yield system.ros
 
 
 @pytest.mark.slow

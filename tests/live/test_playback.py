@@ -1,26 +1,19 @@
 """A running system is recorded, and its recording says why a message was not passed on."""
 
-import signal
-import subprocess
-import sys
-
 import needs
 import pytest
-import warm
-from ports import free_domain, free_port
 
 needs.ask("rclpy")
 
 from jausml.language.model import read_models
 from jausml.live.systems.explaining import explained
-from jausml.live.systems.playback import indexed
 
-from .bridge_support import MODEL, Process, Repeater, RosPeer, generate, wait_for
+from .bridge_support import MODEL, Repeater, System, generate, wait_for
+from .recorder import PATIENCE, Recorder
 
 pytestmark = [pytest.mark.slow, pytest.mark.live, pytest.mark.ports]
 VEHICLE = str(MODEL.parents[2] / "live" / "bridge_vehicle.py")
 BRIDGE = "/loop_bridge"
-PATIENCE = 90.0
 
 
 def twist(effort):
@@ -35,42 +28,17 @@ def twist(effort):
 def recorded(tmp_path_factory):
     """A recording in which a vehicle is driven, then with an effort that no field can carry."""
     folder = tmp_path_factory.mktemp("playback")
-    path, log, port = folder / "run.mcap", folder / "record.log", str(free_port())
-    with pytest.MonkeyPatch.context() as environment:
-        environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-        environment.setenv("ROS_DOMAIN_ID", free_domain())
-        packages = generate()
-        ros = RosPeer()
-        words = ("record", str(MODEL), "--output", str(path), "--port", port)
-        with log.open("wb") as stream:
-            recorder = subprocess.Popen([*warm.command(), *words], stderr=stream)
-        started = []
-        try:
-            wait_for(lambda: "record" in log.read_text(), "recorder", PATIENCE)
-            for index, line in enumerate(
-                (["-m", "loop_bridge.main"], [VEHICLE, "--address", "10.1.1"])
-            ):
-                started.append(
-                    Process([*line, "--jaus-port", port], packages, folder / f"{index}.log")
-                )
-            vehicle = started[1]
-            publisher = ros.publisher(type(twist(0.0)), "cmd_vel")
-            wait_for(lambda: publisher.get_subscription_count() > 1, "recorder of ROS", PATIENCE)
-            with Repeater(publisher, twist(2.0)):
-                wait_for(lambda: len(vehicle.of_kind("effort")) > 40, "efforts", PATIENCE)
-                publisher.publish(twist(50.0))
-                obeyed = len(vehicle.of_kind("effort"))
-                wait_for(lambda: len(vehicle.of_kind("effort")) > obeyed + 60, "efforts", PATIENCE)
-            recorder.send_signal(signal.SIGTERM)
-            assert recorder.wait(timeout=PATIENCE) == 0, log.read_text()
-        finally:
-            recorder.kill()
-            recorder.wait()
-            for process in started:
-                process.close()
-            ros.close()
-            sys.stderr.write(log.read_text())
-    return indexed(str(path))
+    with System(generate(), folder) as system, Recorder(folder, MODEL, system.port) as recorder:
+        system.start("-m", "loop_bridge.main")
+        vehicle = system.start(VEHICLE, "--address", "10.1.1")
+        publisher = system.ros.publisher(type(twist(0.0)), "cmd_vel")
+        wait_for(lambda: publisher.get_subscription_count() > 1, "recorder of ROS", PATIENCE)
+        with Repeater(publisher, twist(2.0)):
+            wait_for(lambda: len(vehicle.of_kind("effort")) > 40, "efforts", PATIENCE)
+            publisher.publish(twist(50.0))
+            obeyed = len(vehicle.of_kind("effort"))
+            wait_for(lambda: len(vehicle.of_kind("effort")) > obeyed + 60, "efforts", PATIENCE)
+        return recorder.end()
 
 
 @pytest.fixture(scope="module")

@@ -55,7 +55,6 @@ def test_it_has_full_marks(profile, tmp_path):
     environment = {
         **os.environ,
         "PYTHONPATH": python_path(tmp_path / "src"),
-        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
         "ROS_DOMAIN_ID": free_domain(),
     }
     process = subprocess.Popen(

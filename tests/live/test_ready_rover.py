@@ -14,7 +14,7 @@ from types import SimpleNamespace
 import needs
 import pytest
 import warm
-from ports import free_domain, free_port
+from ports import free_port
 from scripts import succeeded
 
 needs.ask("rclpy")
@@ -164,19 +164,16 @@ def world(workspace, tmp_path_factory):
         make_network(own, "127.0.0.1", port, "239.255.0.1", [])
         for own in ("65000.1.1", "65000.1.2")
     ]
-    with pytest.MonkeyPatch.context() as environment:
-        environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-        environment.setenv("ROS_DOMAIN_ID", free_domain())
-        ros = RosPeer()
-        catalogue = open_catalogue(())
-        with (
-            running_operator(networks[0], catalogue, PATIENCE) as pilot,
-            running_operator(networks[1], catalogue, PATIENCE) as chief,
-        ):
-            made = Rover(workspace, tmp_path_factory.mktemp("logs"), ros, pilot, chief, port)
-            yield made
-            made.close()
-        ros.close()
+    ros = RosPeer()
+    catalogue = open_catalogue(())
+    with (
+        running_operator(networks[0], catalogue, PATIENCE) as pilot,
+        running_operator(networks[1], catalogue, PATIENCE) as chief,
+    ):
+        made = Rover(workspace, tmp_path_factory.mktemp("logs"), ros, pilot, chief, port)
+        yield made
+        made.close()
+    ros.close()
 
 
 @pytest.fixture

@@ -57,20 +57,15 @@ def counted(system, connection, counter):
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory):
     folder = tmp_path_factory.mktemp("calls")
-    with pytest.MonkeyPatch.context() as environment:
-        environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-        environment.setenv("ROS_DOMAIN_ID", free_domain())
-        system = System(generate(MODEL), folder, *INTROSPECTION)
-        try:
-            with Recorder(folder, MODEL, system.port) as recorder:
-                for topic in ("/read_lamp", "/switch_lamp", "/lamp/switch"):
-                    name = f"{topic}/_service_event"
-                    wait_for(lambda name=name: system.ros.node.count_subscribers(name), name)
-                provoke(system)
-                found = recorder.end()
-        finally:
-            system.close()
-    return found
+    with (
+        System(generate(MODEL), folder, *INTROSPECTION) as system,
+        Recorder(folder, MODEL, system.port) as recorder,
+    ):
+        for topic in ("/read_lamp", "/switch_lamp", "/lamp/switch"):
+            name = f"{topic}/_service_event"
+            wait_for(lambda name=name: system.ros.node.count_subscribers(name), name)
+        provoke(system)
+        return recorder.end()
 
 
 @pytest.mark.slow
@@ -106,16 +101,10 @@ def test_a_bridge_without_the_parameter_publishes_no_calls(system):
 
 
 def test_the_parameter_is_set_while_the_bridge_runs(system):
-    from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
-    from rcl_interfaces.srv import SetParameters
     from std_srvs.srv import Trigger
 
     def set_to(word):
-        value = ParameterValue(type=ParameterType.PARAMETER_STRING, string_value=word)
-        parameter = Parameter(name="service_introspection", value=value)
-        request = SetParameters.Request(parameters=[parameter])
-        (result,) = system.ros.call(SetParameters, "/front/set_parameters", request).results
-        return result
+        return system.ros.set_parameter("/front", "service_introspection", word)
 
     assert "everything is none of disabled, metadata, contents" in set_to("everything").reason
     system.lamp()
@@ -132,10 +121,7 @@ def test_the_parameter_is_set_while_the_bridge_runs(system):
 
 
 @pytest.fixture
-def system(tmp_path):
-    with pytest.MonkeyPatch.context() as environment:
-        environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-        environment.setenv("ROS_DOMAIN_ID", free_domain())
-        made = System(generate(MODEL), tmp_path)
+def system(tmp_path, monkeypatch):
+    monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
+    with System(generate(MODEL), tmp_path) as made:
         yield made
-        made.close()

@@ -118,33 +118,30 @@ def recording(tmp_path_factory):
     folder = tmp_path_factory.mktemp("recording")
     path, port = folder / "run.mcap", free_port()
     log = folder / "record.log"
-    with pytest.MonkeyPatch.context() as environment:
-        environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-        environment.setenv("ROS_DOMAIN_ID", free_domain())
-        packages = generate(FLEET)
-        ros = RosPeer()
-        line = ["-m", "robot.main", "--jaus-port", str(port)]
-        bridge = Process(line, packages, folder / "bridge.log")
-        arguments = ["record", str(FLEET), "--output", str(path), "--port", str(port)]
-        recorder, speaker = jausml(*arguments, log=log), None
-        try:
-            from nav_msgs.msg import Odometry
+    packages = generate(FLEET)
+    ros = RosPeer()
+    line = ["-m", "robot.main", "--jaus-port", str(port)]
+    bridge = Process(line, packages, folder / "bridge.log")
+    arguments = ["record", str(FLEET), "--output", str(path), "--port", str(port)]
+    recorder, speaker = jausml(*arguments, log=log), None
+    try:
+        from nav_msgs.msg import Odometry
 
-            wait_for(lambda: "record" in log.read_text(), "recorder", PATIENCE)
-            publisher = ros.publisher(Odometry, TOPIC.strip("/"))
-            wait_for(lambda: publisher.get_subscription_count() > 1, "recorder of ROS", PATIENCE)
-            speaker = Speaker(publisher)
-            heard = hear(port, 10)
+        wait_for(lambda: "record" in log.read_text(), "recorder", PATIENCE)
+        publisher = ros.publisher(Odometry, TOPIC.strip("/"))
+        wait_for(lambda: publisher.get_subscription_count() > 1, "recorder of ROS", PATIENCE)
+        speaker = Speaker(publisher)
+        heard = hear(port, 10)
+        speaker.close()
+        assert ended(recorder) == 0, log.read_text()
+    finally:
+        if speaker is not None:
             speaker.close()
-            assert ended(recorder) == 0, log.read_text()
-        finally:
-            if speaker is not None:
-                speaker.close()
-            recorder.kill()
-            recorder.wait()
-            bridge.close()
-            ros.close()
-            sys.stderr.write(log.read_text())
+        recorder.kill()
+        recorder.wait()
+        bridge.close()
+        ros.close()
+        sys.stderr.write(log.read_text())
     return path, heard, port
 
 
@@ -206,7 +203,6 @@ def test_topics_given_back_to_jaus_say_the_same(recording, tmp_path):
 def test_all_is_recorded_from_when_it_says_so_of_the_model_of_the_project(tmp_path, monkeypatch):
     from nav_msgs.msg import Odometry
 
-    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
     project = tmp_path / "project"
     (project / "models").mkdir(parents=True)

@@ -41,7 +41,7 @@ class System:
         self.lines: list[str] = []
         self.process = subprocess.Popen(
             [sys.executable, "-m", "jausml", "run", str(workspace), *only],
-            env={**os.environ, "ROS_DOMAIN_ID": "89", "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"},
+            env={**os.environ, "ROS_DOMAIN_ID": "89"},
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,

@@ -1,21 +1,19 @@
 """A generated bridge that makes one ROS message of two JAUS reports."""
 
-import sys
 from pathlib import Path
 
 import needs
 import pytest
-from ports import free_domain, free_port
 
 needs.ask("rclpy")
 
 
-from .bridge_support import Process, RosPeer, generate_text, wait_for
+from .bridge_support import System, generate_text, wait_for
 
 pytestmark = [pytest.mark.slow, pytest.mark.live]
 
 VEHICLE = str(Path(__file__).with_name("odometry_vehicle.py"))
-SYSTEM = """
+MODEL = """
 import mappings.odometry
 component pose { address: 10.1.1 provides: LocalPoseSensor external: true }
 component velocity { address: 10.1.2 provides: VelocityStateSensor external: true }
@@ -33,25 +31,11 @@ bridge odometry_bridge {
 
 
 @pytest.fixture
-def system(tmp_path, monkeypatch):
+def system(tmp_path):
     """Yields what starts a process, and a node of the test; the bridge runs."""
-    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
-    path, port = generate_text(tmp_path, "odometry", SYSTEM), str(free_port())
-    processes = []
-
-    def start(*line):
-        log = tmp_path / f"{len(processes)}.log"
-        processes.append(Process([*line, "--jaus-port", port], path, log))
-        return processes[-1]
-
-    ros = RosPeer()
-    start("-m", "odometry_bridge.main")
-    yield start, ros
-    for process in processes:
-        process.close()
-        sys.stderr.write(process.log.read_text())
-    ros.close()
+    with System(generate_text(tmp_path, "odometry", MODEL), tmp_path) as system:
+        system.start("-m", "odometry_bridge.main")
+        yield system.start, system.ros
 
 
 def test_odometry_is_there_while_both_reports_are(system):

@@ -2,7 +2,6 @@
 
 import socket
 import struct
-import sys
 import threading
 import time
 from collections import Counter, defaultdict
@@ -10,7 +9,6 @@ from pathlib import Path
 
 import needs
 import pytest
-from ports import free_domain, free_port
 
 needs.ask("rclpy")
 
@@ -23,7 +21,7 @@ from jausml.runtime.transports.packets.packet import AckNak, parse_datagram
 from jausml.views.analysis.report import report_of
 from jausml.views.analysis.sizes import Assumptions
 
-from .bridge_support import MODEL, Process, RosPeer, generate, wait_for
+from .bridge_support import MODEL, System, generate, wait_for
 
 pytestmark = pytest.mark.live
 
@@ -100,32 +98,17 @@ class Metronome:
 
 @pytest.fixture(scope="module")
 def capture(tmp_path_factory):
-    path = generate()
-    logs = tmp_path_factory.mktemp("logs")
-    port = free_port()
-    with pytest.MonkeyPatch.context() as environment:
-        environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-        environment.setenv("ROS_DOMAIN_ID", free_domain())
-        listening = Capture(port)
-        ros = RosPeer()
-        starts = [
-            ("-m", "loop_bridge.main"),
-            *((VEHICLE, "--address", f"10.1.{n}") for n in (1, 2)),
-        ]
-        processes = [
-            Process([*line, "--jaus-port", str(port)], path, logs / f"{number}.log")
-            for number, line in enumerate(starts)
-        ]
-        from geometry_msgs.msg import Twist
+    from geometry_msgs.msg import Twist
 
-        publisher = ros.publisher(Twist, "cmd_vel")
+    with System(generate(), tmp_path_factory.mktemp("logs")) as system:
+        listening = Capture(system.port)
+        system.start("-m", "loop_bridge.main")
+        for address in ("10.1.1", "10.1.2"):
+            system.start(VEHICLE, "--address", address)
+        publisher = system.ros.publisher(Twist, "cmd_vel")
         metronome = Metronome(lambda: publisher.publish(Twist()), PUBLISHED)
         yield listening
         metronome.close()
-        for process in processes:
-            process.close()
-            sys.stderr.write(process.log.read_text())
-        ros.close()
         listening.close()
 
 

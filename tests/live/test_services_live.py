@@ -20,13 +20,10 @@ def path():
 
 
 @pytest.fixture
-def system(path, tmp_path):
-    with pytest.MonkeyPatch.context() as environment:
-        environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-        environment.setenv("ROS_DOMAIN_ID", free_domain())
-        made = System(path, tmp_path)
+def system(path, tmp_path, monkeypatch):
+    monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
+    with System(path, tmp_path) as made:
         yield made
-        made.close()
 
 
 def test_a_query_is_a_service(system):
@@ -55,7 +52,7 @@ def test_a_command_needs_control(system):
     assert "no peer obeys" in answer.message
     assert "100.1.2" in answer.message
     wait_for(lambda: system.value("switch", "failed: not_ready") == "1", "diagnostics")
-    assert system.status("switch").message == "no peer obeys"
+    assert system.ros.status("switch").message == "no peer obeys"
 
 
 @pytest.mark.slow
@@ -165,7 +162,7 @@ def test_a_service_that_is_absent_is_a_rejection(system):
     operator.tell("set 100")
     wait_for(lambda: operator.of_kind("reject"), "rejection")
     wait_for(lambda: system.value("switch_robot", "failed: no_service") == "1", "diagnostics")
-    assert system.status("switch_robot").message == "nobody serves lamp/switch"
+    assert system.ros.status("switch_robot").message == "nobody serves lamp/switch"
 
 
 @pytest.mark.slow

@@ -4,12 +4,11 @@ import threading
 
 import needs
 import pytest
-from ports import free_domain
 
 needs.ask("rclpy")
 
 from .bridge_support import Repeater, generate, wait_for
-from .test_bridge_live import System, commands, efforts, state, twist
+from .test_bridge_live import System, commands, efforts, twist
 
 pytestmark = pytest.mark.live
 
@@ -57,13 +56,8 @@ class Simulation:
 
 @pytest.fixture(scope="module")
 def system(tmp_path_factory):
-    with pytest.MonkeyPatch.context() as environment:
-        environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-        environment.setenv("ROS_DOMAIN_ID", free_domain())
-        path = generate()
-        started = System(path, tmp_path_factory.mktemp("logs"), bridge=SIMULATED)
+    with System(generate(), tmp_path_factory.mktemp("logs"), bridge=SIMULATED) as started:
         yield started
-        started.close()
 
 
 @pytest.fixture
@@ -100,11 +94,11 @@ def test_commands_stand_while_the_simulation_rests(system, simulation):
     drive(system)
     wait_for(lambda: len(commands(system.vehicle)) > count, "command during the pause")
     # Longer than the 0.4 s of the model, in which the report of the bridge comes again.
-    state(system, "simulated time")
+    system.ros.status("simulated time")
     reports = system.ros.received["/diagnostics"]
     known = len(reports)
     wait_for(lambda: len(reports) > known + 1, "reports during the pause")
-    assert state(system, "simulated time").level == b"\x00"
+    assert system.ros.status("simulated time").level == b"\x00"
     assert not is_stopped(system)
     simulation.ratio = 1.0
     wait_for(lambda: is_stopped(system), "safe value after the pause")
@@ -122,7 +116,9 @@ def test_a_clock_that_ends_stops_commands(system, simulation):
     drive(system)
     simulation.ratio = None
     wait_for(lambda: is_stopped(system), "safe value without a clock")
-    wait_for(lambda: state(system, "simulated time").level == b"\x03", "status STALE of the clock")
+    wait_for(
+        lambda: system.ros.status("simulated time").level == b"\x03", "status STALE of the clock"
+    )
     simulation.ratio = 1.0
     drive(system)
 

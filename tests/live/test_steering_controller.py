@@ -63,7 +63,6 @@ def test_steps(packages):
         **os.environ,
         "PYTHONPATH": os.pathsep.join(packages),
         "ROS_DOMAIN_ID": "90",
-        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
     }
     result = succeeded(
         [sys.executable, "-c", SCRIPT, json.dumps(messages)], env=environment, timeout=60

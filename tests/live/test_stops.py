@@ -14,7 +14,7 @@ from pathlib import Path
 import needs
 import pytest
 from guardians import guardian_of
-from ports import free_domain, free_port
+from ports import free_port
 from sweeps import sweep
 
 needs.ask("rclpy")
@@ -147,13 +147,10 @@ def moves(message):
 @pytest.fixture(scope="module")
 def system(tmp_path_factory, request):
     packages = generate(FOLDER / "stops.ros2jaus")
-    with pytest.MonkeyPatch.context() as environment:
-        environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-        environment.setenv("ROS_DOMAIN_ID", free_domain())
-        waiting = getattr(request, "param", "automatic")
-        started = System(packages, tmp_path_factory.mktemp("logs"), waiting)
-        yield started
-        started.close()
+    waiting = getattr(request, "param", "automatic")
+    started = System(packages, tmp_path_factory.mktemp("logs"), waiting)
+    yield started
+    started.close()
 
 
 @pytest.fixture(scope="module")

@@ -13,7 +13,7 @@ from pathlib import Path
 import needs
 import pytest
 from guardians import guardian_of
-from ports import free_domain, free_port
+from ports import free_domain
 from suspended_clocks import SuspendedClocks
 from sweeps import sweep
 
@@ -22,8 +22,9 @@ needs.ask("rclpy")
 from jausml.generation import native
 from jausml.runtime.messages import QueryStatus, ReportStatus, RequestControl, Resume
 
-from .bridge_support import Process, RosPeer, generate, wait_for
-from .test_fast_path import RawPeer, speed
+from . import test_fast_path
+from .bridge_support import generate, wait_for
+from .test_fast_path import speed
 
 pytestmark = [pytest.mark.live, pytest.mark.needs("compiler"), pytest.mark.timeout(240)]
 
@@ -39,19 +40,15 @@ def is_halted(process):
     return all(state.rpartition(")")[2].split()[0] == "T" for state in states)
 
 
-class System:
+class System(test_fast_path.Connected):
     """A bridge and its guardian on a computer that can be suspended, and a peer on another one."""
 
     def __init__(self, path, folder, *, compiled):
         from geometry_msgs.msg import Point, TwistStamped
 
         self.clocks = SuspendedClocks(folder, native.compiler())
-        port, log = free_port(), folder / "bridge.log"
-        line = ["-m", "fast.main", "--jaus-port", str(port), "--ros-args"]
-        line += ["-p", f"compiled:={compiled}".lower()]
-        self.peer = RawPeer(port)
-        self.process = Process(line, path, log, environment=self.clocks.environment)
-        self.ros = RosPeer()
+        log = folder / "bridge.log"
+        super().__init__(path, log, f"compiled:={compiled}", **self.clocks.environment)
         self.speeds = self.ros.listen_to_publisher(TwistStamped, "speed_up", 1000)
         self.points = self.ros.node.create_publisher(Point, "report_down", 1)
         wait_for(lambda: " runs as " in log.read_text(), "start")
@@ -103,22 +100,12 @@ class System:
         for process in processes:
             os.kill(process, signal.SIGCONT)
 
-    def close(self):
-        assert self.process.stop() == 0, self.process.log.read_text()
-        self.ros.close()
-        self.peer.close()
-        assert "Traceback" not in self.process.log.read_text()
-
 
 @pytest.fixture(params=sweep([True, False], every=2), ids=["core", "Python"])
 def system(request, tmp_path, monkeypatch):
-    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
-    made = System(generate(MODEL, compiled=True), tmp_path, compiled=request.param)
-    try:
+    with System(generate(MODEL, compiled=True), tmp_path, compiled=request.param) as made:
         yield made
-    finally:
-        made.close()
 
 
 def test_after_a_suspension_the_stop_comes_before_whatever_waited(system):

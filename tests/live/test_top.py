@@ -8,7 +8,6 @@ from pathlib import Path
 import needs
 import pytest
 import warm
-from ports import free_domain, free_port
 
 needs.ask("rclpy")
 
@@ -21,7 +20,8 @@ from jausml.live.systems.inspection import Inspection
 from jausml.live.systems.monitoring import Monitor, listening, polling
 from jausml.runtime.base.address import JausAddress
 
-from .bridge_support import MODEL, Process, RosPeer, generate, wait_for
+from . import bridge_support
+from .bridge_support import MODEL, generate, wait_for
 
 pytestmark = pytest.mark.live
 
@@ -31,28 +31,21 @@ HIDDEN = "import sys; sys.modules['rclpy'] = None; from jausml.cli import main; 
 EVIL = "\x1b[2J\x1b]0;title\x07[red]\u202e"
 
 
-class System:
-    """A bridge, a vehicle, and a node of the test."""
+class System(bridge_support.System):
+    """A bridge and a vehicle."""
 
     def __init__(self, path, logs):
-        self.path, self.logs, self.port = path, logs, free_port()
-        self.processes = []
-        self.ros = RosPeer()
-        self.start("-m", "loop_bridge.main", "--jaus-port", str(self.port))
+        super().__init__(path, logs)
+        self.start("-m", "loop_bridge.main")
         self.vehicle = self.start_vehicle()
 
     def start_vehicle(self):
-        return self.start(VEHICLE, "--address", "10.1.1", "--jaus-port", str(self.port))
-
-    def start(self, *arguments):
-        process = Process(list(arguments), self.path, self.logs / f"{len(self.processes)}.log")
-        self.processes.append(process)
-        return process
+        return self.start(VEHICLE, "--address", "10.1.1")
 
     def top(self, *arguments):
         """Starts `jausml top --json`."""
-        words = (*map(str, arguments), "--port", str(self.port))
-        return self.start("-m", "jausml", "top", "--json", "--interval", "0.2", *words)
+        words = ("-m", "jausml", "top", "--json", "--interval", "0.2", *map(str, arguments))
+        return self.start(*words, option="--port")
 
     def once(self, *arguments, program=()):
         """Runs `jausml top --once` and returns how it ended."""
@@ -63,23 +56,11 @@ class System:
     def network(self):
         return make_network("65000.1.77", "127.0.0.1", self.port, "239.255.0.1", [])
 
-    def close(self):
-        for process in self.processes:
-            process.close()
-        self.ros.close()
-        for process in self.processes:
-            sys.stderr.write(process.log.read_text())
-
 
 @pytest.fixture(scope="module")
 def system(tmp_path_factory):
-    with pytest.MonkeyPatch.context() as environment:
-        environment.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-        environment.setenv("ROS_DOMAIN_ID", free_domain())
-        path = generate()
-        started = System(path, tmp_path_factory.mktemp("logs"))
+    with System(generate(), tmp_path_factory.mktemp("logs")) as started:
         yield started
-        started.close()
 
 
 @pytest.fixture
@@ -242,15 +223,8 @@ def test_the_last_message_on_both_sides(system):
 
 @pytest.mark.slow
 def test_what_a_bridge_measures_is_shown_beside_what_is_measured_outside(system):
-    from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
-    from rcl_interfaces.srv import SetParameters
-
     def measure(wanted):
-        value = ParameterValue(type=ParameterType.PARAMETER_BOOL, bool_value=wanted)
-        parameter = Parameter(name="latency", value=value)
-        request = SetParameters.Request(parameters=[parameter])
-        answer = system.ros.call(SetParameters, "/loop_bridge/set_parameters", request)
-        assert answer.results[0].successful
+        assert system.ros.set_parameter("/loop_bridge", "latency", wanted).successful
 
     def rows(duration):
         """What the verb says of the connection, when diagnostics came while it looked."""

@@ -13,7 +13,7 @@ import pytest
 from large_systems import large_system
 from scripts import succeeded
 from simulated_vehicle import STOP, TIMEOUT, VEHICLE, Vehicle, take, until
-from studio_client import Page, RefusedError, Server, operating, serving, started
+from studio_client import Page, RefusedError, Server, operating, started
 
 from jausml.language.model.library import LIBRARY_URI
 
@@ -25,7 +25,6 @@ GAPS = Path(__file__).parents[1] / "support" / "gap_process.py"
 LEASE = 2.0
 OPTIONS = ("--stop-all", "standby", "--lease", str(LEASE), "--stop", STOP)
 LONGEST_WORK = 0.05
-EDITS = 2
 GROUPS = 476
 """21 elements a group: ten thousand in all."""
 
@@ -125,32 +124,25 @@ def test_a_unit_that_stands_still_has_its_stops_said_and_says_so(folder, built, 
 
 @pytest.mark.slow
 @pytest.mark.timeout(900)
-def test_edits_of_a_large_model_do_not_hold_it_up(folder, built, port, vehicle):
-    """A studio edits ten thousand elements, which a child of the unit reads; a stick is held."""
+def test_an_edit_of_a_large_model_does_not_hold_it_up(folder, built, port, vehicle):
+    """Ten thousand elements are edited, which a child of the unit reads; a stick is held."""
     model = folder / "large.ros2jaus"
-    model.write_text(large_system(GROUPS), encoding="utf-8")
+    text = large_system(GROUPS)
+    model.write_text(text, encoding="utf-8")
     stop = "SetWrenchEffort 60 PropulsiveLinearEffortX=0"  # this page waits for the edits too
     options = ("--stop-all", "standby", "--lease", "60", "--stop", stop, "--jaus-port", str(port))
-    with (
-        serving(model, built) as studio,
-        operating(model, built, *options, start=partial(started, script=GAPS)) as unit,
-    ):
-        with studio.page() as editing, unit.connect() as socket:
+    with operating(model, built, *options, start=partial(started, script=GAPS)) as unit:
+        with unit.connect() as socket:
             page = page_of(socket, unit)
             asked = {"component": VEHICLE, "message": "SetWrenchEffort"}
             number = page.ask("stick.begin", **asked)["stick"]
-            for edit in range(EDITS):
-                (row,) = editing.ask("outline", file=model.name, query="vehicle0_0")["rows"]
-                wanted = {"feature": "documentation", "values": [f"edit {edit}"]}
-                command = {"kind": "set", "element": row["element"], **wanted}
-                editing.ask("edit", commands=[command], label="Document it")
-                while not any(told["method"] == "operate.learnt" for told in page.told):
-                    page.ask("renew")
-                    fields = {"PropulsiveLinearEffortX": 9.0}
-                    with suppress(RefusedError):  # the vehicle is here, and as busy as all is
-                        page.ask("stick.move", stick=number, fields=fields)
-                    time.sleep(0.02)
-                page.told.clear()
+            model.write_text(f"{text}// Edited.\n", encoding="utf-8")
+            while not any(told["method"] == "operate.learnt" for told in page.told):
+                page.ask("renew")
+                fields = {"PropulsiveLinearEffortX": 9.0}
+                with suppress(RefusedError):  # the vehicle is here, and as busy as all is
+                    page.ask("stick.move", stick=number, fields=fields)
+                time.sleep(0.02)
         unit.process.send_signal(signal.SIGTERM)
         assert unit.process.stderr is not None
         _, _, told = unit.process.stderr.read().partition("worked ")
@@ -158,5 +150,5 @@ def test_edits_of_a_large_model_do_not_hold_it_up(folder, built, port, vehicle):
     assert max(worked["longest"]) < LONGEST_WORK, worked["longest"]
     assert worked["collections"] == []
     assert worked["readers"] == []
-    assert min(worked["turns"]) >= EDITS
+    assert min(worked["turns"]) >= 1
     assert vehicle.last == 0.0

@@ -12,6 +12,8 @@ from jausml.live.peers.entry_messages import message_class
 from jausml.live.peers.measuring import ReportTimes, reports_of
 from jausml.runtime.base.address import JausAddress
 
+from .test_top import MODEL
+
 TARGET = JausAddress(100, 1, 1)
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -76,21 +78,7 @@ def test_every_report_of_a_component_is_shown_as_a_table(jausml):
 @pytest.mark.usefixtures("stamped")
 def test_a_model_names_components_and_reports(jausml, tmp_path, monkeypatch):
     model = tmp_path / "speed.ros2jaus"
-    model.write_text(
-        """\
-import `jaus.mobility`
-speed {
-  JAUS ReportVelocityState
-  ROS std_msgs/Float64
-  JAUS->ROS ( Velocity_X -> data )
-}
-component rover { address: 100.1.1  provides: VelocityStateSensor }
-bridge speeds {
-  address: 100.1.2
-  connection speed { map: speed  exchange: everyChangeEvent  peers: rover  topic speed {} }
-}
-"""
-    )
+    model.write_text(MODEL, encoding="utf-8")
     result = jausml("latency", model, "--duration", "0.5", "--format", "json")
     assert result.exit_code == 0, result.output
     (found,) = json.loads(result.stdout)["reports"]

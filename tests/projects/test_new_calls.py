@@ -11,7 +11,8 @@ from jausml.language.model.names import name_of
 from jausml.language.model.refs import ref_of
 from jausml.language.text.notation import NOTATIONS
 
-NOTATION = pytest.mark.parametrize("notation", sweep(["text", "xmi"], every=2))
+# What is written in XMI, test_new_parts has.
+NOTATION = pytest.mark.parametrize("notation", sweep(["text", "xmi"], every=2, rest=0))
 OFF_ON = "values: { enumerated_value off { value: 0 } enumerated_value on { value: 1 } }"
 DROPPER = f"""import `jaus.core-1.1`
 service_set own {{ service Dropper {{

@@ -116,10 +116,13 @@ def _places(model):
 @pytest.mark.needs("emf")
 def test_eclipse_opens_what_grew_and_would_save_it_as_it_is(rover, jausml):
     model = rover("xmi")
-    words = "new bridge face odom:nav_msgs/Odometry:local_pose cmd:geometry_msgs/Twist --yes"
-    jausml(*words.split())
-    words = "new map speed ReportVelocityState std_msgs/Float64 --to-ros data=Velocity_X"
-    jausml(*words.split())
+    for words in (
+        "new bridge face odom:nav_msgs/Odometry:local_pose cmd:geometry_msgs/Twist --yes",
+        "new map speed ReportVelocityState std_msgs/Float64 --to-ros data=Velocity_X",
+        "new service-connection status:std_srvs/Trigger QueryStatus --side operator",
+        "new action-connection follow_waypoints:nav2_msgs/FollowWaypoints",
+    ):
+        jausml(*words.split())
     saved = model.with_name("saved.xmi")
     done = emf_check.ask("--resave", saved, model)
     assert (done.returncode, done.stdout) == (0, "")

@@ -72,7 +72,7 @@ def _enter() -> None:
 def own_domain(number: int) -> None:
     """Sets the ROS domain of this process and of those it starts."""
     os.environ["ROS_DOMAIN_ID"] = str(1 + number)
-    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
 
 
 def announce_often() -> None:

@@ -203,11 +203,8 @@ PLANTED = {
 }
 """By what it is: who notices it, and the texts of the model that change."""
 
-FOR_PROOFS = {
-    "a constant in place of a member": _each(("Speed -> speed\n", "0.5 -> speed\n"), (VECTORS, "")),
-    "a sign one way": _each((TURN[0] + "\n", TURN[0] + " : negate\n")),
-}
-"""What a proof of the map must find, by what it is."""
+FOR_PROOFS = _each(("Speed -> speed\n", "0.5 -> speed\n"), (VECTORS, ""))
+"""A constant in place of a member, which a proof of the map must find."""
 
 UNKNOWABLE = {
     "a range that is too small": ("range", _each(("lower: 0 upper: 4 }", "lower: 0 upper: 3.5 }"))),

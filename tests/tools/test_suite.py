@@ -63,13 +63,6 @@ def test_what_passes_alone_is_named(suite):
 
 
 @pytest.mark.slow
-def test_what_fails_alone_too_fails(suite):
-    status, output = suite(bad="def test_bad(): assert False", good="def test_good(): pass")
-    assert status == 1
-    assert "test_bad.py::test_bad: fails alone too" in output
-
-
-@pytest.mark.slow
 def test_each_gets_its_own_verdict(suite):
     bad = "def test_bad(): assert False"
     status, output = suite(bad=bad, once=FAILS_ONCE.format(name="once"))

@@ -4,7 +4,6 @@ import sys
 
 import pytest
 from nav2 import nav2
-from ports import free_domain
 
 from jausml.runtime.base.settings import TransportSettings
 from jausml.runtime.component.process import running_transport
@@ -19,8 +18,6 @@ def packages():
     messages = nav2()
     made = generate(LIVE / "waypoint_lists.ros2jaus")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-        patch.setenv("ROS_DOMAIN_ID", free_domain())
         for message in [*made, messages]:
             patch.syspath_prepend(message)
         yield [*made, messages]

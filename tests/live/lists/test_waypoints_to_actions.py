@@ -8,7 +8,6 @@ import pytest
 needs.ask("rclpy")
 
 from nav2 import nav2
-from ports import free_domain
 
 from jausml.runtime.base.settings import TransportSettings
 from jausml.runtime.clients.control_state import ControlState
@@ -26,8 +25,6 @@ def packages():
     """The module path of the generated bridge, of its messages, and of nav2_msgs."""
     made = [*generate(LIVE / "waypoint.ros2jaus"), nav2()]
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-        patch.setenv("ROS_DOMAIN_ID", free_domain())
         for path in made:
             patch.syspath_prepend(path)
         yield made

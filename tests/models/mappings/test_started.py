@@ -59,7 +59,6 @@ def test_bridges_with_each_ready_map_start(workspace):
         env={
             **os.environ,
             "PYTHONPATH": python_path(workspace),
-            "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
             "ROS_DOMAIN_ID": free_domain(),
         },
         timeout=300,
