@@ -7,13 +7,13 @@ from pathlib import Path
 
 import needs
 import pytest
+from generated import model_of
 from scripts import succeeded
 from sweeps import sweep
-from workspaces import python_path
+from workspaces import python_path, write
 
 from jausml.generation.artifact import Kind
 from jausml.generation.rendering import render
-from jausml.language.model import read_models
 from jausml_generators.bridge.target import TARGET
 from jausml_generators.messages.target import TARGET as MESSAGES
 from jausml_generators.runtime.target import TARGET as RUNTIME
@@ -23,13 +23,11 @@ CASE = ROOT / "tests" / "cases" / "bridge_loop" / "model.xmi"
 MODELS = [CASE, ROOT / "models" / "minimal" / "minimal.xmi"]
 MODELS += [ROOT / "models" / "catvehicle" / "catvehicle.xmi"]
 MODELS += [Path(__file__).with_name("narrow_bridge.xmi")]
-LIBRARY = "http://www.jausml.org/library"
+WHOLE = [TARGET, MESSAGES, RUNTIME.for_whole_library()]
 
 
 def files_of(path):
-    result = read_models([path])
-    assert [error for error in result.diagnostics if error.severity.name == "ERROR"] == []
-    return {artifact.path: artifact for artifact in render(result.model, [TARGET])}
+    return {artifact.path: artifact for artifact in render(model_of(path), [TARGET])}
 
 
 @pytest.fixture(scope="module")
@@ -40,13 +38,6 @@ def loop_files():
 @pytest.fixture(scope="module")
 def base(loop_files):
     return loop_files["loop_bridge/loop_bridge/loop_bridge_base.py"].text
-
-
-def write(files, folder):
-    for artifact in files:
-        path = folder / artifact.path
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(artifact.text, encoding="utf-8")
 
 
 # ------------------------------------------------------------------ what stands there
@@ -228,10 +219,8 @@ def test_contract_names_each_translation(loop_files):
 
 @pytest.mark.parametrize("model", sweep(MODELS, every=4), ids=lambda path: path.stem)
 def test_output_needs_no_formatter_and_its_tests_pass(model, tmp_path):
-    result = read_models([model])
-    artifacts = render(result.model, [TARGET])
-    write([*artifacts, *render(result.model, [MESSAGES, RUNTIME.for_whole_library()])], tmp_path)
-    package = artifacts[0].path.split("/")[0]
+    write(model_of(model), WHOLE, tmp_path)
+    (package,) = (path.parents[1].name for path in tmp_path.glob("*/core/core.cpp"))
     config = ["--config", str(ROOT / "pyproject.toml"), "--no-cache"]
     folder = tmp_path / package
 
@@ -246,8 +235,7 @@ def test_output_needs_no_formatter_and_its_tests_pass(model, tmp_path):
 
 
 def test_output_passes_the_type_checker(tmp_path):
-    result = read_models([CASE])
-    write(render(result.model, [TARGET, MESSAGES, RUNTIME.for_whole_library()]), tmp_path)
+    write(model_of(CASE), WHOLE, tmp_path)
     settings = tmp_path / "mypy.ini"
     settings.write_text(
         "[mypy]\nstrict = True\npython_version = 3.10\nfollow_imports = silent\n"
@@ -269,8 +257,7 @@ def test_output_passes_the_type_checker(tmp_path):
 def test_a_light_class_that_differs_from_that_of_ros_is_told(tmp_path):
     """By the check that stands in the generated tests for each connection."""
     needs.ask("rclpy")
-    result = read_models([CASE])
-    write(render(result.model, [TARGET, MESSAGES, RUNTIME.for_whole_library()]), tmp_path)
+    write(model_of(CASE), WHOLE, tmp_path)
     program = """
 from jausml_runtime import differing_forms
 from loop_bridge import ros_types
@@ -298,8 +285,7 @@ assert found[:2] == ["light.linear.x: 1.0, rclpy: 0.0", "light.angular.x: 0.0, r
 
 def test_skeleton_overrides_and_help(tmp_path):
     needs.ask("rclpy")
-    result = read_models([CASE])
-    write(render(result.model, [TARGET, MESSAGES, RUNTIME.for_whole_library()]), tmp_path)
+    write(model_of(CASE), WHOLE, tmp_path)
     program = """
 from loop_bridge.loop_bridge import LoopBridge
 from loop_bridge.main import main
@@ -325,8 +311,7 @@ main(["--help"])
 
 def test_translations_keep_to_their_policies_before_the_bridge_is_open(tmp_path):
     needs.ask("rclpy")
-    result = read_models([CASE])
-    write(render(result.model, [TARGET, MESSAGES, RUNTIME.for_whole_library()]), tmp_path)
+    write(model_of(CASE), WHOLE, tmp_path)
     program = """
 from geometry_msgs.msg import Twist
 from jausml_runtime import OutOfRangeError
@@ -357,9 +342,7 @@ assert type(report).decode(report.encode()).y is None
 
 def test_what_a_peer_sends_is_no_wrong_number_in_ros(tmp_path):
     needs.ask("rclpy")
-    result = read_models([Path(__file__).with_name("narrow_bridge.xmi")])
-    assert result.diagnostics == []
-    write(render(result.model, [TARGET, MESSAGES, RUNTIME.for_whole_library()]), tmp_path)
+    write(model_of(Path(__file__).with_name("narrow_bridge.xmi")), WHOLE, tmp_path)
     program = """
 import math
 import pytest

@@ -8,14 +8,14 @@ from pathlib import Path
 
 import pytest
 from codec_support import ROOT
+from generated import model_in, model_of, text_of
 from ports import free_port
 from scripts import succeeded
 from sweeps import sweep
-from workspaces import python_path
+from workspaces import python_path, write
 
 from jausml.generation.artifact import Artifact, Kind
 from jausml.generation.rendering import render
-from jausml.language.model import read_models
 from jausml.runtime import JausComponent
 from jausml_generators.bridge.target import TARGET as BRIDGE
 from jausml_generators.jaus_component.target import TARGET
@@ -24,14 +24,13 @@ from jausml_generators.runtime.target import TARGET as RUNTIME
 
 HERE = Path(__file__).parent
 MODEL = HERE / "components.xmi"
+TARGETS = [TARGET, MESSAGES, RUNTIME]
 PACKAGES = ["wrench_driver", "operator_jaus", "nothing_at_all"]
 
 
 @cache
 def artifacts() -> list[Artifact]:
-    result = read_models([MODEL], project_root=ROOT)
-    assert not result.diagnostics, result.diagnostics
-    return render(result.model, [TARGET, MESSAGES, RUNTIME])
+    return render(model_of(MODEL), TARGETS)
 
 
 def texts() -> dict[str, str]:
@@ -41,10 +40,7 @@ def texts() -> dict[str, str]:
 @pytest.fixture(scope="module")
 def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("workspace")
-    for artifact in artifacts():
-        path = folder / artifact.path
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(artifact.text, "utf-8")
+    write(model_of(MODEL), TARGETS, folder)
     return folder
 
 
@@ -109,8 +105,8 @@ def test_a_silent_report_leads_to_the_state_that_the_model_says():
 
 def test_limits_of_a_velocity_command_are_obeyed_in_standby(tmp_path):
     library = ROOT / "models" / "library" / "jaus" / "mobility.xmi"
-    path = tmp_path / "driver.xmi"
-    path.write_text(
+    model = model_in(
+        tmp_path,
         f"""<?xml version="1.0" encoding="UTF-8"?>
 <system:System xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"
     xmlns:system="http://www.jausml.org/system/1.0" name="driver">
@@ -119,11 +115,9 @@ def test_limits_of_a_velocity_command_are_obeyed_in_standby(tmp_path):
   </components>
 </system:System>
 """,
-        encoding="utf-8",
+        "driver.xmi",
     )
-    read = read_models([path])
-    assert not read.diagnostics, read.diagnostics
-    (base,) = (a.text for a in render(read.model, [TARGET]) if a.path.endswith("_base.py"))
+    base = text_of(model, [TARGET])
     assert (
         "self.handle( SetVelocityCommand, self.on_set_velocity_command, "
         "when=lambda message: Guard.READY if message.command_type == 0 else Guard.CONTROLLED, )"
@@ -133,8 +127,8 @@ def test_limits_of_a_velocity_command_are_obeyed_in_standby(tmp_path):
 
 def test_messages_without_fields_are_laid_out_too(tmp_path):
     """A module without a `struct` once had a blank line too many."""
-    path = tmp_path / "bell.xmi"
-    path.write_text(
+    model = model_in(
+        tmp_path,
         """<?xml version="1.0" encoding="UTF-8"?>
 <system:System xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"
     xmlns:system="http://www.jausml.org/system/1.0" name="bell">
@@ -146,12 +140,10 @@ def test_messages_without_fields_are_laid_out_too(tmp_path):
   <components name="bell" address="1.1.1" provides="Bell"/>
 </system:System>
 """,
-        encoding="utf-8",
+        "bell.xmi",
     )
-    (messages,) = (
-        a for a in render(read_models([path]).model, [MESSAGES]) if a.path.endswith("/bell.py")
-    )
-    (tmp_path / "messages.py").write_text(messages.text, encoding="utf-8")
+    messages = text_of(model, [MESSAGES], "/bell.py")
+    (tmp_path / "messages.py").write_text(messages, encoding="utf-8")
     config = ["--config", str(ROOT / "pyproject.toml"), "messages.py"]
     run("-m", "ruff", "format", "--check", *config, cwd=tmp_path, workspace=tmp_path)
     run("-m", "ruff", "check", *config, cwd=tmp_path, workspace=tmp_path)
@@ -197,17 +189,17 @@ def test_ruff_finds_nothing(workspace, package):
 
 
 def test_one_service_and_a_long_documentation_are_laid_out(tmp_path):
-    path = tmp_path / "model.xmi"
     services, words = "http://www.jausml.org/library/jaus", " ".join(["documentation"] * 100)
-    path.write_text(
+    model = model_in(
+        tmp_path,
         '<system:System xmlns:system="http://www.jausml.org/system/1.0" name="one">'
         f'<components name="clock" address="1.1.1" coreServices="none" documentation="{words}">'
         f'<provides href="{services}/core-1.1.xmi#Transport"/></components>'
-        f'<bridges name="front" address="1.1.2" documentation="{words}"/></system:System>'
+        f'<bridges name="front" address="1.1.2" documentation="{words}"/></system:System>',
+        "model.xmi",
     )
-    for artifact in render(read_models([path]).model, [TARGET, BRIDGE]):
-        if artifact.path.endswith("_base.py"):
-            (tmp_path / Path(artifact.path).name).write_text(artifact.text)
+    for target, name in ((TARGET, "clock_base.py"), (BRIDGE, "front_base.py")):
+        (tmp_path / name).write_text(text_of(model, [target]))
     assert "\nSERVICES = (Service" in (tmp_path / "clock_base.py").read_text()
     config = ["--config", str(ROOT / "pyproject.toml")]
     run("-m", "ruff", "format", "--check", *config, ".", cwd=tmp_path, workspace=tmp_path)

@@ -8,13 +8,12 @@ from pathlib import Path
 import pytest
 import warm
 from codec_support import ROOT
+from generated import model_of, texts_of
 from scripts import succeeded
 from sweeps import sweep
-from workspaces import packages_of, python_path
+from workspaces import packages_of, python_path, write
 
-from jausml.generation.rendering import render
 from jausml.language.attributes.guards import parse_guard
-from jausml.language.model import read_models
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.settings import TransportSettings
@@ -33,21 +32,13 @@ SKELETON = "spot/spot/spot.py"
 
 @pytest.fixture(scope="module")
 def texts() -> dict[str, str]:
-    result = read_models([MODEL], project_root=ROOT)
-    assert not result.diagnostics, result.diagnostics
-    return {
-        artifact.path: artifact.text
-        for artifact in render(result.model, [TARGET, MESSAGES, RUNTIME])
-    }
+    return texts_of(model_of(MODEL), [TARGET])
 
 
 @pytest.fixture(scope="module")
-def workspace(texts: dict[str, str], tmp_path_factory: pytest.TempPathFactory) -> Path:
+def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("workspace")
-    for name, text in texts.items():
-        path = folder / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, "utf-8")
+    write(model_of(MODEL), [TARGET, MESSAGES, RUNTIME], folder)
     return folder
 
 

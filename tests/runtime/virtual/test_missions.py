@@ -6,13 +6,11 @@ import sys
 from pathlib import Path
 
 import pytest
+from generated import model_of
 from scripts import succeeded
 from sweeps import sweep
-from workspaces import python_path
+from workspaces import python_path, write
 
-from jausml.generation.rendering import render
-from jausml.language.model import read_models
-from jausml.language.text.notation import NOTATIONS
 from jausml_generators.bridge.target import TARGET as BRIDGE
 from jausml_generators.messages.target import TARGET as MESSAGES
 from jausml_generators.runtime.target import TARGET as RUNTIME
@@ -28,12 +26,7 @@ LOST_CONTROL, FAILURE = 1, 3
 def workspace(tmp_path_factory):
     """The packages of the model."""
     folder = tmp_path_factory.mktemp("missions")
-    result = read_models([MODEL], notations=NOTATIONS)
-    assert result.diagnostics == []
-    for artifact in render(result.model, [BRIDGE, MESSAGES, RUNTIME.for_whole_library()]):
-        target = folder / artifact.path
-        target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_text(artifact.text, encoding="utf-8")
+    write(model_of(MODEL), [BRIDGE, MESSAGES, RUNTIME.for_whole_library()], folder)
     return folder
 
 
