@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from generated import model_of
 from scripts import succeeded
-from workspaces import python_path, write
+from workspaces import kept, python_path
 
 from jausml_generators.bridge.target import TARGET as BRIDGE
 from jausml_generators.messages.target import TARGET as MESSAGES
@@ -21,16 +21,9 @@ SCRIPT = Path(__file__).with_name("two_bridges.py")
 
 
 @pytest.fixture(scope="module")
-def workspace(tmp_path_factory):
-    """The packages of the model."""
-    folder = tmp_path_factory.mktemp("virtual")
-    write(model_of(MODEL), [BRIDGE, MESSAGES, RUNTIME.for_whole_library()], folder)
-    return folder
-
-
-@pytest.fixture(scope="module")
-def drive(workspace):
+def drive():
     """Runs the bridges in a process of their own; returns what happened."""
+    workspace = kept(model_of(MODEL), [BRIDGE, MESSAGES, RUNTIME.for_whole_library()])
 
     def run(hash_seed="0", **options):
         words = [f"--{name}={value}" for name, value in options.items()]

@@ -2,14 +2,14 @@
 
 import json
 import os
+import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 from generated import model_of
-from scripts import succeeded
 from sweeps import sweep
-from workspaces import python_path, write
+from workspaces import kept, python_path
 
 from jausml_generators.bridge.target import TARGET as BRIDGE
 from jausml_generators.messages.target import TARGET as MESSAGES
@@ -23,28 +23,21 @@ LOST_CONTROL, FAILURE = 1, 3
 
 
 @pytest.fixture(scope="module")
-def workspace(tmp_path_factory):
-    """The packages of the model."""
-    folder = tmp_path_factory.mktemp("missions")
-    write(model_of(MODEL), [BRIDGE, MESSAGES, RUNTIME.for_whole_library()], folder)
-    return folder
+def play():
+    """Plays a scene in a process of all scenes; returns what happened."""
+    folder = kept(model_of(MODEL), [BRIDGE, MESSAGES, RUNTIME.for_whole_library()])
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True, "bufsize": 1}
+    environment = {**os.environ, "PYTHONPATH": python_path(folder)}
+    with subprocess.Popen([sys.executable, str(SCRIPT)], env=environment, **pipes) as process:
 
+        def run(scene, loss=0.0):
+            process.stdin.write(f"{scene} {loss}\n")
+            happened = json.loads(process.stdout.readline())
+            assert "loop.callback_failed" not in happened["counted"]
+            return happened
 
-@pytest.fixture(scope="module")
-def play(workspace):
-    """Plays a scene in a process of its own; returns what happened."""
-
-    def run(scene, loss=0.0):
-        result = succeeded(
-            [sys.executable, str(SCRIPT), scene, str(loss)],
-            env={**os.environ, "PYTHONPATH": python_path(workspace)},
-            timeout=100,
-        )
-        happened = json.loads(result.stdout)
-        assert "loop.callback_failed" not in happened["counted"]
-        return happened
-
-    return run
+        yield run
+        process.stdin.close()
 
 
 def told_of(happened, kind):
