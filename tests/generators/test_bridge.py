@@ -2,15 +2,14 @@
 
 import ast
 import os
-import sys
+from functools import partial
 from pathlib import Path
 
 import needs
 import pytest
-from generated import model_of
-from scripts import succeeded
+from generated import model_of, run_in
 from sweeps import sweep
-from workspaces import kept, python_path
+from workspaces import kept
 
 from jausml.generation.artifact import Kind
 from jausml.generation.rendering import render
@@ -224,15 +223,11 @@ def test_output_needs_no_formatter_and_its_tests_pass(model):
     (package,) = (path.parents[1].name for path in workspace.glob("*/core/core.cpp"))
     config = ["--config", str(ROOT / "pyproject.toml"), "--no-cache"]
     folder = workspace / package
-
-    def tool(*arguments, **environment):
-        succeeded([sys.executable, "-m", *arguments], cwd=folder, env={**os.environ, **environment})
-
+    tool = partial(run_in, workspace, "-m", cwd=folder)
     tool("ruff", "format", "--check", *config, ".")
     tool("ruff", "check", *config, "--ignore", "S101", package, "test")
     needs.ask("rclpy")
-    line = ("pytest", "-q", "-c", os.devnull, "-p", "no:cacheprovider", "--rootdir", str(folder))
-    tool(*line, "test", PYTHONPATH=python_path(workspace))
+    tool("pytest", "-q", "-c", os.devnull, "-p", "no:cacheprovider", "--rootdir", folder, "test")
 
 
 def test_output_passes_the_type_checker(tmp_path):
@@ -247,18 +242,13 @@ def test_output_passes_the_type_checker(tmp_path):
     package = workspace / "loop_bridge" / "loop_bridge"
     folders = (package, package.parent / "test")
     modules = sorted(str(module) for folder in folders for module in folder.glob("*.py"))
-    succeeded(
-        [sys.executable, "-m", "mypy", "--config-file", str(settings), *modules],
-        env={**os.environ, "MYPYPATH": python_path(workspace)},
-        cwd=tmp_path,
-    )
+    run_in(workspace, "-m", "mypy", "--config-file", settings, *modules, cwd=tmp_path)
 
 
 def run(program, model=CASE):
     """Runs a program with the packages of a model; returns what it printed."""
     needs.ask("rclpy")
-    environment = {**os.environ, "PYTHONPATH": python_path(kept(model_of(model), WHOLE))}
-    return succeeded([sys.executable, "-c", program], env=environment).stdout
+    return run_in(kept(model_of(model), WHOLE), "-c", program)
 
 
 def test_a_light_class_that_differs_from_that_of_ros_is_told():

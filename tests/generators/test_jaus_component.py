@@ -2,17 +2,15 @@
 
 import inspect
 import os
-import sys
 from functools import cache
 from pathlib import Path
 
 import pytest
 from codec_support import ROOT
-from generated import model_in, model_of, text_of
+from generated import model_in, model_of, run_in, text_of
 from ports import free_port
-from scripts import succeeded
 from sweeps import sweep
-from workspaces import python_path, write
+from workspaces import kept
 
 from jausml.generation.artifact import Artifact, Kind
 from jausml.generation.rendering import render
@@ -38,20 +36,8 @@ def texts() -> dict[str, str]:
 
 
 @pytest.fixture(scope="module")
-def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("workspace")
-    write(model_of(MODEL), TARGETS, folder)
-    return folder
-
-
-def run(*command: str, cwd: Path, workspace: Path) -> None:
-    path = python_path(workspace)
-    succeeded(
-        [sys.executable, *command],
-        cwd=cwd,
-        env={**os.environ, "PYTHONPATH": path, "MYPYPATH": path},
-        timeout=110,
-    )
+def workspace() -> Path:
+    return kept(model_of(MODEL), TARGETS)
 
 
 @pytest.mark.parametrize("package", PACKAGES)
@@ -145,8 +131,8 @@ def test_messages_without_fields_are_laid_out_too(tmp_path):
     messages = text_of(model, [MESSAGES], "/bell.py")
     (tmp_path / "messages.py").write_text(messages, encoding="utf-8")
     config = ["--config", str(ROOT / "pyproject.toml"), "messages.py"]
-    run("-m", "ruff", "format", "--check", *config, cwd=tmp_path, workspace=tmp_path)
-    run("-m", "ruff", "check", *config, cwd=tmp_path, workspace=tmp_path)
+    run_in(tmp_path, "-m", "ruff", "format", "--check", *config)
+    run_in(tmp_path, "-m", "ruff", "check", *config)
 
 
 def test_every_method_of_the_base_is_in_the_skeleton_and_in_its_contract():
@@ -184,8 +170,8 @@ def test_ruff_finds_nothing(workspace, package):
     # A skeleton imports what its user will need, and tests assert.
     ignore = ["--ignore", "S101,TC001,TC002,TC003"]
     folder = workspace / package
-    run("-m", "ruff", "format", "--check", *config, ".", cwd=folder, workspace=workspace)
-    run("-m", "ruff", "check", *config, *ignore, ".", cwd=folder, workspace=workspace)
+    run_in(workspace, "-m", "ruff", "format", "--check", *config, ".", cwd=folder)
+    run_in(workspace, "-m", "ruff", "check", *config, *ignore, ".", cwd=folder)
 
 
 def test_one_service_and_a_long_documentation_are_laid_out(tmp_path):
@@ -202,24 +188,24 @@ def test_one_service_and_a_long_documentation_are_laid_out(tmp_path):
         (tmp_path / name).write_text(text_of(model, [target]))
     assert "\nSERVICES = (Service" in (tmp_path / "clock_base.py").read_text()
     config = ["--config", str(ROOT / "pyproject.toml")]
-    run("-m", "ruff", "format", "--check", *config, ".", cwd=tmp_path, workspace=tmp_path)
-    run("-m", "ruff", "check", "--select=E,W", *config, ".", cwd=tmp_path, workspace=tmp_path)
+    run_in(tmp_path, "-m", "ruff", "format", "--check", *config, ".")
+    run_in(tmp_path, "-m", "ruff", "check", "--select=E,W", *config, ".")
 
 
 @pytest.mark.slow
 def test_mypy_finds_nothing(workspace):
     packages = [argument for package in PACKAGES for argument in ("-p", package)]
-    run("-m", "mypy", "--strict", *packages, cwd=workspace, workspace=workspace)
+    run_in(workspace, "-m", "mypy", "--strict", *packages)
 
 
 @pytest.mark.parametrize("package", sweep(PACKAGES, every=3))
 def test_generated_tests_pass(workspace, package):
-    run("-m", "pytest", "-q", "-W", "error", "test", cwd=workspace / package, workspace=workspace)
+    run_in(workspace, "-m", "pytest", "-q", "-W", "error", "test", cwd=workspace / package)
 
 
 def test_components_exchange_commands_and_reports(workspace):
-    run(str(HERE / "exchange.py"), str(free_port()), cwd=workspace, workspace=workspace)
+    run_in(workspace, HERE / "exchange.py", str(free_port()))
 
 
 def test_the_executable_explains_itself(workspace):
-    run("-m", "wrench_driver.main", "--help", cwd=workspace, workspace=workspace)
+    run_in(workspace, "-m", "wrench_driver.main", "--help")

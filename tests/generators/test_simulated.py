@@ -1,12 +1,11 @@
 """Simulated components: what is set is reported, by a skeleton in which nothing is written."""
 
 import os
-import sys
 from pathlib import Path
 
 import pytest
 import warm
-from generated import model_in, text_of
+from generated import model_in, run_in, text_of
 from ports import free_port
 from scripts import succeeded
 from workspaces import python_path
@@ -29,16 +28,9 @@ def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return generated(MODEL, tmp_path_factory.mktemp("workspace"))
 
 
-def run(workspace: Path, *arguments: str | Path, **variables: str) -> str:
-    path = python_path(workspace)
-    environment = {**os.environ, "MYPYPATH": path, **variables}
-    done = succeeded(
-        [sys.executable, *map(str, arguments)],
-        env={**environment, "PYTHONPATH": os.pathsep.join([path, str(SUPPORT)])},
-        cwd=workspace,
-        timeout=110,
-    )
-    return done.stdout
+def run(workspace: Path, *command: str | Path, **more: str) -> str:
+    path = os.pathsep.join([python_path(workspace), str(SUPPORT)])
+    return run_in(workspace, *command, PYTHONPATH=path, **more)
 
 
 @pytest.mark.slow

@@ -1,8 +1,13 @@
 """Models of tests, and what is generated of them."""
 
+import os
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
+
+from scripts import succeeded
+from workspaces import python_path
 
 from jausml.generation.rendering import render
 from jausml.generation.target import Target
@@ -34,3 +39,15 @@ def text_of(model: Model, targets: Sequence[Target[Any]], end: str = "_base.py")
     """Returns the only generated text whose path ends so."""
     (text,) = (text for path, text in texts_of(model, targets).items() if path.endswith(end))
     return text
+
+
+def run_in(workspace: Path, *command: str | Path, cwd: Path | None = None, **more: str) -> str:
+    """Runs Python with the packages of a workspace, by default in it; returns what it printed."""
+    path = python_path(workspace)
+    done = succeeded(
+        [sys.executable, *command],
+        cwd=cwd or workspace,
+        env={**os.environ, "PYTHONPATH": path, "MYPYPATH": path, **more},
+        timeout=110,
+    )
+    return done.stdout + done.stderr
