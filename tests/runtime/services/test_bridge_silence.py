@@ -4,12 +4,10 @@ import pytest
 
 from jausml.runtime import Guard, Shape
 from jausml.runtime.base.quirks import Quirk
-from jausml.runtime.bridge.connections.to_reports import TopicsToReport
-from jausml.runtime.bridge.ends.topics import Topic
 from jausml.runtime.bridge.reports.states import StopReason
 from jausml.runtime.messages import CreateEvent, Event, QueryTime, ReportTime, SetTime
 
-from .bridge_support import CORE, OTHER, OWN, PEER, Number, command, event, minutes, safe
+from .bridge_support import CORE, OTHER, OWN, PEER, Number, command, event, minutes, report, safe
 
 
 def test_safe_value_once_then_recovery(world, setting):
@@ -176,16 +174,7 @@ def test_after_a_halt_no_old_report_is_sent_as_if_it_were_new(world, setting, em
     """Timers of events may run before that of the silence: they judge the age themselves."""
     peer = world.probe(str(PEER))
     connection = setting.open(
-        TopicsToReport(
-            "heard",
-            lambda source: reported(int(source.data)),
-            query=QueryTime,
-            message=ReportTime,
-            type=Number,
-            topics=[Topic("numbers")],
-            freshness=1.0,
-            empty=empty,
-        ),
+        report("heard", freshness=1.0, empty=empty),
         services=CORE,
     )
     setting.ros.deliver["numbers"](Number(7.0))

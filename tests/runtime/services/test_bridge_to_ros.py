@@ -4,7 +4,6 @@ import pytest
 
 from jausml.runtime import Component, Guard, Status
 from jausml.runtime.bridge.connections.events_to_ros import EventToTopics
-from jausml.runtime.bridge.connections.queries_to_ros import QueryToTopics
 from jausml.runtime.bridge.connections.to_ros import MessageToTopics
 from jausml.runtime.bridge.ends.topics import Topic
 from jausml.runtime.conversions import ConversionError
@@ -13,7 +12,6 @@ from jausml.runtime.messages import (
     QueryEventTimeout,
     QueryTime,
     ReleaseControl,
-    ReportEventTimeout,
     ReportTime,
     RequestControl,
     Resume,
@@ -29,8 +27,8 @@ from .bridge_support import (
     event,
     message_connection,
     minutes,
-    minutes_to_number,
     peer_component,
+    query,
 )
 
 
@@ -78,18 +76,7 @@ def test_rate_is_a_parameter(world, setting):
 
 def test_query_asks_once_each_period(world, setting):
     peer_component(world, event_timeout=4)
-    setting.open(
-        QueryToTopics(
-            "timeout",
-            minutes_to_number,
-            message=ReportEventTimeout,
-            type=Number,
-            query=QueryEventTimeout(),
-            rate=5.0,
-            peers=[PEER],
-            topics=[Topic("timeout")],
-        )
-    )
+    setting.open(query(rate=5.0))
     world.run(2.0)
     assert 10 <= world.count(QueryEventTimeout.CODE) <= 11
     assert setting.ros.numbers("timeout") == [4.0] * len(setting.ros.numbers("timeout"))
@@ -97,18 +84,7 @@ def test_query_asks_once_each_period(world, setting):
 
 
 def test_query_of_an_absent_peer_goes_on(world, setting):
-    connection = setting.open(
-        QueryToTopics(
-            "timeout",
-            minutes_to_number,
-            message=ReportEventTimeout,
-            type=Number,
-            query=QueryEventTimeout(),
-            rate=5.0,
-            peers=[PEER],
-            topics=[Topic("timeout")],
-        )
-    )
+    connection = setting.open(query(rate=5.0))
     world.run(2.0)
     peer_component(world)
     world.run(1.0)
