@@ -4,7 +4,7 @@ import struct
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-from jausml.runtime import ComponentSettings, Guard, ServiceIdentity
+from jausml.runtime import ComponentSettings, Guard
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.bridge.bridge import Bridge
 from jausml.runtime.bridge.connections.events_to_ros import EventToTopics
@@ -26,13 +26,12 @@ from jausml.runtime.messages import (
 )
 from jausml.runtime.wire.message import DecodeError
 
+from .state_tables import V1_1, core_services
+
 PEER = JausAddress(1, 1, 1)
 OTHER = JausAddress(1, 1, 2)
 OWN = JausAddress(1, 1, 9)
-CORE = tuple(
-    ServiceIdentity(f"urn:jaus:jss:core:{name}", 1, 1)
-    for name in ("Transport", "Events", "AccessControl", "Management")
-)
+CORE = core_services(V1_1, "Transport", "Events", "AccessControl", "Management")
 NAN, INFINITE = float("nan"), float("inf")
 
 _CDR = struct.Struct("<4sd")

@@ -18,10 +18,10 @@ from jausml.runtime.transports.packets.packet import Priority
 from jausml.runtime.wire.message import DecodeError, Message
 
 from .bridge_support import Setting
+from .state_tables import V1_1, core_services
 
-CORE_SERVICES = tuple(
-    ServiceIdentity(f"urn:jaus:jss:core:{name}", 1, 1)
-    for name in ("Transport", "Events", "AccessControl", "Management", "Liveness", "Discovery")
+CORE_SERVICES = core_services(
+    V1_1, "Transport", "Events", "AccessControl", "Management", "Liveness", "Discovery"
 )
 
 CLASSES = {

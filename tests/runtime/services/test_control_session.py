@@ -23,6 +23,8 @@ from jausml.runtime.messages import (
     Standby,
 )
 
+from .state_tables import V1_0, core_services
+
 TARGET = JausAddress(1, 1, 1)
 SEEKING, CONTROLLED, READY, REFUSED = ControlState
 
@@ -224,10 +226,7 @@ def test_take_over_and_release_are_known_at_once(world, client):
 
 @pytest.mark.parametrize("version", [0, 1])
 def test_emergency_and_recovery(world, client, version):
-    services = tuple(
-        ServiceIdentity(f"urn:jaus:jss:core:{name}", 1, version)
-        for name in ("Events", "AccessControl", "Management")
-    )
+    services = core_services((1, version), "Events", "AccessControl", "Management")
     tested = target(world, services=services)
     session = client.control(TARGET, authority=127)
     world.run(1.0)
@@ -274,9 +273,7 @@ def test_events_tell_at_once_that_control_can_be_had_again(world, client):
 
 
 def test_target_without_events_is_not_asked_for_them_for_ever(world, client):
-    names = ("AccessControl", "Management")
-    services = tuple(ServiceIdentity(f"urn:jaus:jss:core:{name}", 1, 0) for name in names)
-    target(world, services=services)
+    target(world, services=core_services(V1_0, "AccessControl", "Management"))
     session = client.control(TARGET, authority=127)
     world.run(6.0)
     asked = world.count(CreateEvent.CODE)

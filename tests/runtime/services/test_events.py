@@ -2,7 +2,7 @@
 
 import pytest
 
-from jausml.runtime import JausComponent, ServiceIdentity
+from jausml.runtime import JausComponent
 from jausml.runtime.messages import (
     ConfirmEventRequest,
     CreateEvent,
@@ -21,6 +21,8 @@ from jausml.runtime.messages import (
     RequestControl,
     UpdateEvent,
 )
+
+from .state_tables import V1_1, core_services
 
 PERIODIC, EVERY_CHANGE = 0, 1
 STATUS = QueryStatus().encode()
@@ -242,9 +244,7 @@ def test_provider_that_stops_the_component_is_the_last_to_be_asked(world):
             self.stop()
             return super().host_time()
 
-    services = tuple(
-        ServiceIdentity(f"urn:jaus:jss:core:{name}", 1, 1) for name in ("Events", "Time")
-    )
+    services = core_services(V1_1, "Events", "Time")
     component = world.component("1.1.1", kind=Unwilling, services=services)
     client = world.probe("2.1.1")
     component.start()

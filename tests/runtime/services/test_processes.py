@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from jausml.runtime import ComponentSettings, ControlState, JausComponent, ServiceIdentity, Status
+from jausml.runtime import ComponentSettings, ControlState, JausComponent, Status
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.settings import TransportSettings
 from jausml.runtime.component import program
@@ -19,6 +19,8 @@ from jausml.runtime.messages import (
     SetTime,
     Shutdown,
 )
+
+from .state_tables import V1_1, core_services
 
 pytestmark = pytest.mark.ports
 
@@ -53,10 +55,7 @@ class TestOneProcess:
     def pair(self, station):
         """Two components on one transport."""
         transport = station().transport
-        core = [
-            ServiceIdentity(f"urn:jaus:jss:core:{name}", 1, 1)
-            for name in ("Events", "AccessControl", "Management", "Liveness", "Discovery")
-        ]
+        core = core_services(V1_1, "Events", "AccessControl", "Management", "Liveness", "Discovery")
         made = [
             JausComponent(transport, address, name=str(address), services=core, settings=QUICK)
             for address in (ROBOT, OPERATOR)
