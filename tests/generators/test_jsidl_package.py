@@ -3,8 +3,10 @@
 from pathlib import Path
 
 import pytest
+import warm
 from codec_support import ROOT
 from generated import run_in
+from scripts import succeeded
 
 JSIDL = ROOT / "tests" / "importers" / "winch"
 SYSTEM = """<?xml version="1.0" encoding="UTF-8"?>
@@ -17,12 +19,17 @@ SYSTEM = """<?xml version="1.0" encoding="UTF-8"?>
 """
 
 
+def jausml(*arguments: str | Path) -> str:
+    done = succeeded([*warm.command(), *map(str, arguments)], timeout=110)
+    return done.stdout + done.stderr
+
+
 @pytest.fixture(scope="module")
 def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("imported")
-    run_in(folder, "-m", "jausml", "import", "jsidl", JSIDL, "-o", "services.xmi")
+    jausml("import", "jsidl", JSIDL, "-o", folder / "services.xmi")
     (folder / "system.xmi").write_text(SYSTEM, encoding="utf-8")
-    run_in(folder, "-m", "jausml", "generate", "system.xmi", "-o", ".", "--quiet")
+    jausml("generate", folder / "system.xmi", "-o", folder, "--quiet")
     return folder
 
 
@@ -111,11 +118,11 @@ BALER = """<?xml version="1.0" encoding="UTF-8"?>
 def test_a_service_refines_the_states_of_access_control(tmp_path):
     """Where Management has further states, which the service knows nothing of."""
     (tmp_path / "Baler.xml").write_text(BALER, encoding="utf-8")
-    said = run_in(tmp_path, "-m", "jausml", "import", "jsidl", "Baler.xml", "-o", "services.xmi")
+    said = jausml("import", "jsidl", tmp_path / "Baler.xml", "-o", tmp_path / "services.xmi")
     assert "error" not in said
     system = SYSTEM.replace("hoist", "baler").replace("#Winch", "#Baler")
     (tmp_path / "system.xmi").write_text(system, encoding="utf-8")
-    run_in(tmp_path, "-m", "jausml", "generate", "system.xmi", "-o", ".", "--quiet")
+    jausml("generate", tmp_path / "system.xmi", "-o", tmp_path, "--quiet")
     base = (tmp_path / "baler/baler/baler_base.py").read_text(encoding="utf-8")
     assert 'extends="AccessControl"' in base
     test = (tmp_path / "baler/test/test_baler.py").read_text(encoding="utf-8")

@@ -174,16 +174,6 @@ class TestCommand:
         assert outcome.done == [True]
         assert len(reports) >= 5
 
-    def test_end_that_overtakes_its_confirmation(self, world, client, outcome):
-        probe = world.probe("5.1.1")
-        client.command(probe.address, Drive(), **outcome.callbacks())
-        (request,) = probe.take()
-        assert isinstance(request, CreateCommandEvent)
-        probe.send(CommandEvent(event_id=9, command_result=0), client)
-        probe.send(ConfirmEventRequest(request_id=request.request_id, event_id=9), client)
-        world.settle()
-        assert outcome.done == [True]
-
     def test_ends_of_two_commands_that_overtake_their_confirmations(self, world, client):
         probe, ends = world.probe("5.1.1"), (Outcome(), Outcome())
         for end in ends:

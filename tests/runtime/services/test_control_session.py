@@ -48,18 +48,6 @@ def kill(world, component):
     world.detach(component.address)
 
 
-def test_target_is_controlled_and_resumed(world, client):
-    tested = target(world)
-    states = []
-    session = client.control(TARGET, authority=127, on_change=states.append)
-    assert session.state is SEEKING
-    world.settle()
-    assert states == [CONTROLLED, READY]
-    assert tested.controller == client.address
-    assert tested.authority == 127
-    assert tested.status is Status.READY
-
-
 def test_session_before_the_start(world):
     tested = target(world)
     late = world.component("2.1.1", services=())

@@ -14,23 +14,12 @@ from jausml.runtime.messages import (
     QueryStatus,
     QueryTime,
     RejectEventRequest,
-    ReportHeartbeatPulse,
     ReportStatus,
     ReportTime,
     UpdateEvent,
 )
 
 from .event_support import PROVIDER, Inbox, kill, provider, pulses, statuses
-
-
-def test_reports_arrive_at_the_rate(world, client):
-    provider(world)
-    inbox = Inbox()
-    subscription = pulses(client, inbox, rate=10)
-    world.run(2.0)
-    assert subscription.active
-    assert len(inbox) == pytest.approx(21, abs=1)
-    assert inbox[0] == ReportHeartbeatPulse()
 
 
 @pytest.mark.parametrize("rate", [0.1, 1.0, 100.0, 200.0, 500.0, 1092.0])

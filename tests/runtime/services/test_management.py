@@ -126,12 +126,6 @@ def test_init_goes_to_standby_by_itself(world):
     assert robot.take() == ["initialize"]
 
 
-@pytest.mark.parametrize("status", list(Status))
-def test_status_is_reported_in_every_state(robot, client, status):
-    robot._jaus_management._enter(status)
-    assert client.ask(QueryStatus(), robot) == [ReportStatus(status=status, reserved=0)]
-
-
 def test_hook_that_raises_is_counted(world, client):
     class Broken(Robot):
         def on_ready(self):
