@@ -29,13 +29,6 @@ def test_safe_value_once_then_recovery(world, setting):
     assert connection.statistics.safe_values == 2
 
 
-def test_source_that_never_spoke_is_silent(world, setting):
-    peer = world.probe(str(PEER))
-    setting.open(command(silence_timeout=1.0, safe_value=safe))
-    world.run(1.1)
-    assert peer.take() == [minutes(0)]
-
-
 def test_peer_that_was_away_gets_the_safe_value_when_it_is_ready(world, setting):
     received = []
     connection = setting.open(

@@ -163,22 +163,6 @@ def test_command_needs_control_and_losing_it_is_safe_at_once(world, setting):
     ]  # one silence, one safe value
 
 
-def test_losing_control_is_safe_without_a_timeout_too(world, setting):
-    connection = setting.open(
-        message_connection(when=Guard.READY, safe_value=lambda: Number(-1.0)), services=CORE
-    )
-    operator = world.probe("5.1.1")
-    for message in (RequestControl(authority_code=200), Resume(), minutes(2), ReleaseControl()):
-        operator.send(message, OWN)
-    world.run(60.0, step=0.5)
-    assert setting.ros.numbers("times") == [-1.0, 2.0, -1.0]
-    for message in (RequestControl(authority_code=200), Resume(), minutes(3)):
-        operator.send(message, OWN)
-    world.settle()
-    assert setting.ros.numbers("times") == [-1.0, 2.0, -1.0, 3.0]
-    assert not connection.is_silent
-
-
 @pytest.mark.parametrize("guard", [Guard.READY, Guard.CONTROLLED, lambda _message: Guard.READY])
 @pytest.mark.parametrize("timeout", [0.0, 30.0])
 def test_take_over_in_ready_is_safe_at_once(world, setting, guard, timeout):

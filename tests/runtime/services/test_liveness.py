@@ -9,7 +9,6 @@ from jausml.runtime.messages import (
     ReportHeartbeatPulse,
     ReportStatus,
     RequestControl,
-    SetTime,
 )
 
 
@@ -56,16 +55,6 @@ def test_listeners_get_messages_next_to_the_handler(server, client):
 def test_one_handler_for_each_message(server):
     with pytest.raises(ValueError, match="handled already"):
         server.provide(QueryStatus, ReportStatus, lambda *_: None)
-
-
-def test_handler_that_raises_is_counted(world, server, client):
-    def broken(_message, _sender):
-        raise RuntimeError("user code")
-
-    server.handle(SetTime, broken)
-    client.ask(SetTime(), server)
-    assert world.counters.snapshot()["component.handler_failed"] == 1
-    assert client.ask(QueryHeartbeatPulse(), server) == [ReportHeartbeatPulse()]
 
 
 def test_component_needs_an_address_of_its_own(world):
