@@ -251,7 +251,7 @@ def message_classes() -> dict[int, type[Message]]:
 
 @pytest.fixture
 def client(world):
-    """A component without services of its own, which subscribes."""
-    component = world.component("2.1.1", services=(), retry_min=0.5, retry_max=4.0)
+    """A component without services of its own, which asks others."""
+    component = world.component("2.1.1", services=())
     component.start()
     return component

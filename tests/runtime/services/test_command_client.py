@@ -59,13 +59,6 @@ def robot(world):
 
 
 @pytest.fixture
-def client(world):
-    component = world.component("2.1.1", services=())
-    component.start()
-    return component
-
-
-@pytest.fixture
 def outcome():
     return Outcome()
 

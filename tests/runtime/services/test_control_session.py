@@ -29,13 +29,6 @@ TARGET = JausAddress(1, 1, 1)
 SEEKING, CONTROLLED, READY, REFUSED = ControlState
 
 
-@pytest.fixture
-def client(world):
-    component = world.component("2.1.1", services=())
-    component.start()
-    return component
-
-
 def target(world, **settings):
     component = world.component(str(TARGET), **settings)
     component.start()

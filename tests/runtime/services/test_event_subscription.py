@@ -59,9 +59,9 @@ def test_provider_that_comes_later(world, client):
     subscription = statuses(client, inbox)
     world.run(30.0)
     assert not subscription.active
-    assert world.count(CreateEvent.CODE) == pytest.approx(14, abs=2)
+    assert world.count(CreateEvent.CODE) == pytest.approx(18, abs=2)
     provider(world)
-    world.run(4.1)
+    world.run(5.1)
     assert subscription.active
     assert len(inbox) == 1
 
