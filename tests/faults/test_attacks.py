@@ -11,7 +11,7 @@ import pytest
 from ports import free_port
 from stranger import ROBOT, Stranger, event
 
-from jausml.runtime import ComponentSettings, JausComponent, ServiceIdentity
+from jausml.runtime import ComponentSettings, JausComponent
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.settings import TransportSettings
@@ -20,6 +20,7 @@ from jausml.runtime.messages import QueryStatus, ReportStatus, SetEmergency
 from jausml.runtime.services.definitions import Status
 from jausml.runtime.transports.udp import datagrams
 from tests.live.bridge_support import wait_for
+from tests.runtime.services.state_tables import V1_1, core_services
 
 pytestmark = pytest.mark.slow
 
@@ -27,9 +28,8 @@ RATE = 20.0
 TICKS = 60
 """What an operator counts to: three seconds at its rate."""
 
-SERVICES = tuple(
-    ServiceIdentity(f"urn:jaus:jss:core:{name}", 1, 1)
-    for name in ("Transport", "Events", "AccessControl", "Management", "Discovery", "Liveness")
+SERVICES = core_services(
+    V1_1, "Transport", "Events", "AccessControl", "Management", "Discovery", "Liveness"
 )
 BEFORE, LATE = JausAddress(20, 1, 1), JausAddress(21, 1, 1)
 HOSTS = {"robot": "127.0.0.1", BEFORE: "127.0.0.2", LATE: "127.0.0.3", "elsewhere": "127.0.0.9"}

@@ -102,28 +102,27 @@ def test_a_bridge_that_is_halted_has_its_stops_said_and_goes_on_later(system, se
     assert seconds <= 1.0 or "does not run its loop" in spoken[0]
 
 
-@pytest.mark.slow
-def test_the_guardian_is_silent_where_a_bridge_ends_in_good_order(path, tmp_path):
-    with running(path, tmp_path / "logs") as system:
-        system.flows(time.monotonic())
-        system.end("bridge")
-        system.stops("drive", 0.0)
-        assert speeches(system) == []
-        system.start("bridge")
-        system.flows(time.monotonic())
-        assert speeches(system) == []
+def test_the_guardian_is_silent_where_a_bridge_ends_in_good_order(system):
+    began = time.monotonic()
+    system.flows(began)
+    said = speeches(system)
+    system.end("bridge")
+    system.stops("drive", began)
+    assert speeches(system) == said
+    system.start("bridge")
+    system.flows(time.monotonic())
+    assert speeches(system) == said
 
 
-@pytest.mark.slow
-def test_a_guardian_that_dies_is_replaced_and_one_that_dies_soon_is_not(path, tmp_path):
-    with running(path, tmp_path / "logs") as system:
-        log = system.running["bridge"].log
-        time.sleep(max(0.0, TOO_SOON + 1.0))  # a life that is long enough
-        first = guardian_of(system.running["bridge"].popen.pid)
-        os.kill(first, signal.SIGKILL)
-        wait_for(lambda: "another one runs" in log.read_text(), "another guardian")
-        second = guardian_of(system.running["bridge"].popen.pid)
-        assert second != first
-        os.kill(second, signal.SIGKILL)
-        wait_for(lambda: "nothing stops the robot" in log.read_text(), "the end of guarding")
-        system.flows(time.monotonic())  # the bridge itself goes on
+def test_a_guardian_that_dies_is_replaced_and_one_that_dies_soon_is_not(system):
+    bridge = system.running["bridge"]
+    time.sleep(TOO_SOON + 1.0)  # a life that is long enough
+    first = guardian_of(bridge.popen.pid)
+    os.kill(first, signal.SIGKILL)
+    wait_for(lambda: "another one runs" in bridge.log.read_text(), "another guardian")
+    second = guardian_of(bridge.popen.pid)
+    assert second != first
+    os.kill(second, signal.SIGKILL)
+    wait_for(lambda: "nothing stops the robot" in bridge.log.read_text(), "the end of guarding")
+    system.flows(time.monotonic())  # the bridge itself goes on
+    restart(system)

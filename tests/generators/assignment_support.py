@@ -1,15 +1,15 @@
 """Generates the bridge of a small model in text and imports it."""
 
 import importlib
-import os
 import sys
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from scripts import succeeded
-from workspaces import packages_of, python_path
+from generated import run_in
+from workspaces import packages_of
 
 from jausml.generation.rendering import render
 from jausml.language.validation.engine import check_project
@@ -52,27 +52,20 @@ class Generated:
         found: type[Exception] = getattr(importlib.import_module("jausml_runtime"), name)
         return found
 
-    def tool(self, *arguments: str, **environment: str) -> None:
-        succeeded(
-            [sys.executable, "-m", *arguments],
-            cwd=self.folder / self.package,
-            env={**os.environ, **environment},
-        )
-
     def check_text(self) -> None:
         """Formatter, linter and type checker find nothing."""
         config = ["--config", str(ROOT / "pyproject.toml"), "--no-cache"]
-        self.tool("ruff", "format", "--check", "--diff", *config, ".")
-        self.tool("ruff", "check", *config, self.package)
+        tool = partial(run_in, self.folder, "-m", cwd=self.folder / self.package)
+        tool("ruff", "format", "--check", "--diff", *config, ".")
+        tool("ruff", "check", *config, self.package)
         settings = self.folder / "mypy.ini"
         unknown = ",".join(f"mypy-{name}.*" for name in _UNKNOWN.split()).replace(",mypy-", ",")
         settings.write_text(
             "[mypy]\nstrict = True\npython_version = 3.10\nfollow_imports = silent\n"
             f"[{unknown}]\nignore_missing_imports = True\nfollow_imports = skip\n"
         )
-        path = python_path(self.folder)
         modules = [f"{self.package}/{name}.py" for name in (f"{self.package}_base", self.package)]
-        self.tool("mypy", "--config-file", str(settings), *modules, MYPYPATH=path)
+        tool("mypy", "--config-file", settings, *modules)
 
 
 def artifacts_of(text: str, folder: Path, name: str) -> dict[str, Any]:

@@ -8,12 +8,12 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from generated import model_of
 from lxml import etree
 
 from jausml.generation.rendering import render as render_targets
 from jausml.generation.target import FileTask, Target
 from jausml.language.metamodel.classes import jaus
-from jausml.language.model import read_models
 from jausml_generators.python.codec.classes import BitFieldClass, ContainerClass
 from jausml_generators.python.codec.message_builder import build_message_map
 from jausml_generators.python.codec.messages import MessagesModule, MessageView
@@ -68,9 +68,7 @@ def read_messages(path: Path) -> tuple[MessageView, ...]:
 
 
 def _read(path: Path) -> dict[str, MessageView]:
-    result = read_models([path])
-    assert not result.diagnostics, result.diagnostics
-    model = result.model
+    model = model_of(path)
     services = [s for s in model.instances(jaus.Service) if Path(model.location(s).path) == path]
     found = build_message_map(m for s in services for m in [*s.inputs, *s.outputs])
     return {f"{element.eContainer().name}.{element.name}": v for element, v in found.items()}

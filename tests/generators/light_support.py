@@ -8,13 +8,13 @@ import types
 from dataclasses import dataclass
 from pathlib import Path
 
+from generated import model_of
 from hypothesis import strategies as st
 
 from jausml.generation.rendering import render
 from jausml.generation.target import FileTask, Target, templates_beside
 from jausml.language.cdr import fields_of
 from jausml.language.metamodel.classes import ros
-from jausml.language.model import read_models
 from jausml_generators.bridge import target as bridge_target
 from jausml_generators.bridge.light_module import LightModule
 from jausml_generators.common.ros import ros_type
@@ -64,9 +64,8 @@ class Made:
 
 def light_module(paths, name):
     """Returns the module of the light classes of all message types in some files."""
-    result = read_models(list(paths))
-    assert [error for error in result.diagnostics if error.severity.name == "ERROR"] == []
-    packages = list(result.model.instances(ros.InterfacePackage))
+    model = model_of(*paths)
+    packages = list(model.instances(ros.InterfacePackage))
     light = LightModule([message for package in packages for message in package.messages])
     target = Target(
         "light",
@@ -81,7 +80,7 @@ def light_module(paths, name):
         ],
         (templates_beside(bridge_target.__file__),),
     )
-    [artifact] = render(result.model, [target])
+    [artifact] = render(model, [target])
     module = types.ModuleType(name)
     text = artifact.text.replace("from jausml_runtime.", "from jausml.runtime.")
     sys.modules[name] = module

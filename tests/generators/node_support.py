@@ -5,9 +5,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+from generated import model_of
+
 from jausml.generation.rendering import render
 from jausml.generation.workspace import generate
-from jausml.language.model import read_models
 from jausml_generators.bringup.target import TARGET as BRINGUP
 from jausml_generators.ros_node.target import TARGET as ROS_NODE
 from jausml_generators.runtime.target import TARGET as RUNTIME
@@ -15,12 +16,6 @@ from jausml_generators.runtime.target import TARGET as RUNTIME
 ROOT = Path(__file__).resolve().parents[2]
 CASES = ROOT / "tests" / "cases" / "ros_node"
 PATIENCE = 60
-
-
-def model_of(path):
-    result = read_models([path])
-    assert not result.diagnostics, result.diagnostics
-    return result.model
 
 
 def write(case, out, targets=(ROS_NODE, BRINGUP, RUNTIME)):

@@ -2,18 +2,17 @@
 
 import ast
 import os
-import sys
+from functools import partial
 from pathlib import Path
 
 import needs
 import pytest
-from scripts import succeeded
+from generated import model_of, run_in
 from sweeps import sweep
-from workspaces import python_path
+from workspaces import kept
 
 from jausml.generation.artifact import Kind
 from jausml.generation.rendering import render
-from jausml.language.model import read_models
 from jausml_generators.bridge.target import TARGET
 from jausml_generators.messages.target import TARGET as MESSAGES
 from jausml_generators.runtime.target import TARGET as RUNTIME
@@ -22,14 +21,13 @@ ROOT = Path(__file__).resolve().parents[2]
 CASE = ROOT / "tests" / "cases" / "bridge_loop" / "model.xmi"
 MODELS = [CASE, ROOT / "models" / "minimal" / "minimal.xmi"]
 MODELS += [ROOT / "models" / "catvehicle" / "catvehicle.xmi"]
-MODELS += [Path(__file__).with_name("narrow_bridge.xmi")]
-LIBRARY = "http://www.jausml.org/library"
+NARROW = Path(__file__).with_name("narrow_bridge.xmi")
+MODELS += [NARROW]
+WHOLE = [TARGET, MESSAGES, RUNTIME.for_whole_library()]
 
 
 def files_of(path):
-    result = read_models([path])
-    assert [error for error in result.diagnostics if error.severity.name == "ERROR"] == []
-    return {artifact.path: artifact for artifact in render(result.model, [TARGET])}
+    return {artifact.path: artifact for artifact in render(model_of(path), [TARGET])}
 
 
 @pytest.fixture(scope="module")
@@ -40,13 +38,6 @@ def loop_files():
 @pytest.fixture(scope="module")
 def base(loop_files):
     return loop_files["loop_bridge/loop_bridge/loop_bridge_base.py"].text
-
-
-def write(files, folder):
-    for artifact in files:
-        path = folder / artifact.path
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(artifact.text, encoding="utf-8")
 
 
 # ------------------------------------------------------------------ what stands there
@@ -227,27 +218,19 @@ def test_contract_names_each_translation(loop_files):
 
 
 @pytest.mark.parametrize("model", sweep(MODELS, every=4), ids=lambda path: path.stem)
-def test_output_needs_no_formatter_and_its_tests_pass(model, tmp_path):
-    result = read_models([model])
-    artifacts = render(result.model, [TARGET])
-    write([*artifacts, *render(result.model, [MESSAGES, RUNTIME.for_whole_library()])], tmp_path)
-    package = artifacts[0].path.split("/")[0]
+def test_output_needs_no_formatter_and_its_tests_pass(model):
+    workspace = kept(model_of(model), WHOLE)
+    (package,) = (path.parents[1].name for path in workspace.glob("*/core/core.cpp"))
     config = ["--config", str(ROOT / "pyproject.toml"), "--no-cache"]
-    folder = tmp_path / package
-
-    def tool(*arguments, **environment):
-        succeeded([sys.executable, "-m", *arguments], cwd=folder, env={**os.environ, **environment})
-
+    folder = workspace / package
+    tool = partial(run_in, workspace, "-m", cwd=folder)
     tool("ruff", "format", "--check", *config, ".")
     tool("ruff", "check", *config, "--ignore", "S101", package, "test")
     needs.ask("rclpy")
-    path = python_path(tmp_path)
-    tool("pytest", "-q", "-c", os.devnull, "--rootdir", str(folder), "test", PYTHONPATH=path)
+    tool("pytest", "-q", "-c", os.devnull, "-p", "no:cacheprovider", "--rootdir", folder, "test")
 
 
 def test_output_passes_the_type_checker(tmp_path):
-    result = read_models([CASE])
-    write(render(result.model, [TARGET, MESSAGES, RUNTIME.for_whole_library()]), tmp_path)
     settings = tmp_path / "mypy.ini"
     settings.write_text(
         "[mypy]\nstrict = True\npython_version = 3.10\nfollow_imports = silent\n"
@@ -255,23 +238,22 @@ def test_output_passes_the_type_checker(tmp_path):
         "ignore_missing_imports = True\n"
         "follow_imports = skip\n"
     )
-    package = tmp_path / "loop_bridge" / "loop_bridge"
-    path = python_path(tmp_path)
+    workspace = kept(model_of(CASE), WHOLE)
+    package = workspace / "loop_bridge" / "loop_bridge"
     folders = (package, package.parent / "test")
     modules = sorted(str(module) for folder in folders for module in folder.glob("*.py"))
-    succeeded(
-        [sys.executable, "-m", "mypy", "--config-file", str(settings), *modules],
-        env={**os.environ, "MYPYPATH": path},
-        cwd=tmp_path,
-    )
+    run_in(workspace, "-m", "mypy", "--config-file", settings, *modules, cwd=tmp_path)
 
 
-def test_a_light_class_that_differs_from_that_of_ros_is_told(tmp_path):
-    """By the check that stands in the generated tests for each connection."""
+def run(program, model=CASE):
+    """Runs a program with the packages of a model; returns what it printed."""
     needs.ask("rclpy")
-    result = read_models([CASE])
-    write(render(result.model, [TARGET, MESSAGES, RUNTIME.for_whole_library()]), tmp_path)
-    program = """
+    return run_in(kept(model_of(model), WHOLE), "-c", program)
+
+
+def test_a_light_class_that_differs_from_that_of_ros_is_told():
+    """By the check that stands in the generated tests for each connection."""
+    run("""
 from jausml_runtime import differing_forms
 from loop_bridge import ros_types
 from loop_bridge.loop_bridge import LoopBridge
@@ -290,17 +272,11 @@ def mixed(cls, data, offset, order):
 ros_types.Twist._read = classmethod(mixed)
 found = differing_forms(*arguments, source)
 assert found[:2] == ["light.linear.x: 1.0, rclpy: 0.0", "light.angular.x: 0.0, rclpy: 1.0"]
-"""
-    succeeded(
-        [sys.executable, "-c", program], env={**os.environ, "PYTHONPATH": python_path(tmp_path)}
-    )
+""")
 
 
-def test_skeleton_overrides_and_help(tmp_path):
-    needs.ask("rclpy")
-    result = read_models([CASE])
-    write(render(result.model, [TARGET, MESSAGES, RUNTIME.for_whole_library()]), tmp_path)
-    program = """
+def test_skeleton_overrides_and_help():
+    printed = run("""
 from loop_bridge.loop_bridge import LoopBridge
 from loop_bridge.main import main
 
@@ -316,18 +292,13 @@ assert mine.speed._translate("anything") is None
 assert mine.drive._safe_value() == "mine"
 assert [each.name for each in mine.connections][:2] == ["odometry", "speed"]
 main(["--help"])
-"""
-    path = python_path(tmp_path)
-    done = succeeded([sys.executable, "-c", program], env={**os.environ, "PYTHONPATH": path})
-    assert "--jaus-port" in done.stdout
-    assert "--jaus-id" in done.stdout
+""")
+    assert "--jaus-port" in printed
+    assert "--jaus-id" in printed
 
 
-def test_translations_keep_to_their_policies_before_the_bridge_is_open(tmp_path):
-    needs.ask("rclpy")
-    result = read_models([CASE])
-    write(render(result.model, [TARGET, MESSAGES, RUNTIME.for_whole_library()]), tmp_path)
-    program = """
+def test_translations_keep_to_their_policies_before_the_bridge_is_open():
+    run("""
 from geometry_msgs.msg import Twist
 from jausml_runtime import OutOfRangeError
 from loop_bridge.loop_bridge import LoopBridge
@@ -350,16 +321,10 @@ odometry.pose.pose.position.x, odometry.pose.pose.position.y = 1.0, float("nan")
 report = bridge.translate_estimate(odometry)
 assert (report.x, report.y, report.yaw) == (1.0, None, 0.0)
 assert type(report).decode(report.encode()).y is None
-"""
-    path = python_path(tmp_path)
-    succeeded([sys.executable, "-c", program], env={**os.environ, "PYTHONPATH": path})
+""")
 
 
-def test_what_a_peer_sends_is_no_wrong_number_in_ros(tmp_path):
-    needs.ask("rclpy")
-    result = read_models([Path(__file__).with_name("narrow_bridge.xmi")])
-    assert result.diagnostics == []
-    write(render(result.model, [TARGET, MESSAGES, RUNTIME.for_whole_library()]), tmp_path)
+def test_what_a_peer_sends_is_no_wrong_number_in_ros():
     program = """
 import math
 import pytest
@@ -392,5 +357,4 @@ for level in (math.nan, math.inf):
         assert (caught.value.policy, caught.value.field) == (policy, "Level")
 assert bridge.translate_full(report(level=2.6)).data == 3
 """
-    path = python_path(tmp_path)
-    succeeded([sys.executable, "-c", program], env={**os.environ, "PYTHONPATH": path})
+    run(program, NARROW)

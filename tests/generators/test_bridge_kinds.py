@@ -3,11 +3,11 @@
 import ast
 
 import pytest
+from generated import model_in, text_of
 
 from jausml.generation.errors import InternalError
 from jausml.generation.rendering import render
 from jausml.generation.target import system_of
-from jausml.language.model import read_models
 from jausml_generators.bridge.checks.ends import Ends
 from jausml_generators.bridge.checks.samples import sample_of
 from jausml_generators.bridge.target import TARGET
@@ -101,11 +101,7 @@ DEFAULTS = {
 
 
 def small(tmp_path, template=SYSTEM, **texts):
-    path = tmp_path / "small.xmi"
-    path.write_text(template.format(**{**DEFAULTS, **texts}), encoding="utf-8")
-    result = read_models([path], project_root=tmp_path)
-    assert [error for error in result.diagnostics if error.severity.name == "ERROR"] == []
-    return result.model
+    return model_in(tmp_path, template.format(**{**DEFAULTS, **texts}), "small.xmi")
 
 
 def assignment(kind, feature, target, *, source=None, value=None, conversions=""):
@@ -292,8 +288,8 @@ def test_text_of_the_model_stays_data(tmp_path):
             modules = {a.name for n in ast.walk(tree) if isinstance(n, ast.Import) for a in n.names}
             assert "injected" not in modules
             assert "\u202e" not in artifact.text
-    base = next(a for a in render(model, [TARGET]) if a.path.endswith("_base.py"))
-    literals = {n.value for n in ast.walk(ast.parse(base.text)) if isinstance(n, ast.Constant)}
+    base = text_of(model, [TARGET])
+    literals = {n.value for n in ast.walk(ast.parse(base)) if isinstance(n, ast.Constant)}
     assert connection.topics[0].name in literals
     assert connection.map.toRos[0].value in literals
 
@@ -308,8 +304,7 @@ def test_names_of_the_model_become_names(tmp_path, name):
 
 def test_types_that_mirror_jaus_messages_get_their_own_name(tmp_path):
     line = assignment("FieldAssignment", "toRos", "real", source="Head.Number")
-    artifacts = render(small(tmp_path, assignments=line, type="Mixed"), [TARGET])
-    base = next(a.text for a in artifacts if a.path.endswith("_base.py"))
+    base = text_of(small(tmp_path, assignments=line, type="Mixed"), [TARGET])
     assert "from .ros_types import Mixed as DemoMsgsMixed\n" in base
     assert "def translate_things(self, source: Mixed) -> DemoMsgsMixed | None:" in base
     assert "target = DemoMsgsMixed()" in base

@@ -6,18 +6,17 @@ from pathlib import Path
 import needs
 import pytest
 import yaml
+from generated import model_of, text_of
 from sweeps import sweep
 
 from jausml.generation.rendering import render
 from jausml.language.metamodel.classes import bridge, ros
-from jausml.language.model import read_models
 from jausml.language.semantics.connections import stops
-from jausml.language.text.notation import NOTATIONS
 from jausml.runtime.base.settings import TransportSettings
 from jausml_generators.bringup.processes import SETTINGS
 from jausml_generators.bringup.target import TARGET as BRINGUP
 
-from .node_support import CASES, ROOT, artifacts, model_of, ros_environment, run, write
+from .node_support import CASES, ROOT, artifacts, ros_environment, run, write
 
 STOPS = ROOT / "tests" / "live" / "stops.ros2jaus"
 LISTS = ROOT / "models" / "examples" / "waypoint_list" / "waypoint_list.ros2jaus"
@@ -310,7 +309,7 @@ def test_hostile_values_arrive_unchanged():
 
 
 def test_a_stop_of_the_map_is_not_taken_away_by_the_parameter_file():
-    model = read_models([STOPS], notations=NOTATIONS, allow_outside=True).model
+    model = model_of(STOPS, allow_outside=True)
     files = [artifact for artifact in render(model, [BRINGUP]) if artifact.path.endswith(".yaml")]
     seconds = {}
     for file in files:
@@ -328,11 +327,8 @@ def test_a_stop_of_the_map_is_not_taken_away_by_the_parameter_file():
 
 
 def test_a_list_is_not_shaped():
-    model = read_models([LISTS], notations=NOTATIONS).model
-    (robot,) = (
-        artifact for artifact in render(model, [BRINGUP]) if artifact.path.endswith("robot.yaml")
-    )
-    values = yaml.safe_load(robot.text)["/**"]["ros__parameters"]
+    robot = text_of(model_of(LISTS), [BRINGUP], "robot.yaml")
+    values = yaml.safe_load(robot)["/**"]["ros__parameters"]
     assert {name for name in values if name.startswith("waypoints.")} == {
         "waypoints.action",
         "waypoints.frame_id",

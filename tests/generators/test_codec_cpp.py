@@ -12,6 +12,7 @@ from typing import Any
 import needs
 import pytest
 from codec_support import FieldNames, load, render
+from generated import model_of, texts_of
 from scripts import succeeded
 from sweeps import sweep
 from wire_vectors import given, payload_of, vectors
@@ -20,7 +21,6 @@ from jausml.generation.native import compiler
 from jausml.generation.rendering import render as render_artifacts
 from jausml.generation.target import FileTask, Target
 from jausml.language.metamodel.classes import jaus
-from jausml.language.model import read_models
 from jausml.runtime import wire
 from jausml_generators.codec_cpp.target import TARGET, HeaderView
 from jausml_generators.cpp.jaus_numbers import NUMBERS
@@ -118,7 +118,7 @@ class Messages:
 
     @classmethod
     def read(cls):
-        model = read_models(MODELS).model
+        model = model_of(*MODELS)
         services = [
             service
             for service in model.instances(jaus.Service)
@@ -353,12 +353,11 @@ def test_no_macro_of_the_standard_library_is_a_name():
 
 @pytest.mark.slow
 def test_the_whole_library_compiles_for_small_computers(program, tmp_path):
-    model = read_models([ROOT / "models" / "catvehicle" / "catvehicle.xmi"]).model
-    for artifact in render_artifacts(model, [TARGET.for_whole_library()]):
-        path = tmp_path / Path(artifact.path).name
-        path.write_text(artifact.text, encoding="utf-8")
-        assert all(len(line) <= 100 for line in artifact.text.splitlines())
-        assert artifact.text.isascii()
+    model = model_of(ROOT / "models" / "catvehicle" / "catvehicle.xmi")
+    for path, text in texts_of(model, [TARGET.for_whole_library()]).items():
+        (tmp_path / Path(path).name).write_text(text, encoding="utf-8")
+        assert all(len(line) <= 100 for line in text.splitlines())
+        assert text.isascii()
     (tmp_path / "small.cpp").write_text(SMALL, encoding="utf-8")
     flags = (*STRICT, *BARE, "-Os", "-DJAUSML_NO_HEAP", "-c", "-o", tmp_path / "small.o")
     compiled(program, *flags, tmp_path / "small.cpp")
@@ -414,7 +413,7 @@ int main() {
 
 
 def test_a_header_is_the_same_each_time():
-    model = read_models([ROOT / "models" / "catvehicle" / "catvehicle.xmi"]).model
+    model = model_of(ROOT / "models" / "catvehicle" / "catvehicle.xmi")
     first, second = (render_artifacts(model, [TARGET]) for _ in range(2))
     assert first == second
     assert [artifact.path for artifact in first] == [

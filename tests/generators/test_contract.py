@@ -3,10 +3,10 @@
 import json
 import re
 import shutil
-from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
+from generated import model_in
 from sweeps import sweep
 
 from jausml.cli import main
@@ -16,8 +16,6 @@ from jausml.generation.manifest import MANIFEST_PATH, read_manifest
 from jausml.generation.rendering import render
 from jausml.generation.target import load_targets
 from jausml.generation.workspace import generate
-from jausml.language.model.reading.reader import read_models
-from jausml.language.text.notation import NOTATIONS
 
 GUARDS = ("jausml/generation/contract",)
 
@@ -89,14 +87,6 @@ class Boom(BoomBase):
 FOLDER = "boom/boom"
 
 
-def model_of(folder: Path, text: str):
-    path = folder / "farm.ros2jaus"
-    path.write_text(text, encoding="utf-8")
-    result = read_models([path], notations=NOTATIONS)
-    assert not result.has_errors, result.diagnostics
-    return result.model
-
-
 TARGETS = load_targets()
 PYTHON = [TARGETS[name] for name in ("jaus_component", "messages", "runtime")]
 
@@ -105,14 +95,14 @@ PYTHON = [TARGETS[name] for name in ("jaus_component", "messages", "runtime")]
 def generated(tmp_path_factory):
     """The workspace of the model before it changes."""
     folder = tmp_path_factory.mktemp("farm")
-    generate(model_of(folder, MODEL), PYTHON, folder / "src")
+    generate(model_in(folder, MODEL), PYTHON, folder / "src")
     return folder / "src"
 
 
 @pytest.fixture(scope="module")
 def artifacts(tmp_path_factory):
     """The files of the model before it changes."""
-    return render(model_of(tmp_path_factory.mktemp("farm"), MODEL), PYTHON)
+    return render(model_in(tmp_path_factory.mktemp("farm"), MODEL), PYTHON)
 
 
 @pytest.fixture
@@ -129,7 +119,7 @@ def yard(generated, artifacts, tmp_path):
             text = text.replace(old, new)
         data = code if isinstance(code, bytes) else code.encode()
         (out / FOLDER / "boom.py").write_bytes(data)
-        return generate(model_of(tmp_path, text), PYTHON, out, **options)
+        return generate(model_in(tmp_path, text), PYTHON, out, **options)
 
     def look(code: str | bytes = CODE):
         """Compares alone, with the model as it was."""

@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import pytest
+from generated import model_in
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 from workspaces import packages_of
@@ -23,8 +24,6 @@ from workspaces import packages_of
 from jausml.generation.target import load_targets
 from jausml.generation.workspace import generate
 from jausml.language.model.diagnostics import Severity
-from jausml.language.model.reading.reader import read_models
-from jausml.language.text.notation import NOTATIONS
 
 GUARDS = ("jausml/generation/contract",)
 EXAMPLES = int(os.environ.get("JAUSML_EXAMPLES", "2"))
@@ -73,21 +72,15 @@ BEFORE = (
 
 
 def model_of(folder: Path, messages: tuple[Message, ...]):
-    path = folder / "farm.ros2jaus"
-    path.write_text(
-        f"""import `jaus.core-1.1`
+    text = f"""import `jaus.core-1.1`
 service_set farm {{ service Boom {{
     urn: "urn:example:farm:Boom"
     inherits: Management
     {chr(10).join(map(str, messages))}
 }} }}
 system yard {{ component boom {{ address: 100.1.1  provides: Boom }} }}
-""",
-        encoding="utf-8",
-    )
-    result = read_models([path], notations=NOTATIONS)
-    assert not result.has_errors, result.diagnostics
-    return result.model
+"""
+    return model_in(folder, text)
 
 
 # --------------------------------------------------------------- how a model changes

@@ -13,13 +13,12 @@ import needs
 import pytest
 import yaml
 from deployed import install, moved, read_environment, read_unit, started
+from generated import model_in, texts_of
 from scripts import succeeded
 
 from jausml.generation.errors import GenerationError
 from jausml.generation.rendering import render
 from jausml.generation.workspace import generate, select
-from jausml.language.model import read_models
-from jausml.language.text.notation import NOTATIONS
 from jausml.runtime.transports.ports import neighbour_ports
 from jausml_generators.bringup.target import TARGET as BRINGUP
 from jausml_generators.deployment.network import HIGHEST_SHARED_PORT, dds_ports
@@ -67,14 +66,7 @@ VARIANTS = {
 
 @pytest.fixture(scope="module")
 def model_of(tmp_path_factory):
-    def read(text):
-        path = tmp_path_factory.mktemp("model") / "rover.ros2jaus"
-        path.write_text(text, encoding="utf-8")
-        result = read_models([path], notations=NOTATIONS)
-        assert not result.has_errors, result.diagnostics
-        return result.model
-
-    return read
+    return lambda text: model_in(tmp_path_factory.mktemp("model"), text, "rover.ros2jaus")
 
 
 @pytest.fixture(scope="module")
@@ -84,10 +76,7 @@ def files_of(model_of):
 
     def of(name):
         if name not in made:
-            files = {
-                artifact.path: artifact.text
-                for artifact in render(model_of(VARIANTS[name]), [DEPLOYMENT])
-            }
+            files = texts_of(model_of(VARIANTS[name]), [DEPLOYMENT])
             assert all(path.startswith("rover_deployment/") for path in files)
             made[name] = {path.partition("/")[2]: text for path, text in files.items()}
         return made[name]

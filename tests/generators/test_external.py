@@ -1,12 +1,11 @@
 """Components that exist already, and connections of components to whatever is found."""
 
 import ast
+from functools import partial
 
 import pytest
+from generated import model_in, texts_of
 
-from jausml.generation.rendering import render
-from jausml.language.model import read_models
-from jausml.language.text.notation import NOTATIONS
 from jausml_generators.bridge.target import TARGET as BRIDGE
 from jausml_generators.bringup.target import TARGET as BRINGUP
 from jausml_generators.bringup.target import processes
@@ -40,19 +39,11 @@ component watcher {
 
 @pytest.fixture
 def model_of(tmp_path):
-    def read(text):
-        path = tmp_path / "model.ros2jaus"
-        path.write_text(text, encoding="utf-8")
-        result = read_models([path], notations=NOTATIONS)
-        assert not result.has_errors, result.diagnostics
-        return result.model
-
-    return read
+    return partial(model_in, tmp_path)
 
 
 def files_of(model):
-    targets = [BRIDGE, COMPONENT, MESSAGES, BRINGUP]
-    return {str(artifact.path): artifact.text for artifact in render(model, targets)}
+    return texts_of(model, [BRIDGE, COMPONENT, MESSAGES, BRINGUP])
 
 
 def test_nothing_is_generated_or_started_for_an_external_component(model_of):

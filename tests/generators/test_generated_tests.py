@@ -9,13 +9,11 @@ from pathlib import Path
 
 import needs
 import pytest
+from generated import model_in, model_of, text_of
 from scripts import succeeded
 from sweeps import sweep
-from workspaces import python_path
+from workspaces import python_path, write
 
-from jausml.generation.rendering import render
-from jausml.language.model import read_models
-from jausml.language.text.notation import NOTATIONS
 from jausml_generators.bridge.target import TARGET
 from jausml_generators.messages.target import TARGET as MESSAGES
 from jausml_generators.runtime.target import TARGET as RUNTIME
@@ -155,19 +153,6 @@ IMPORTED = (
 )
 
 
-def write(folder, name):
-    """Writes the generated bridge of a model and the runtime."""
-    model = Path(__file__).with_name(f"{name}.ros2jaus")
-    result = read_models([model], notations=NOTATIONS)
-    assert [
-        diagnostic for diagnostic in result.diagnostics if diagnostic.severity.name != "INFO"
-    ] == []
-    for artifact in render(result.model, [TARGET, MESSAGES, RUNTIME]):
-        path = folder / artifact.path
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(artifact.text, encoding="utf-8")
-
-
 def damaged(text, found, replacement):
     assert text.count(found) == 1, found
     return text.replace(found, replacement).replace(MORE_NAMES, MORE_NAMES + IMPORTED)
@@ -180,7 +165,8 @@ def package(tmp_path_factory):
     @cache
     def made(name):
         folder = tmp_path_factory.mktemp("checked")
-        write(folder, name)
+        model = model_of(Path(__file__).with_name(f"{name}.ros2jaus"))
+        write(model, [TARGET, MESSAGES, RUNTIME], folder)
         return folder / name
 
     return made
@@ -200,8 +186,8 @@ def test_hypothesis_is_what_the_tests_need(package):
 
 def test_a_bridge_without_vectors_has_a_test(tmp_path):
     """Without one, pytest ends with an exit status of its own, and linters see unused imports."""
-    model = tmp_path / "arm.ros2jaus"
-    model.write_text(
+    model = model_in(
+        tmp_path,
         """\
 import `jaus.manipulator-2.0`
 joints {
@@ -215,20 +201,16 @@ bridge arm_bridge {
   uses: ManipulatorJointPositionSensor
   connection joints { map: joints  exchange: query  peers: arm  topic joint_states {} }
 }
-"""
+""",
     )
-    result = read_models([model], notations=NOTATIONS)
-    assert result.diagnostics == []
-    [tests] = [artifact for artifact in render(result.model, [TARGET]) if "/test/" in artifact.path]
-    assert "differing_forms(bridge, bridge.translate_joints, bridge.joints, source) == []" in (
-        tests.text
-    )
+    tests = text_of(model, [TARGET], "_translations.py")
+    assert "differing_forms(bridge, bridge.translate_joints, bridge.joints, source) == []" in tests
 
 
 def test_alternatives_of_one_field_do_not_stand_in_one_message(tmp_path):
     """What is made of all three would be the sum of two that are not there."""
-    model = tmp_path / "desk.ros2jaus"
-    model.write_text(
+    model = model_in(
+        tmp_path,
         """\
 import jaus.hmi
 axis {
@@ -247,12 +229,10 @@ bridge desk_bridge {
   uses: AnalogControl
   connection axis { map: axis  exchange: query  peers: desk  topic yaw {} }
 }
-"""
+""",
     )
-    result = read_models([model], notations=NOTATIONS)
-    assert result.diagnostics == []
-    [tests] = [artifact for artifact in render(result.model, [TARGET]) if "/test/" in artifact.path]
-    assert "source.yaw = ReportAnalogAction.Yaw" not in tests.text
+    tests = text_of(model, [TARGET], "_translations.py")
+    assert "source.yaw = ReportAnalogAction.Yaw" not in tests
 
 
 def outcomes_of(package, module, damages):

@@ -1,13 +1,10 @@
 """Commands of own services: nobody but the controller is obeyed, however the service is written."""
 
 import re
-from pathlib import Path
 
 import pytest
+from generated import model_in, text_of
 
-from jausml.generation.rendering import render
-from jausml.language.model import read_models
-from jausml.language.text.notation import NOTATIONS
 from jausml_generators.bridge.target import TARGET as BRIDGES
 from jausml_generators.jaus_component.target import TARGET as COMPONENTS
 
@@ -47,20 +44,11 @@ bridge deck {
 
 def guards(folder, text):
     """Return the guards in the generated bases: of the handler, and of both connections."""
-    path = folder / "demo.ros2jaus"
-    path.write_text(f"import `jaus.core-1.1`\n{text}", encoding="utf-8")
-    read = read_models([path], notations=NOTATIONS)
-    assert [error for error in read.diagnostics if error.severity.name == "ERROR"] == []
-    bases = {
-        Path(artifact.path).name: artifact.text
-        for artifact in render(read.model, [BRIDGES, COMPONENTS])
-        if artifact.path.endswith("_base.py")
-    }
-    handler = re.search(
-        r"self\.handle\(\s*SetWinch,[^)]*?when=Guard\.(\w+)", bases["winch_base.py"]
-    )
-    taken = re.search(r"when=Guard\.(\w+)", bases["deck_base.py"])
-    sent = re.search(r"control=Guard\.(\w+)", bases["deck_base.py"])
+    model = model_in(folder, f"import `jaus.core-1.1`\n{text}", "demo.ros2jaus")
+    winch, deck = (text_of(model, [target]) for target in (COMPONENTS, BRIDGES))
+    handler = re.search(r"self\.handle\(\s*SetWinch,[^)]*?when=Guard\.(\w+)", winch)
+    taken = re.search(r"when=Guard\.(\w+)", deck)
+    sent = re.search(r"control=Guard\.(\w+)", deck)
     return [match and match[1] for match in (handler, taken, sent)]
 
 
@@ -82,21 +70,15 @@ def test_a_service_that_inherits_nothing_shares_the_controller_of_its_component(
 
 def test_commands_for_everyone_are_those_of_published_services(tmp_path):
     """As those of Digital Resource Discovery: services that inherit Events alone."""
-    path = tmp_path / "demo.ros2jaus"
-    path.write_text("""
+    text = """
         import `jaus.core-1.1`
         service Store {
             urn: "urn:jaus:jss:example:Store"  version: "1.0"  inherits: Events
             inputs: new message_def RemoveThing { code: 0xD101  isCommand: true }
         }
         component store { address: 1.1.1  provides: Store }
-    """)
-    read = read_models([path], notations=NOTATIONS)
-    base = next(
-        artifact.text
-        for artifact in render(read.model, [COMPONENTS])
-        if artifact.path.endswith("_base.py")
-    )
+    """
+    base = text_of(model_in(tmp_path, text), [COMPONENTS])
     assert "RemoveThing" in base
     assert "when=Guard.READY" not in base
     assert "when=Guard.CONTROLLED" not in base

@@ -2,20 +2,18 @@
 
 import inspect
 import os
-import sys
 from functools import cache
 from pathlib import Path
 
 import pytest
 from codec_support import ROOT
+from generated import model_in, model_of, run_in, text_of
 from ports import free_port
-from scripts import succeeded
 from sweeps import sweep
-from workspaces import python_path
+from workspaces import kept
 
 from jausml.generation.artifact import Artifact, Kind
 from jausml.generation.rendering import render
-from jausml.language.model import read_models
 from jausml.runtime import JausComponent
 from jausml_generators.bridge.target import TARGET as BRIDGE
 from jausml_generators.jaus_component.target import TARGET
@@ -24,14 +22,13 @@ from jausml_generators.runtime.target import TARGET as RUNTIME
 
 HERE = Path(__file__).parent
 MODEL = HERE / "components.xmi"
+TARGETS = [TARGET, MESSAGES, RUNTIME]
 PACKAGES = ["wrench_driver", "operator_jaus", "nothing_at_all"]
 
 
 @cache
 def artifacts() -> list[Artifact]:
-    result = read_models([MODEL], project_root=ROOT)
-    assert not result.diagnostics, result.diagnostics
-    return render(result.model, [TARGET, MESSAGES, RUNTIME])
+    return render(model_of(MODEL), TARGETS)
 
 
 def texts() -> dict[str, str]:
@@ -39,23 +36,8 @@ def texts() -> dict[str, str]:
 
 
 @pytest.fixture(scope="module")
-def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("workspace")
-    for artifact in artifacts():
-        path = folder / artifact.path
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(artifact.text, "utf-8")
-    return folder
-
-
-def run(*command: str, cwd: Path, workspace: Path) -> None:
-    path = python_path(workspace)
-    succeeded(
-        [sys.executable, *command],
-        cwd=cwd,
-        env={**os.environ, "PYTHONPATH": path, "MYPYPATH": path},
-        timeout=110,
-    )
+def workspace() -> Path:
+    return kept(model_of(MODEL), TARGETS)
 
 
 @pytest.mark.parametrize("package", PACKAGES)
@@ -109,8 +91,8 @@ def test_a_silent_report_leads_to_the_state_that_the_model_says():
 
 def test_limits_of_a_velocity_command_are_obeyed_in_standby(tmp_path):
     library = ROOT / "models" / "library" / "jaus" / "mobility.xmi"
-    path = tmp_path / "driver.xmi"
-    path.write_text(
+    model = model_in(
+        tmp_path,
         f"""<?xml version="1.0" encoding="UTF-8"?>
 <system:System xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"
     xmlns:system="http://www.jausml.org/system/1.0" name="driver">
@@ -119,11 +101,9 @@ def test_limits_of_a_velocity_command_are_obeyed_in_standby(tmp_path):
   </components>
 </system:System>
 """,
-        encoding="utf-8",
+        "driver.xmi",
     )
-    read = read_models([path])
-    assert not read.diagnostics, read.diagnostics
-    (base,) = (a.text for a in render(read.model, [TARGET]) if a.path.endswith("_base.py"))
+    base = text_of(model, [TARGET])
     assert (
         "self.handle( SetVelocityCommand, self.on_set_velocity_command, "
         "when=lambda message: Guard.READY if message.command_type == 0 else Guard.CONTROLLED, )"
@@ -133,8 +113,8 @@ def test_limits_of_a_velocity_command_are_obeyed_in_standby(tmp_path):
 
 def test_messages_without_fields_are_laid_out_too(tmp_path):
     """A module without a `struct` once had a blank line too many."""
-    path = tmp_path / "bell.xmi"
-    path.write_text(
+    model = model_in(
+        tmp_path,
         """<?xml version="1.0" encoding="UTF-8"?>
 <system:System xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"
     xmlns:system="http://www.jausml.org/system/1.0" name="bell">
@@ -146,15 +126,13 @@ def test_messages_without_fields_are_laid_out_too(tmp_path):
   <components name="bell" address="1.1.1" provides="Bell"/>
 </system:System>
 """,
-        encoding="utf-8",
+        "bell.xmi",
     )
-    (messages,) = (
-        a for a in render(read_models([path]).model, [MESSAGES]) if a.path.endswith("/bell.py")
-    )
-    (tmp_path / "messages.py").write_text(messages.text, encoding="utf-8")
+    messages = text_of(model, [MESSAGES], "/bell.py")
+    (tmp_path / "messages.py").write_text(messages, encoding="utf-8")
     config = ["--config", str(ROOT / "pyproject.toml"), "messages.py"]
-    run("-m", "ruff", "format", "--check", *config, cwd=tmp_path, workspace=tmp_path)
-    run("-m", "ruff", "check", *config, cwd=tmp_path, workspace=tmp_path)
+    run_in(tmp_path, "-m", "ruff", "format", "--check", *config)
+    run_in(tmp_path, "-m", "ruff", "check", *config)
 
 
 def test_every_method_of_the_base_is_in_the_skeleton_and_in_its_contract():
@@ -192,42 +170,42 @@ def test_ruff_finds_nothing(workspace, package):
     # A skeleton imports what its user will need, and tests assert.
     ignore = ["--ignore", "S101,TC001,TC002,TC003"]
     folder = workspace / package
-    run("-m", "ruff", "format", "--check", *config, ".", cwd=folder, workspace=workspace)
-    run("-m", "ruff", "check", *config, *ignore, ".", cwd=folder, workspace=workspace)
+    run_in(workspace, "-m", "ruff", "format", "--check", *config, ".", cwd=folder)
+    run_in(workspace, "-m", "ruff", "check", *config, *ignore, ".", cwd=folder)
 
 
 def test_one_service_and_a_long_documentation_are_laid_out(tmp_path):
-    path = tmp_path / "model.xmi"
     services, words = "http://www.jausml.org/library/jaus", " ".join(["documentation"] * 100)
-    path.write_text(
+    model = model_in(
+        tmp_path,
         '<system:System xmlns:system="http://www.jausml.org/system/1.0" name="one">'
         f'<components name="clock" address="1.1.1" coreServices="none" documentation="{words}">'
         f'<provides href="{services}/core-1.1.xmi#Transport"/></components>'
-        f'<bridges name="front" address="1.1.2" documentation="{words}"/></system:System>'
+        f'<bridges name="front" address="1.1.2" documentation="{words}"/></system:System>',
+        "model.xmi",
     )
-    for artifact in render(read_models([path]).model, [TARGET, BRIDGE]):
-        if artifact.path.endswith("_base.py"):
-            (tmp_path / Path(artifact.path).name).write_text(artifact.text)
+    for target, name in ((TARGET, "clock_base.py"), (BRIDGE, "front_base.py")):
+        (tmp_path / name).write_text(text_of(model, [target]))
     assert "\nSERVICES = (Service" in (tmp_path / "clock_base.py").read_text()
     config = ["--config", str(ROOT / "pyproject.toml")]
-    run("-m", "ruff", "format", "--check", *config, ".", cwd=tmp_path, workspace=tmp_path)
-    run("-m", "ruff", "check", "--select=E,W", *config, ".", cwd=tmp_path, workspace=tmp_path)
+    run_in(tmp_path, "-m", "ruff", "format", "--check", *config, ".")
+    run_in(tmp_path, "-m", "ruff", "check", "--select=E,W", *config, ".")
 
 
 @pytest.mark.slow
 def test_mypy_finds_nothing(workspace):
     packages = [argument for package in PACKAGES for argument in ("-p", package)]
-    run("-m", "mypy", "--strict", *packages, cwd=workspace, workspace=workspace)
+    run_in(workspace, "-m", "mypy", "--strict", *packages)
 
 
 @pytest.mark.parametrize("package", sweep(PACKAGES, every=3))
 def test_generated_tests_pass(workspace, package):
-    run("-m", "pytest", "-q", "-W", "error", "test", cwd=workspace / package, workspace=workspace)
+    run_in(workspace, "-m", "pytest", "-q", "-W", "error", "test", cwd=workspace / package)
 
 
 def test_components_exchange_commands_and_reports(workspace):
-    run(str(HERE / "exchange.py"), str(free_port()), cwd=workspace, workspace=workspace)
+    run_in(workspace, HERE / "exchange.py", str(free_port()))
 
 
 def test_the_executable_explains_itself(workspace):
-    run("-m", "wrench_driver.main", "--help", cwd=workspace, workspace=workspace)
+    run_in(workspace, "-m", "wrench_driver.main", "--help")

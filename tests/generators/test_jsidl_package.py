@@ -1,13 +1,12 @@
 """A service in JSIDL, all the way: imported, generated, clean, and the package's own tests pass."""
 
-import os
-import sys
 from pathlib import Path
 
 import pytest
+import warm
 from codec_support import ROOT
+from generated import run_in
 from scripts import succeeded
-from workspaces import python_path
 
 JSIDL = ROOT / "tests" / "importers" / "winch"
 SYSTEM = """<?xml version="1.0" encoding="UTF-8"?>
@@ -20,23 +19,17 @@ SYSTEM = """<?xml version="1.0" encoding="UTF-8"?>
 """
 
 
-def run(*command: str | Path, cwd: Path) -> str:
-    path = python_path(cwd)
-    done = succeeded(
-        [sys.executable, "-m", *map(str, command)],
-        cwd=cwd,
-        env={**os.environ, "PYTHONPATH": path, "MYPYPATH": path},
-        timeout=110,
-    )
+def jausml(*arguments: str | Path) -> str:
+    done = succeeded([*warm.command(), *map(str, arguments)], timeout=110)
     return done.stdout + done.stderr
 
 
 @pytest.fixture(scope="module")
 def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("imported")
-    run("jausml", "import", "jsidl", JSIDL, "-o", "services.xmi", cwd=folder)
+    jausml("import", "jsidl", JSIDL, "-o", folder / "services.xmi")
     (folder / "system.xmi").write_text(SYSTEM, encoding="utf-8")
-    run("jausml", "generate", "system.xmi", "-o", ".", "--quiet", cwd=folder)
+    jausml("generate", folder / "system.xmi", "-o", folder, "--quiet")
     return folder
 
 
@@ -49,18 +42,18 @@ def test_the_machine_of_the_service_is_generated(workspace):
 @pytest.mark.slow
 def test_the_package_is_clean(workspace):
     config = ["--config", ROOT / "pyproject.toml", "--no-cache"]
-    run("ruff", "format", "--check", *config, "hoist", cwd=workspace)
+    run_in(workspace, "-m", "ruff", "format", "--check", *config, "hoist")
     # Here the runtime stands beside the package; where that is built, it is installed.
     installed = ["--config", "lint.isort.known-third-party = ['jausml_runtime']"]
     # A skeleton imports what its user will need, and tests assert.
     ignored = ["--ignore", "S101,TC001,TC002,TC003"]
-    run("ruff", "check", *config, *installed, *ignored, "hoist", cwd=workspace)
-    run("mypy", "--strict", "-p", "hoist", cwd=workspace)
+    run_in(workspace, "-m", "ruff", "check", *config, *installed, *ignored, "hoist")
+    run_in(workspace, "-m", "mypy", "--strict", "-p", "hoist")
 
 
 @pytest.mark.slow
 def test_the_tests_of_the_package_pass(workspace):
-    done = run("pytest", "-q", "-W", "error", "hoist/test", cwd=workspace)
+    done = run_in(workspace, "-m", "pytest", "-q", "-W", "error", "hoist/test")
     assert " passed" in done
 
 
@@ -125,13 +118,13 @@ BALER = """<?xml version="1.0" encoding="UTF-8"?>
 def test_a_service_refines_the_states_of_access_control(tmp_path):
     """Where Management has further states, which the service knows nothing of."""
     (tmp_path / "Baler.xml").write_text(BALER, encoding="utf-8")
-    said = run("jausml", "import", "jsidl", "Baler.xml", "-o", "services.xmi", cwd=tmp_path)
+    said = jausml("import", "jsidl", tmp_path / "Baler.xml", "-o", tmp_path / "services.xmi")
     assert "error" not in said
     system = SYSTEM.replace("hoist", "baler").replace("#Winch", "#Baler")
     (tmp_path / "system.xmi").write_text(system, encoding="utf-8")
-    run("jausml", "generate", "system.xmi", "-o", ".", "--quiet", cwd=tmp_path)
+    jausml("generate", tmp_path / "system.xmi", "-o", tmp_path, "--quiet")
     base = (tmp_path / "baler/baler/baler_base.py").read_text(encoding="utf-8")
     assert 'extends="AccessControl"' in base
     test = (tmp_path / "baler/test/test_baler.py").read_text(encoding="utf-8")
     assert '"Receiving.Ready.Controlled.NotAvailable.Ejecting",' in test
-    assert " passed" in run("pytest", "-q", "-W", "error", "baler/test", cwd=tmp_path)
+    assert " passed" in run_in(tmp_path, "-m", "pytest", "-q", "-W", "error", "baler/test")

@@ -2,9 +2,8 @@
 
 from pathlib import Path
 
-from jausml.generation.rendering import render
-from jausml.language.model import read_models
-from jausml.language.text.notation import NOTATIONS
+from generated import model_in, text_of
+
 from jausml_generators.bridge.target import TARGET
 
 MODEL = """
@@ -45,12 +44,7 @@ SPEED = "speed=(QueryTravelSpeed, ReportTravelSpeed)"
 
 def generated(folder: Path, more: str = "") -> str:
     """Returns the base class of the bridge."""
-    path = folder / "robot.ros2jaus"
-    path.write_text(MODEL.format(more=more), encoding="utf-8")
-    model = read_models([path], notations=NOTATIONS).model
-    return next(
-        artifact.text for artifact in render(model, [TARGET]) if artifact.path.endswith("_base.py")
-    )
+    return text_of(model_in(folder, MODEL.format(more=more)), [TARGET])
 
 
 def test_each_driver_tells_the_speed_and_what_its_elements_hold(tmp_path):

@@ -1,20 +1,17 @@
 """Components with modelled state machines: base, skeleton, its drift, and generated tests."""
 
-import os
 import re
-import sys
 from pathlib import Path
 
 import pytest
 import warm
 from codec_support import ROOT
+from generated import model_of, run_in, texts_of
 from scripts import succeeded
 from sweeps import sweep
-from workspaces import packages_of, python_path
+from workspaces import kept, packages_of
 
-from jausml.generation.rendering import render
 from jausml.language.attributes.guards import parse_guard
-from jausml.language.model import read_models
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.settings import TransportSettings
@@ -33,32 +30,12 @@ SKELETON = "spot/spot/spot.py"
 
 @pytest.fixture(scope="module")
 def texts() -> dict[str, str]:
-    result = read_models([MODEL], project_root=ROOT)
-    assert not result.diagnostics, result.diagnostics
-    return {
-        artifact.path: artifact.text
-        for artifact in render(result.model, [TARGET, MESSAGES, RUNTIME])
-    }
+    return texts_of(model_of(MODEL), [TARGET])
 
 
 @pytest.fixture(scope="module")
-def workspace(texts: dict[str, str], tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("workspace")
-    for name, text in texts.items():
-        path = folder / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, "utf-8")
-    return folder
-
-
-def run(*command: str, cwd: Path, workspace: Path) -> None:
-    path = python_path(workspace)
-    succeeded(
-        [sys.executable, *command],
-        cwd=cwd,
-        env={**os.environ, "PYTHONPATH": path, "MYPYPATH": path},
-        timeout=110,
-    )
+def workspace() -> Path:
+    return kept(model_of(MODEL), [TARGET, MESSAGES, RUNTIME])
 
 
 def jausml(*arguments: str | Path) -> str:
@@ -79,20 +56,20 @@ def test_the_model_is_valid():
 def test_ruff_finds_nothing(workspace):
     config = ["--config", str(ROOT / "pyproject.toml")]
     folder = workspace / "spot"
-    run("-m", "ruff", "format", "--check", *config, ".", cwd=folder, workspace=workspace)
+    run_in(workspace, "-m", "ruff", "format", "--check", *config, ".", cwd=folder)
     ignore = ["--ignore", "S101,TC001,TC002,TC003"]
-    run("-m", "ruff", "check", *config, *ignore, ".", cwd=folder, workspace=workspace)
+    run_in(workspace, "-m", "ruff", "check", *config, *ignore, ".", cwd=folder)
 
 
 @pytest.mark.slow
 def test_mypy_finds_nothing(workspace):
-    run("-m", "mypy", "--strict", "-p", "spot", cwd=workspace, workspace=workspace)
-    run("-m", "mypy", "--strict", "spot/test/test_spot.py", cwd=workspace, workspace=workspace)
+    run_in(workspace, "-m", "mypy", "--strict", "-p", "spot")
+    run_in(workspace, "-m", "mypy", "--strict", "spot/test/test_spot.py")
 
 
 def test_generated_tests_drive_the_machines(workspace):
     folder = workspace / "spot"
-    run("-m", "pytest", "-q", "-W", "error", "test", cwd=folder, workspace=workspace)
+    run_in(workspace, "-m", "pytest", "-q", "-W", "error", "test", cwd=folder)
     assert "def test_lamp_fsm_goes_as_modelled" in (folder / "test/test_spot.py").read_text("utf-8")
 
 
@@ -122,7 +99,7 @@ def test_a_wrong_base_fails_the_generated_tests(workspace, tmp_path, right, wron
         if not (tmp_path / Path(package).name).exists():
             (tmp_path / Path(package).name).symlink_to(package)
     with pytest.raises(AssertionError, match=failure):
-        run("-m", "pytest", "-q", "test_spot.py", cwd=folder, workspace=tmp_path)
+        run_in(tmp_path, "-m", "pytest", "-q", "test_spot.py", cwd=folder)
 
 
 def test_machines_along_inheritance_are_one(texts):

@@ -2,15 +2,14 @@
 
 import importlib
 import math
-import os
 from array import array
 from functools import partial
 from typing import Any
 
 import pytest
+from generated import run_in
 from hypothesis import given
 from hypothesis import strategies as st
-from workspaces import packages_of
 
 from jausml.generation.native import SOURCE, State, build, compiler
 from tests.generators.assignment_support import Generated, generated
@@ -197,8 +196,8 @@ def test_the_generated_tests_know_markers(made):
     for name in ("down_voltage_without_voltage", "down_time_stamp_without_stamp"):
         assert f"def test_{name}(" in tests
     assert "def test_strict_down_needs_status(" in tests
-    path = os.pathsep.join(packages_of(made.folder))
-    made.tool("pytest", "-q", "-p", "no:cacheprovider", "test", PYTHONPATH=path)
+    line = ("-m", "pytest", "-q", "-p", "no:cacheprovider", "test")
+    run_in(made.folder, *line, cwd=made.folder / made.package)
 
 
 @pytest.mark.parametrize(

@@ -6,18 +6,18 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
+from generated import model_in, model_of, texts_of
 from lxml import etree
-from workspaces import python_path
+from workspaces import python_path, write
 
 from jausml.generation.rendering import render
-from jausml.language.model import read_models
 from jausml_generators.bridge.target import TARGET as BRIDGES
 from jausml_generators.jaus_component.target import TARGET as COMPONENTS
 from jausml_generators.messages.target import TARGET as MESSAGES
 from jausml_generators.ros_node.target import TARGET as NODES
 from jausml_generators.runtime.target import TARGET as RUNTIME
 
-from .node_support import CASES, ROOT, model_of, run
+from .node_support import CASES, ROOT, run
 
 EXAMPLE = ROOT / "models" / "catvehicle" / "catvehicle.xmi"
 NAMESAKES = """<?xml version="1.0" encoding="UTF-8"?>
@@ -41,21 +41,14 @@ NAMESAKES = """<?xml version="1.0" encoding="UTF-8"?>
 
 @pytest.fixture(scope="module")
 def files():
-    model = read_models([EXAMPLE]).model
-    return {
-        artifact.path: artifact.text for artifact in render(model, [BRIDGES, COMPONENTS, MESSAGES])
-    }
+    return texts_of(model_of(EXAMPLE), [BRIDGES, COMPONENTS, MESSAGES])
 
 
 @pytest.fixture(scope="module")
 def namesakes(tmp_path_factory):
     folder = tmp_path_factory.mktemp("namesakes")
-    (folder / "yard.xmi").write_text(NAMESAKES, encoding="utf-8")
-    model = read_models([folder / "yard.xmi"]).model
-    for artifact in render(model, [COMPONENTS, MESSAGES, RUNTIME]):
-        path = folder / "src" / artifact.path
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(artifact.text, encoding="utf-8")
+    model = model_in(folder, NAMESAKES, "yard.xmi")
+    write(model, [COMPONENTS, MESSAGES, RUNTIME], folder / "src")
     return folder / "src"
 
 

@@ -10,6 +10,7 @@ from types import SimpleNamespace
 
 import needs
 import pytest
+from generated import model_of
 from lxml import etree
 
 from jausml.generation.errors import GenerationError
@@ -19,7 +20,7 @@ from jausml_generators.python.package import PackageView, package_view
 from jausml_generators.ros_node.target import TARGET as ROS_NODE
 from jausml_generators.runtime.target import TARGET as RUNTIME
 
-from .node_support import CASES, ROOT, artifacts, model_of, ros_environment, run, write
+from .node_support import CASES, ROOT, artifacts, ros_environment, run, write
 
 # REP 149: what a manifest of format 3 must have, and in what order schema-minded tools expect it.
 ORDER = ("name", "version", "description", "maintainer", "license", "exec_depend", "test_depend")

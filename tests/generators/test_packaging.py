@@ -7,11 +7,10 @@ from pathlib import Path
 import pytest
 from catkin_pkg.package import parse_package
 from catkin_pkg.topological_order import topological_order
+from generated import model_of
 
 from jausml.generation.target import load_targets
 from jausml.generation.workspace import generate
-from jausml.language.model import read_models
-from jausml.language.text.notation import NOTATIONS
 
 MODELS = Path(__file__).resolve().parents[2] / "models"
 EXAMPLES = [MODELS / "catvehicle" / "catvehicle.xmi", MODELS / "examples" / "winch" / "winch.xmi"]
@@ -20,10 +19,8 @@ EXAMPLES = [MODELS / "catvehicle" / "catvehicle.xmi", MODELS / "examples" / "win
 @pytest.fixture(scope="module", params=EXAMPLES, ids=lambda path: path.stem)
 def workspace(request, tmp_path_factory):
     out = tmp_path_factory.mktemp(request.param.stem)
-    read = read_models([request.param], notations=NOTATIONS)
-    generate(
-        read.model, [target for target in load_targets().values() if not target.is_on_request], out
-    )
+    targets = [target for target in load_targets().values() if not target.is_on_request]
+    generate(model_of(request.param), targets, out)
     return out
 
 

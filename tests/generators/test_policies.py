@@ -4,12 +4,10 @@ from pathlib import Path
 
 import needs
 import pytest
+from generated import model_of, texts_of
 from lxml import etree
 from sweeps import sweep
 
-from jausml.generation.rendering import render
-from jausml.language.model import read_models
-from jausml.language.text.notation import NOTATIONS
 from jausml_generators.bringup.target import TARGET as BRINGUP
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -43,9 +41,8 @@ OWN = {
 
 
 def policies(path: Path) -> dict[str, str]:
-    model = read_models([path], notations=NOTATIONS).model
-    found = {artifact.path: artifact.text for artifact in render(model, [BRINGUP])}
-    return {name: text for name, text in found.items() if name.endswith(".policy.xml")}
+    files = texts_of(model_of(path), [BRINGUP])
+    return {name: text for name, text in files.items() if name.endswith(".policy.xml")}
 
 
 def names(text: str, element: str, use: str) -> set[str | None]:
@@ -115,12 +112,7 @@ def test_actions_are_called_or_executed():
 
 
 def test_services_are_called_or_served():
-    model = read_models([ROOT / "tests/cases/rules/JML466-something-carried/good.xmi"]).model
-    (text,) = (
-        artifact.text
-        for artifact in render(model, [BRINGUP])
-        if artifact.path.endswith(".policy.xml")
-    )
+    (text,) = policies(ROOT / "tests/cases/rules/JML466-something-carried/good.xmi").values()
     assert names(text, "service", "reply") == {"/stop", *(f"/bridge/{name}" for name in OWN)}
 
 

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 import warm
+from generated import model_in, model_of, texts_of
 from scripts import succeeded
 
 from jausml.generation.artifact import has_valid_header
 from jausml.generation.errors import GenerationError
-from jausml.generation.rendering import render as render_artifacts
 from jausml.language.interfaces import parse_definition
 from jausml.language.interfaces.definitions import (
     PRIMITIVES,
@@ -19,7 +19,7 @@ from jausml.language.interfaces.definitions import (
     FieldType,
 )
 from jausml.language.metamodel.classes import bridge, jaus
-from jausml.language.model import library_root, read_models
+from jausml.language.model import library_root
 from jausml_generators.ros_interfaces.definitions import code_of
 from jausml_generators.ros_interfaces.jaus_types import (
     MessagesPackage,
@@ -128,17 +128,12 @@ ReportWinchFlags flags
 
 @pytest.fixture
 def model(tmp_path):
-    path = tmp_path / "tug.xmi"
-    path.write_text(SYSTEM, encoding="utf-8")
-    result = read_models([path])
-    assert result.diagnostics == []
-    return result.model
+    return model_in(tmp_path, SYSTEM, "tug.xmi")
 
 
 def render(model, *targets):
     """Returns the files of targets, of both of them when none is named."""
-    chosen = targets or (DECLARED, TARGET)
-    return {artifact.path: artifact.text for artifact in render_artifacts(model, chosen)}
+    return texts_of(model, targets or (DECLARED, TARGET))
 
 
 def body(text):
@@ -179,10 +174,8 @@ def test_packages_name_what_they_need(model):
 
 
 def test_a_model_without_a_system_gives_its_name(tmp_path):
-    path = tmp_path / "winch box.xmi"
     text = SYSTEM[: SYSTEM.index("  <system:System")] + SYSTEM[SYSTEM.index("  <jaus:Serv") :]
-    path.write_text(text, encoding="utf-8")
-    files = render(read_models([path]).model)
+    files = render(model_in(tmp_path, text, "winch box.xmi"))
     assert "winch_box_jaus_msgs/msg/ReportWinch.msg" in files
     assert "<version>0.1.0</version>" in files["winch_box_jaus_msgs/package.xml"]
 
@@ -201,7 +194,7 @@ def test_comments_stay_where_they_belong(model):
 
 
 def test_messages_of_maps_have_their_ros_type_already():
-    model = read_models([ROOT / "models" / "catvehicle" / "catvehicle.xmi"]).model
+    model = model_of(ROOT / "models" / "catvehicle" / "catvehicle.xmi")
     some = {path for path in render(model) if path.endswith(".msg")}
     every = {path for path in render(model, TARGET.for_whole_library()) if path.endswith(".msg")}
     mapped = {str(mapping.message.name) for mapping in model.instances(bridge.AttributeMap)}
@@ -214,7 +207,7 @@ def test_messages_of_maps_have_their_ros_type_already():
 
 def files_of(*paths):
     package = MessagesPackage("all_msgs", "test.xmi")
-    for message in read_models(paths).model.instances(jaus.MessageDef):
+    for message in model_of(*paths).instances(jaus.MessageDef):
         package.add(message)
     return package.files
 
@@ -365,12 +358,8 @@ def test_a_package_of_a_file_that_is_referred_to_is_not_made(tmp_path):
     (tmp_path / "own.xmi").write_text(f"{package}</ros:InterfacePackage>", encoding="utf-8")
     node = """<nodes name="n"><publishers name="w" topic="w"><type href="own.xmi#Winch"/>
         </publishers></nodes>"""
-    path = tmp_path / "tug.xmi"
     text = SYSTEM[:start] + node + SYSTEM[end + len("</interfaces>") :]
-    path.write_text(text, encoding="utf-8")
-    result = read_models([path])
-    assert result.diagnostics == []
-    assert render(result.model, DECLARED) == {}
+    assert render(model_in(tmp_path, text, "tug.xmi"), DECLARED) == {}
 
 
 ROSIDL = """

@@ -8,6 +8,7 @@ import re
 
 import needs
 import pytest
+from generated import model_of
 
 from jausml.generation.artifact import Kind
 from jausml.generation.contract.finding import FindingKind
@@ -20,7 +21,7 @@ from jausml_generators.common.ros import RosType, local_names
 from jausml_generators.ros_node.target import TARGET as ROS_NODE
 from jausml_generators.ros_node.target import NodeView
 
-from .node_support import CASES, ROOT, artifacts, model_of, ros_environment, run, write
+from .node_support import CASES, ROOT, artifacts, ros_environment, run, write
 
 # The rules of this repository, apart from:
 #   ARG     a default handler does not use what it is given

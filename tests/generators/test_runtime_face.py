@@ -7,12 +7,12 @@ import shutil
 from types import ModuleType
 
 import pytest
+from generated import model_of
 from sweeps import sweep
 
 from jausml import runtime
 from jausml.generation.rendering import render
 from jausml.generation.workspace import generate
-from jausml.language.model import read_models
 from jausml_generators.bridge.target import TARGET as BRIDGE
 from jausml_generators.bringup.target import TARGET as BRINGUP
 from jausml_generators.jaus_component.target import TARGET as COMPONENT
@@ -83,10 +83,9 @@ def is_public(module, name):
 
 @pytest.mark.parametrize("system", SYSTEMS)
 def test_generated_code_imports_what_is_public(system):
-    result = read_models([ROOT / system])
     used = {
         (artifact.path, module, name)
-        for artifact in render(result.model, (COMPONENT, BRIDGE, ROS_NODE, BRINGUP))
+        for artifact in render(model_of(ROOT / system), (COMPONENT, BRIDGE, ROS_NODE, BRINGUP))
         if artifact.path.endswith(".py")
         for module, name in imports_of_the_runtime(artifact.text)
     }
@@ -124,7 +123,7 @@ def test_generated_code_asks_for_the_api_that_the_runtime_has():
 def talk(tmp_path_factory):
     """A workspace of a component and the runtime."""
     folder = tmp_path_factory.mktemp("talk")
-    model = read_models([ROOT / "tests" / "generators" / "lamp.xmi"]).model
+    model = model_of(ROOT / "tests" / "generators" / "lamp.xmi")
     generate(model, (COMPONENT, MESSAGES, RUNTIME), folder)
     return folder
 

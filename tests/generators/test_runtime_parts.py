@@ -5,13 +5,12 @@ import json
 from pathlib import Path
 
 import pytest
+from generated import model_in, model_of
 from workspaces import python_path
 
 from jausml.generation.manifest import MANIFEST_PATH
 from jausml.generation.workspace import Result
 from jausml.generation.workspace import generate as generate_code
-from jausml.language.model import read_models
-from jausml.language.text.notation import NOTATIONS
 from jausml_generators.bridge.target import TARGET as BRIDGE
 from jausml_generators.jaus_component.target import TARGET as COMPONENT
 from jausml_generators.messages.target import TARGET as MESSAGES
@@ -30,9 +29,7 @@ TARGETS = (COMPONENT, BRIDGE, MESSAGES, RUNTIME)
 
 
 def generate(folder: Path, text: str, name: str, targets=TARGETS, **options) -> Result:
-    path = folder / f"{name}.ros2jaus"
-    path.write_text(text, encoding="utf-8")
-    model = read_models([path], notations=NOTATIONS).model
+    model = model_in(folder, text, f"{name}.ros2jaus")
     return generate_code(model, targets, folder / "src", kept=None, **options)
 
 
@@ -57,8 +54,7 @@ def test_a_component_has_no_bridge(tmp_path):
 
 def test_a_bridge_that_commands_with_a_stop_has_a_guardian(tmp_path):
     vehicle = Path(__file__).parents[2] / "models" / "catvehicle" / "catvehicle.xmi"
-    model = read_models([vehicle], notations=NOTATIONS).model
-    generate_code(model, TARGETS, tmp_path / "src", kept=None)
+    generate_code(model_of(vehicle), TARGETS, tmp_path / "src", kept=None)
     assert {"bridge/guardian.py", "guardian/process.py", "guardian/ward.py"} <= modules(tmp_path)
 
 

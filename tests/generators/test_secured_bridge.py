@@ -1,15 +1,14 @@
 """What a model says of sources, in the generated bridge and its parameter file."""
 
-from jausml.generation.rendering import render
-from jausml.language.model import read_models
-from jausml.language.text.notation import NOTATIONS
+from generated import model_in, text_of
+
 from jausml_generators.bridge.target import TARGET as BRIDGE
 from jausml_generators.bringup.target import TARGET as BRINGUP
 
 TEXT = """
 import mappings.primitive_driver
 component operator { address: 100.1.1 }
-bridge SECURED {
+bridge secured {
     address: 100.1.2
     provides: PrimitiveDriver
     HOSTS
@@ -21,17 +20,9 @@ bridge SECURED {
 
 
 def generated(tmp_path, hosts="", cap=""):
-    path = tmp_path / "model.ros2jaus"
-    text = TEXT.replace("HOSTS", hosts).replace("CAP", cap).replace("SECURED", "secured")
-    path.write_text(text, encoding="utf-8")
-    result = read_models([path], notations=NOTATIONS)
-    assert not result.has_errors, result.diagnostics
-    files = {
-        str(artifact.path): artifact.text for artifact in render(result.model, [BRIDGE, BRINGUP])
-    }
-    (base,) = [text for name, text in files.items() if name.endswith("secured_base.py")]
-    (parameters,) = [text for name, text in files.items() if name.endswith("secured.yaml")]
-    return " ".join(base.split()), parameters
+    model = model_in(tmp_path, TEXT.replace("HOSTS", hosts).replace("CAP", cap))
+    parameters = text_of(model, [BRINGUP], "secured.yaml")
+    return " ".join(text_of(model, [BRIDGE]).split()), parameters
 
 
 def test_sources_and_caps_are_what_the_model_says(tmp_path):

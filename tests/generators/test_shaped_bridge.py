@@ -1,8 +1,7 @@
 """What a model says of the messages that pass, in the generated bridge and its parameter file."""
 
-from jausml.generation.rendering import render
-from jausml.language.model import read_models
-from jausml.language.text.notation import NOTATIONS
+from generated import model_in, text_of
+
 from jausml_generators.bridge.target import TARGET as BRIDGE
 from jausml_generators.bringup.target import TARGET as BRINGUP
 
@@ -21,18 +20,12 @@ bridge front {
 
 
 def test_shapes_and_their_parameters(tmp_path):
-    path = tmp_path / "model.ros2jaus"
-    path.write_text(TEXT, encoding="utf-8")
-    result = read_models([path], notations=NOTATIONS)
-    assert not result.has_errors, result.diagnostics
-    files = {
-        str(artifact.path): artifact.text for artifact in render(result.model, [BRIDGE, BRINGUP])
-    }
-    (base,) = [text for name, text in files.items() if name.endswith("front_base.py")]
+    model = model_in(tmp_path, TEXT)
+    base = text_of(model, [BRIDGE])
     assert base.count("shape=") == 1
     assert "shape=Shape(max_rate=5.0, decimation=2, age_limit=0.5)," in base
     assert "    Shape,\n" in base
-    (parameters,) = [text for name, text in files.items() if name.endswith("front.yaml")]
+    parameters = text_of(model, [BRINGUP], "front.yaml")
     for line in (
         "shaped.max_rate: 5.0",
         "shaped.decimation: 2",

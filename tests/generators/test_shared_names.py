@@ -3,10 +3,8 @@
 import re
 
 import pytest
+from generated import model_in, texts_of
 
-from jausml.generation.rendering import render
-from jausml.language.model import read_models
-from jausml.language.text.notation import NOTATIONS
 from jausml_generators.bridge.target import TARGET as BRIDGES
 from jausml_generators.jaus_component.target import TARGET as COMPONENTS
 
@@ -37,10 +35,7 @@ bridge siren { address: 1.1.2  provides: Lamp
 
 @pytest.fixture(scope="module")
 def texts(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
-    path = tmp_path_factory.mktemp("names") / "lamp.ros2jaus"
-    path.write_text(MODEL, encoding="utf-8")
-    model = read_models([path], notations=NOTATIONS).model
-    return {made.path: made.text for made in render(model, [BRIDGES, COMPONENTS])}
+    return texts_of(model_in(tmp_path_factory.mktemp("names"), MODEL), [BRIDGES, COMPONENTS])
 
 
 def test_a_program_leaves_the_names_of_messages_and_of_the_runtime_to_them(texts):

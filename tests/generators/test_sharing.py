@@ -5,11 +5,10 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
+from generated import model_in
 from sweeps import sweep
 
 from jausml.generation.target import system_of
-from jausml.language.model import read_models
-from jausml.language.text.notation import NOTATIONS
 from jausml_generators.bridge.checks.module import TestModule as Tests
 from jausml_generators.bridge.translation import maps
 from jausml_generators.bridge.views import BridgeView, bridge_views
@@ -115,9 +114,7 @@ def assert_shared(checks, alone):
 
 def viewed(text, folder):
     """Returns the view of the bridge of a model."""
-    path = folder / "shared.ros2jaus"
-    path.write_text(text, encoding="utf-8")
-    model = read_models([path], notations=NOTATIONS).model
+    model = model_in(folder, text)
     return BridgeView(system_of(model).bridges[0], system_of(model), "shared.ros2jaus")
 
 
@@ -302,9 +299,7 @@ def test_texts_that_name_no_frame_tell_maps_apart(tmp_path):
 
 
 def test_targets_share_the_views_of_a_model(tmp_path):
-    path = tmp_path / "shared.ros2jaus"
-    path.write_text(NUMBERS, encoding="utf-8")
-    model = read_models([path], notations=NOTATIONS).model
+    model = model_in(tmp_path, NUMBERS)
 
     assert model.derived(bridge_views)[0] is model.derived(bridge_views)[0]
     views = [view for task in bringup.tasks(model) for view in task.views]

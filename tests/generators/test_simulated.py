@@ -1,18 +1,15 @@
 """Simulated components: what is set is reported, by a skeleton in which nothing is written."""
 
 import os
-import sys
 from pathlib import Path
 
 import pytest
 import warm
+from generated import model_in, run_in, text_of
 from ports import free_port
 from scripts import succeeded
 from workspaces import python_path
 
-from jausml.generation.rendering import render
-from jausml.language.model import read_models
-from jausml.language.text.notation import NOTATIONS
 from jausml_generators.jaus_component.target import TARGET
 
 HERE = Path(__file__).parent
@@ -31,16 +28,9 @@ def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return generated(MODEL, tmp_path_factory.mktemp("workspace"))
 
 
-def run(workspace: Path, *arguments: str | Path, **variables: str) -> str:
-    path = python_path(workspace)
-    environment = {**os.environ, "MYPYPATH": path, **variables}
-    done = succeeded(
-        [sys.executable, *map(str, arguments)],
-        env={**environment, "PYTHONPATH": os.pathsep.join([path, str(SUPPORT)])},
-        cwd=workspace,
-        timeout=110,
-    )
-    return done.stdout
+def run(workspace: Path, *command: str | Path, **more: str) -> str:
+    path = os.pathsep.join([python_path(workspace), str(SUPPORT)])
+    return run_in(workspace, *command, PYTHONPATH=path, **more)
 
 
 @pytest.mark.slow
@@ -65,9 +55,7 @@ def test_its_code_is_clean(workspace):
 
 
 def test_other_components_are_as_before(tmp_path):
-    path = tmp_path / "plain.ros2jaus"
-    path.write_text(MODEL.read_text(encoding="utf-8").replace("simulated: true", ""), "utf-8")
-    model = read_models([path], notations=NOTATIONS).model
-    texts = {artifact.path: artifact.text for artifact in render(model, [TARGET])}
-    assert "imulation" not in texts["arm/arm/arm_base.py"]
-    assert texts["arm/arm/arm_base.py"].count('"component.not_implemented"') == 13
+    text = MODEL.read_text(encoding="utf-8").replace("simulated: true", "")
+    base = text_of(model_in(tmp_path, text), [TARGET], "arm_base.py")
+    assert "imulation" not in base
+    assert base.count('"component.not_implemented"') == 13

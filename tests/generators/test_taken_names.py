@@ -1,10 +1,8 @@
 """Names of connections: none hides what a bridge has anyway."""
 
 import pytest
+from generated import model_in, text_of
 
-from jausml.generation.rendering import render
-from jausml.language.model import read_models
-from jausml.language.text.notation import NOTATIONS
 from jausml.runtime import BridgeSettings, JausAddress
 from jausml.runtime.bridge.bridge import Bridge
 from jausml_generators.bridge.parameters import parameter_lines
@@ -36,13 +34,8 @@ def test_a_connection_hides_nothing_of_its_bridge(tmp_path):
     public = {*dir(Bridge), *Bridge.__annotations__, *vars(made)}
     names = sorted(attribute for attribute in public if not attribute.startswith("_"))
     assert {"component", "connections", "follow", "settings"} < set(names)
-    path = tmp_path / "robot.ros2jaus"
     connections = "".join(CONNECTION.format(name=name) for name in names)
-    path.write_text(MODEL.format(connections=connections), encoding="utf-8")
-    model = read_models([path], notations=NOTATIONS).model
-    base = next(
-        artifact.text for artifact in render(model, [TARGET]) if artifact.path.endswith("_base.py")
-    )
+    base = text_of(model_in(tmp_path, MODEL.format(connections=connections)), [TARGET])
     hidden = [name for name in names if f"self.{name}_ = ListToAction(" not in base]
     assert hidden == []
 
@@ -50,17 +43,13 @@ def test_a_connection_hides_nothing_of_its_bridge(tmp_path):
 @pytest.mark.parametrize("name", ["range", "input", "map", "filter", "clock", "SonarRange"])
 def test_a_connection_is_told_by_its_name_in_the_model(tmp_path, name):
     # In Python it may have another name; diagnostics, parameters and logs say the model's.
-    path = tmp_path / "robot.ros2jaus"
-    path.write_text(
+    model = model_in(
+        tmp_path,
         "import jaus.mobility\nimport mappings.velocity_state_sensor\n"
         "bridge robot { address: 1.1.1  provides: VelocityStateSensor\n"
         f"connection `{name}` {{ map: velocity_state  topic odom }} }}",
-        encoding="utf-8",
     )
-    model = read_models([path], notations=NOTATIONS).model
-    base = next(
-        artifact.text for artifact in render(model, [TARGET]) if artifact.path.endswith("_base.py")
-    )
+    base = text_of(model, [TARGET])
     (view,) = bridge_views(model)
 
     assert f' = TopicsToReport(\n            "{name}",' in base

@@ -7,13 +7,12 @@ from typing import Any
 import pytest
 from codec_support import LIBRARY, LIBRARY_FILES, ROOT, library, load, render, shipped_sets
 from for_each import for_each
+from generated import model_of, texts_of
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jausml.generation.rendering import render as render_artifacts
 from jausml.language import wire
 from jausml.language.metamodel.classes import jaus
-from jausml.language.model import read_models
 from jausml.runtime.messages import ReportTime, SetTime
 from jausml.runtime.wire import EncodeError, Message, StampedMessage, TimeStamp
 from jausml_generators.bridge.target import TARGET as BRIDGES
@@ -26,7 +25,7 @@ from jausml_generators.ros_node.target import TARGET as NODES
 
 def set_time() -> wire.Message:
     """The layout of SetTime."""
-    model = read_models([LIBRARY / LIBRARY_FILES["core-v1.1"]]).model
+    model = model_of(LIBRARY / LIBRARY_FILES["core-v1.1"])
     messages = model.instances(jaus.MessageDef)
     return wire.resolve(next(message for message in messages if message.name == "SetTime"))
 
@@ -146,8 +145,7 @@ def test_no_message_of_the_library_has_a_class_of_its_own(set_name):
 
 @pytest.mark.parametrize("system", SYSTEMS)
 def test_no_package_of_the_shipped_systems_has_a_class_of_its_own(system):
-    model = read_models([ROOT / system]).model
-    artifacts = render_artifacts(model, (COMPONENTS, BRIDGES, NODES, MESSAGES))
-    texts = [artifact.text for artifact in artifacts if artifact.path.endswith(".py")]
+    files = texts_of(model_of(ROOT / system), (COMPONENTS, BRIDGES, NODES, MESSAGES))
+    texts = [text for path, text in files.items() if path.endswith(".py")]
     assert texts
     assert not [text for text in texts if "class TimeStamp" in text]

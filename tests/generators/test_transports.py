@@ -7,13 +7,12 @@ from pathlib import Path
 
 import pytest
 from codec_support import ROOT
+from generated import model_in
 from ports import free_port
 from scripts import succeeded
 from sweeps import sweep
-from workspaces import python_path
+from workspaces import python_path, write
 
-from jausml.generation.rendering import render
-from jausml.language.model import read_models
 from jausml_generators.bringup.target import TARGET as BRINGUP
 from jausml_generators.jaus_component.target import TARGET as COMPONENT
 from jausml_generators.messages.target import TARGET as MESSAGES
@@ -66,16 +65,8 @@ print(sorted(seen))
 
 
 def generate(folder: Path, transport: str, robot: int = 3794, station: int = 3795) -> None:
-    model = folder / "fleet.xmi"
-    model.write_text(
-        MODEL.format(core=CORE, transport=transport, robot=robot, station=station), "utf-8"
-    )
-    result = read_models([model])
-    assert not result.diagnostics, result.diagnostics
-    for artifact in render(result.model, [COMPONENT, MESSAGES, RUNTIME, BRINGUP]):
-        path = folder / artifact.path
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(artifact.text, "utf-8")
+    text = MODEL.format(core=CORE, transport=transport, robot=robot, station=station)
+    write(model_in(folder, text, "fleet.xmi"), [COMPONENT, MESSAGES, RUNTIME, BRINGUP], folder)
 
 
 def environment(folder: Path) -> dict[str, str]:

@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 
 import pytest
+from generated import model_of
 from lupa import lua52, lua54
 from sweeps import sweep
 
@@ -33,13 +34,11 @@ SERVICE = """
 
 @pytest.fixture(scope="module")
 def example():
-    return read_models([MODELS / "catvehicle" / "catvehicle.xmi"]).model
+    return model_of(MODELS / "catvehicle" / "catvehicle.xmi")
 
 
 def tables(path: Path):
-    result = read_models([path])
-    assert not result.diagnostics
-    return message_tables(result.model.instances(jaus.Service))
+    return message_tables(model_of(path).instances(jaus.Service))
 
 
 def own(folder: Path, *services: str):

@@ -1,9 +1,16 @@
-"""Real sockets on loopback for the tests of the runtime."""
+"""Real sockets on loopback, and processes, for the tests of the runtime."""
 
+import os
+import queue
+import signal
 import socket
+import subprocess
+import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
 from functools import partial
+from pathlib import Path
 from typing import NamedTuple
 
 import ports
@@ -16,6 +23,7 @@ from jausml.runtime.base.settings import TransportSettings
 from jausml.runtime.component.process import create_transport
 from jausml.runtime.transports.packets.packet import Packet, parse_datagram
 
+ROOT = Path(__file__).parents[2]
 GROUP = "239.255.0.1"
 LOOPBACK = "127.0.0.1"
 
@@ -126,6 +134,74 @@ class Peer:
     def close(self) -> None:
         self.unicast.close()
         self.multicast.close()
+
+
+class Program:
+    """A running program of Python, the lines that it writes, and what it logs."""
+
+    def __init__(self, *command: object) -> None:
+        self.running = subprocess.Popen(
+            [sys.executable, *map(str, command)],
+            cwd=ROOT,
+            env={**os.environ, "PYTHONPATH": str(ROOT)},
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            bufsize=1,
+        )
+        self.log = ""
+        self._lines: queue.Queue[str] = queue.Queue()
+        self._readers = [threading.Thread(target=read) for read in (self._read, self._read_log)]
+        for reader in self._readers:
+            reader.start()
+
+    def _read(self) -> None:
+        for line in self.running.stdout:
+            self._lines.put(line.strip())
+
+    def _read_log(self) -> None:
+        for line in self.running.stderr:
+            self.log += line
+
+    def tell(self, line: str) -> None:
+        self.running.stdin.write(f"{line}\n")
+
+    def expect(self, start: str, seconds: float = 20.0) -> str:
+        """Return the next line that starts so; fails after the time."""
+        while True:
+            line = self._lines.get(timeout=seconds)
+            if line.startswith(start):
+                return line
+
+    def end(self, number: int = 0) -> int:
+        """Wait for the end, after a signal if one is named; return the exit code."""
+        if number:
+            self.running.send_signal(number)
+        code = self.running.wait(20)
+        for reader in self._readers:
+            reader.join()
+        for pipe in (self.running.stdin, self.running.stdout, self.running.stderr):
+            pipe.close()
+        return code
+
+    def kill(self) -> None:
+        if not self.running.stdout.closed:
+            self.end(signal.SIGKILL if self.running.poll() is None else 0)
+
+
+@pytest.fixture
+def start() -> Iterator[Callable[..., Program]]:
+    """Start programs; all are killed in the end."""
+    started: list[Program] = []
+
+    def make(*command: object, kind: type[Program] = Program) -> Program:
+        started.append(kind(*command))
+        return started[-1]
+
+    yield make
+    for program in started:
+        program.kill()
 
 
 @pytest.fixture

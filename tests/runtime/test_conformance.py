@@ -378,15 +378,6 @@ class TestAcknowledgement:
         expected = f"02000e00{0x30 | priority:02x}01012c01010164003412"
         assert raw(peer).hex() == expected
 
-    def test_of_a_multicast_to_our_own_id_goes_back_by_unicast(self, station, peer):
-        """A peer that does not know where we are multicasts and learns from the answer."""
-        station().attach(DRIVER)
-        peer.multicast_out(
-            packet(sequence=5, broadcast=Broadcast.GLOBAL, acknowledge=AckNak.REQUESTED)
-        )
-        answer = peer.receive()
-        assert answer == Packet(PEER, DRIVER, b"", 5, acknowledge=AckNak.ACK)
-
     def test_it_consumes_no_number(self, station, peer, wait_until):
         here = station(address_book={PEER: peer.endpoint}).attach(DRIVER)
         peer.send(packet(sequence=1))
@@ -429,3 +420,4 @@ class TestSent:
         station().transport.send(DRIVER, destination, STATUS)
         sent = peer.overhear()
         assert (sent.destination, sent.broadcast) == (destination, Broadcast.GLOBAL)
+        assert sent.acknowledge is AckNak.NONE

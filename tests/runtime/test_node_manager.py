@@ -3,12 +3,8 @@
 from __future__ import annotations
 
 import os
-import queue
 import socket
 import struct
-import subprocess
-import sys
-import threading
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -23,11 +19,10 @@ from jausml.runtime.transports.packets.packet import AckNak, Broadcast, Packet
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from conftest import Station
+    from conftest import Program, Station
 
 pytestmark = pytest.mark.ports
 
-ROOT = Path(__file__).parents[2]
 SCRIPT = Path(__file__).with_name("junior_manager.py")
 
 DRIVER = JausAddress(100, 1, 1)
@@ -37,35 +32,6 @@ PEER = JausAddress(300, 1, 1)
 STATUS = b"\x02\x40" + bytes(5)
 
 
-class Manager:
-    """A running junior_manager.py and the lines that it wrote."""
-
-    def __init__(self, folder: Path, port: int, peer: str = "-") -> None:
-        self.running = subprocess.Popen(
-            [sys.executable, str(SCRIPT), str(folder), str(port), peer],
-            stdout=subprocess.PIPE,
-            text=True,
-        )
-        self.lines: queue.Queue[str] = queue.Queue()
-        self._reader = threading.Thread(target=self._read)
-        self._reader.start()
-        self.expect("ready")
-
-    def _read(self) -> None:
-        for line in self.running.stdout:
-            self.lines.put(line.strip())
-
-    def expect(self, line: str) -> None:
-        while self.lines.get(timeout=10) != line:
-            pass
-
-    def kill(self) -> None:
-        self.running.kill()
-        self.running.wait(10)
-        self._reader.join()
-        self.running.stdout.close()
-
-
 @pytest.fixture
 def folder(tmp_path_factory) -> Path:
     """A folder whose name is short enough for local sockets."""
@@ -73,17 +39,15 @@ def folder(tmp_path_factory) -> Path:
 
 
 @pytest.fixture
-def managers(folder, free_port) -> Iterator[Callable[..., Manager]]:
+def managers(start, folder, free_port) -> Callable[..., Program]:
     """Start node managers on the free port."""
-    started: list[Manager] = []
 
-    def start(peer: str = "-") -> Manager:
-        started.append(Manager(folder, free_port, peer))
-        return started[-1]
+    def make(peer: str = "-") -> Program:
+        manager = start(SCRIPT, folder, free_port, peer)
+        manager.expect("ready")
+        return manager
 
-    yield start
-    for manager in started:
-        manager.kill()
+    return make
 
 
 @pytest.fixture

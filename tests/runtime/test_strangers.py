@@ -7,7 +7,7 @@ from stranger import ROBOT, Stranger, event
 
 from jausml.live.peers.makes.junior import JuniorPeer
 from jausml.live.peers.makes.vehicle import Place
-from jausml.runtime import JausComponent, ServiceIdentity
+from jausml.runtime import JausComponent
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.counters import Counters
 from jausml.runtime.base.settings import TransportSettings
@@ -17,12 +17,12 @@ from jausml.runtime.transports.packets.packet import AckNak, Packet
 from jausml.runtime.transports.udp import datagrams
 from jausml.runtime.transports.udp.sender import Prover
 from jausml.runtime.virtual import VirtualWorld
+from tests.runtime.services.state_tables import V1_1, core_services
 
 STRANGER, FRIEND = JausAddress(66, 1, 1), JausAddress(200, 1, 1)
 HOST, OTHER = "127.0.0.9", "127.0.0.8"
-SERVICES = tuple(
-    ServiceIdentity(f"urn:jaus:jss:core:{name}", 1, 1)
-    for name in ("Transport", "Events", "AccessControl", "Management", "Discovery", "Liveness")
+SERVICES = core_services(
+    V1_1, "Transport", "Events", "AccessControl", "Management", "Discovery", "Liveness"
 )
 
 

@@ -77,13 +77,6 @@ class TestUnicast:
 
 
 class TestWildcards:
-    def test_a_broadcast_is_multicast_and_marked_global(self, station, peer):
-        driver = station()
-        driver.transport.send(DRIVER, BROADCAST, STATUS)
-        packet = peer.overhear()
-        assert (packet.destination, packet.broadcast) == (BROADCAST, Broadcast.GLOBAL)
-        assert packet.acknowledge is AckNak.NONE
-
     def test_every_matching_component_of_all_processes_but_not_the_sender(
         self, station, wait_until
     ):
@@ -98,19 +91,6 @@ class TestWildcards:
         ]
         assert there.payloads == [STATUS, STATUS + b"other subsystem"]
         assert here.counter("transport.own_source") == 0
-
-    def test_the_destination_decides_and_not_the_broadcast_flag(self, station, peer, wait_until):
-        driver = station().attach(DRIVER, SENSOR)
-        peer.multicast_out(from_peer(destination=JausAddress(100, 1, 255)))
-        wait_until(lambda: len(driver.received) == 2)
-        assert {own for own, _ in driver.received} == {DRIVER, SENSOR}
-
-    def test_each_matching_component_acknowledges(self, station, peer, wait_until):
-        driver = station().attach(DRIVER, SENSOR)
-        peer.multicast_out(from_peer(destination=BROADCAST, acknowledge=AckNak.REQUESTED))
-        answers = [peer.receive(), peer.receive()]
-        assert {answer.source for answer in answers} == {DRIVER, SENSOR}
-        wait_until(lambda: len(driver.received) == 2)
 
     def test_a_broadcast_is_not_fragmented(self, station, wait_until, caplog):
         driver = station(fragment_size=100).attach(DRIVER)
@@ -215,20 +195,6 @@ class TestAttach:
 
 
 class TestAcknowledge:
-    def test_the_answer_is_an_empty_message_with_swapped_ids(self, station, peer):
-        station().attach(DRIVER)
-        peer.send(from_peer(sequence=9, priority=Priority.HIGH, acknowledge=AckNak.REQUESTED))
-        expected = Packet(PEER, DRIVER, b"", 9, Priority.HIGH, acknowledge=AckNak.ACK)
-        assert peer.receive() == expected
-
-    def test_a_duplicate_is_dropped_and_acknowledged_again(self, station, peer, wait_until):
-        driver = station().attach(DRIVER)
-        for _ in range(3):
-            peer.send(from_peer(acknowledge=AckNak.REQUESTED))
-            peer.receive()
-        assert len(driver.received) == 1
-        wait_until(lambda: driver.counter("transport.duplicate") == 2)
-
     def test_a_multicast_to_a_unicast_id_is_received_and_acknowledged(
         self, station, peer, wait_until
     ):
@@ -236,12 +202,6 @@ class TestAcknowledge:
         peer.multicast_out(from_peer(acknowledge=AckNak.REQUESTED, broadcast=Broadcast.GLOBAL))
         assert peer.receive().source == DRIVER
         wait_until(lambda: driver.payloads == [STATUS])
-
-    def test_a_message_for_someone_else_is_not_acknowledged(self, station, peer, wait_until):
-        driver = station().attach(DRIVER)
-        peer.send(from_peer(destination=SENSOR, acknowledge=AckNak.REQUESTED))
-        wait_until(lambda: driver.counter("transport.not_for_us") == 1)
-        assert peer.is_quiet()
 
     def test_success_is_reported_once(self, station, wait_until):
         here, there = station().attach(DRIVER), station().attach(OCU)
@@ -295,16 +255,6 @@ class TestAcknowledge:
         assert results == [True]
         assert peer.is_quiet()
         assert here.counter("judp.acknowledgement_of_other_version") == 1
-
-    def test_an_acknowledgement_is_never_delivered(self, station, peer, wait_until):
-        driver = station().attach(DRIVER)
-        for kind in (AckNak.ACK, AckNak.NAK):
-            peer.send(from_peer(STATUS, 5, acknowledge=kind))
-        peer.send(from_peer(sequence=6))
-        wait_until(lambda: driver.received)
-        assert [message.sequence for _, message in driver.received] == [6]
-        assert driver.counter("transport.bad_acknowledgement") == 1  # it must be empty
-        assert driver.counter("transport.nak") == 1
 
     def test_closing_reports_what_still_waits(self, station, wait_until):
         here = station(acknowledge_timeout=30.0)

@@ -1,15 +1,12 @@
 """Processes of real components on each transport, and what they say when a port is taken."""
 
-import os
+from __future__ import annotations
+
 import re
 import signal
 import socket
-import subprocess
-import sys
-import threading
-import time
-from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import ports
 import pytest
@@ -25,10 +22,14 @@ from jausml.runtime.transports.jtcp import JtcpTransport
 from jausml.runtime.transports.node_manager import NodeManagerTransport
 from jausml.runtime.transports.udp.judp import JudpTransport
 
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from conftest import Program
+
 pytestmark = pytest.mark.ports
 
-ROOT = Path(__file__).parents[2]
-ROBOT_SCRIPT = Path(__file__).with_name("plain_process.py")
+ROBOT_SCRIPT = Path(__file__).with_name("services") / "robot_process.py"
 MANAGER_SCRIPT = Path(__file__).with_name("junior_manager.py")
 HOLDER = """
 import socket, sys
@@ -44,72 +45,10 @@ ROBOT, OTHER, OPERATOR = JausAddress(1, 1, 1), JausAddress(1, 1, 2), JausAddress
 QUICK = ComponentSettings(register_services=False, retry_max=1.0)
 
 
-class Process:
-    """A running program, its output line by line, and what it logged."""
-
-    def __init__(self, *command: str) -> None:
-        self.running = subprocess.Popen(
-            [sys.executable, *command],
-            cwd=ROOT,
-            env={**os.environ, "PYTHONPATH": str(ROOT)},
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-        )
-        self.log = ""
-        self._reader = threading.Thread(target=self._read)
-        self._reader.start()
-
-    def _read(self) -> None:
-        for line in self.running.stderr:
-            self.log += line
-
-    def expect(self, text: str) -> None:
-        for line in self.running.stdout:
-            if line.strip() == text:
-                return
-        raise AssertionError(f"no {text!r}; log: {self.log}")
-
-    def expect_log(self, pattern: str) -> str:
-        deadline = time.monotonic() + 10
-        while not (found := re.search(pattern, self.log)):
-            assert time.monotonic() < deadline, self.log
-            time.sleep(0.005)
-        return found[0]
-
-    def end(self, number: int = 0) -> int:
-        if number:
-            self.running.send_signal(number)
-        code = self.running.wait(20)
-        self._reader.join()
-        for pipe in (self.running.stdin, self.running.stdout, self.running.stderr):
-            pipe.close()
-        return code
-
-    def kill(self) -> None:
-        if not self.running.stdout.closed:
-            self.end(signal.SIGKILL if self.running.poll() is None else 0)
-
-
 @pytest.fixture
-def start() -> Iterator[Callable[..., Process]]:
-    """Start programs; all are killed in the end."""
-    started: list[Process] = []
-
-    def make(*command: str) -> Process:
-        started.append(Process(*command))
-        return started[-1]
-
-    yield make
-    for process in started:
-        process.kill()
-
-
-@pytest.fixture
-def robot(start, free_port) -> Callable[..., Process]:
+def robot(start, free_port) -> Callable[..., Program]:
     """Start robots on the free port."""
-    return lambda *options: start(str(ROBOT_SCRIPT), "--jaus-port", str(free_port), *options)
+    return lambda *options: start(ROBOT_SCRIPT, "--jaus-port", free_port, *options)
 
 
 @pytest.fixture
@@ -182,7 +121,7 @@ def test_two_robots_and_an_operator_over_tcp(robot, operator, free_port, wait_un
 def test_two_robots_and_an_operator_through_a_node_manager(
     start, robot, operator, folder, free_port, wait_until
 ):
-    start(str(MANAGER_SCRIPT), str(folder), str(free_port), "-").expect("ready")
+    start(MANAGER_SCRIPT, folder, free_port, "-").expect("ready")
     options = ("--jaus-transport", "node-manager", "--jaus-node-manager-directory", str(folder))
     robots = [robot(*options, "--jaus-id", str(address)) for address in (ROBOT, OTHER)]
     for process in robots:
@@ -195,7 +134,7 @@ def test_two_robots_and_an_operator_through_a_node_manager(
 
 class TestPortTaken:
     def test_a_program_that_does_not_share_is_named(self, start, robot, free_port):
-        holder = start("-c", HOLDER, "SOCK_DGRAM", EVERY_INTERFACE, str(free_port))
+        holder = start("-c", HOLDER, "SOCK_DGRAM", EVERY_INTERFACE, free_port)
         holder.expect("ready")
         tested = robot()
         assert tested.end() == 1
@@ -205,23 +144,25 @@ class TestPortTaken:
         for way_out in ("--jaus-transport node-manager", "--jaus-port"):
             assert way_out in tested.log
 
-    def test_a_port_that_is_shared_needs_no_action(self, start, robot, free_port):
-        holder = start("-c", HOLDER, "SOCK_DGRAM", "127.0.0.1", str(free_port))
+    def test_a_port_that_is_shared_needs_no_action(self, start, robot, free_port, wait_until):
+        holder = start("-c", HOLDER, "SOCK_DGRAM", "127.0.0.1", free_port)
         holder.expect("ready")
         tested = robot()
         tested.expect("initialize")
-        tested.expect_log(rf"port {free_port} is owned by .*\(process {holder.running.pid}\)")
+        said = rf"port {free_port} is owned by .*\(process {holder.running.pid}\)"
+        wait_until(lambda: re.search(said, tested.log))
         assert tested.end(signal.SIGTERM) == 0
 
-    def test_a_tcp_port_that_a_stranger_holds(self, start, robot, free_port):
-        holder = start("-c", HOLDER, "SOCK_STREAM", "127.0.0.1", str(free_port))
+    def test_a_tcp_port_that_a_stranger_holds(self, start, robot, free_port, wait_until):
+        holder = start("-c", HOLDER, "SOCK_STREAM", "127.0.0.1", free_port)
         holder.expect("ready")
         tested = robot("--jaus-transport", "jtcp")
-        tested.expect_log(rf"TCP port {free_port} is taken.*\(process {holder.running.pid}\)")
+        said = rf"TCP port {free_port} is taken.*\(process {holder.running.pid}\)"
+        wait_until(lambda: re.search(said, tested.log))
         assert tested.end(signal.SIGTERM) == 0
 
     def test_a_component_that_runs_twice_at_a_node_manager(self, start, robot, folder, free_port):
-        start(str(MANAGER_SCRIPT), str(folder), str(free_port), "-").expect("ready")
+        start(MANAGER_SCRIPT, folder, free_port, "-").expect("ready")
         options = ("--jaus-transport", "node-manager", "--jaus-node-manager-directory", str(folder))
         robot(*options).expect("initialize")
         second = robot(*options)

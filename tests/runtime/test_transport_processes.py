@@ -1,10 +1,7 @@
 """Several processes of one host on one JUDP port."""
 
 import queue
-import subprocess
-import sys
-import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -12,71 +9,32 @@ import pytest
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.transports.packets.packet import AckNak, Packet
 
+from .conftest import Program
+
 pytestmark = pytest.mark.ports
 
-ROOT = Path(__file__).parents[2]
 SCRIPT = Path(__file__).with_name("judp_process.py")
 
 A, B, C = (JausAddress(100, 1, component) for component in (1, 2, 3))
 PEER = JausAddress(300, 1, 1)
 
 
-class Process:
-    """A running judp_process.py and the lines that it wrote."""
+class Process(Program):
+    """A running judp_process.py."""
 
     def __init__(self, port: int, address: JausAddress) -> None:
+        super().__init__(SCRIPT, port, address)
         self.address = address
-        self.running = subprocess.Popen(
-            [sys.executable, str(SCRIPT), str(port), str(address)],
-            cwd=ROOT,
-            env={"PYTHONPATH": str(ROOT)},
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            text=True,
-        )
-        self.lines: queue.Queue[str] = queue.Queue()
-        self.reader = threading.Thread(target=self._read)
-        self.reader.start()
         self.port = int(self.expect("open").rpartition(":")[2])
 
-    def _read(self) -> None:
-        for line in self.running.stdout:
-            self.lines.put(line.strip())
-
-    def expect(self, start: str, seconds: float = 20.0) -> str:
-        """Return the next line that starts so; fails after the time."""
-        while True:
-            line = self.lines.get(timeout=seconds)
-            if line.startswith(start):
-                return line
-
     def send(self, destination: JausAddress, payload: bytes) -> None:
-        self.running.stdin.write(f"send {destination} {payload.hex()}\n")
-        self.running.stdin.flush()
-
-    def kill(self) -> None:
-        self.running.kill()
-        self.running.wait()
-
-    def close(self) -> None:
-        self.kill()
-        self.reader.join()
-        self.running.stdin.close()
-        self.running.stdout.close()
+        self.tell(f"send {destination} {payload.hex()}")
 
 
 @pytest.fixture
-def process(free_port: int) -> Iterator[Callable[[JausAddress], Process]]:
+def process(start, free_port: int) -> Callable[[JausAddress], Process]:
     """Start processes on one free port."""
-    started: list[Process] = []
-
-    def start(address: JausAddress) -> Process:
-        started.append(Process(free_port, address))
-        return started[-1]
-
-    yield start
-    for one in started:
-        one.close()
+    return lambda address: start(free_port, address, kind=Process)
 
 
 def ask(peer, address: JausAddress, sequence: int) -> Packet:

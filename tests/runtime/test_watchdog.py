@@ -13,7 +13,7 @@ import pytest
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.component.process import feed_watchdog
 
-PROCESS = Path(__file__).parent / "plain_process.py"
+PROCESS = Path(__file__).parent / "services" / "robot_process.py"
 TIME_OUT = 0.3
 pytestmark = pytest.mark.ports
 

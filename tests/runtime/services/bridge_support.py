@@ -4,27 +4,34 @@ import struct
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-from jausml.runtime import ComponentSettings, Guard, ServiceIdentity
+from jausml.runtime import ComponentSettings, Guard
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.bridge.bridge import Bridge
 from jausml.runtime.bridge.connections.events_to_ros import EventToTopics
+from jausml.runtime.bridge.connections.queries_to_ros import QueryToTopics
 from jausml.runtime.bridge.connections.to_jaus import TopicsToMessage
+from jausml.runtime.bridge.connections.to_reports import TopicsToReport
 from jausml.runtime.bridge.connections.to_ros import MessageToTopics
 from jausml.runtime.bridge.ends.ends import BridgeSettings
 from jausml.runtime.bridge.ends.topics import Topic, TopicCounts
 from jausml.runtime.bridge.light_message import LightMessage
 from jausml.runtime.bridge.reports.diagnostics import ConnectionStatus
 from jausml.runtime.conversions import Time
-from jausml.runtime.messages import QueryEventTimeout, ReportEventTimeout, SetTime
+from jausml.runtime.messages import (
+    QueryEventTimeout,
+    QueryTime,
+    ReportEventTimeout,
+    ReportTime,
+    SetTime,
+)
 from jausml.runtime.wire.message import DecodeError
+
+from .state_tables import V1_1, core_services
 
 PEER = JausAddress(1, 1, 1)
 OTHER = JausAddress(1, 1, 2)
 OWN = JausAddress(1, 1, 9)
-CORE = tuple(
-    ServiceIdentity(f"urn:jaus:jss:core:{name}", 1, 1)
-    for name in ("Transport", "Events", "AccessControl", "Management")
-)
+CORE = core_services(V1_1, "Transport", "Events", "AccessControl", "Management")
 NAN, INFINITE = float("nan"), float("inf")
 
 _CDR = struct.Struct("<4sd")
@@ -291,6 +298,10 @@ def number_to_time(source):
     return SetTime(time_stamp=SetTime.TimeStamp(minutes=int(source.data)))
 
 
+def number_to_report(source):
+    return ReportTime(time_stamp=ReportTime.TimeStamp(minutes=int(source.data)))
+
+
 def command(name="drive", **options):
     options.setdefault("translate", number_to_time)
     options.setdefault("peers", [PEER])
@@ -314,6 +325,33 @@ def event(name="timeout", **options):
         message=ReportEventTimeout,
         type=Number,
         query=QueryEventTimeout(),
+        **options,
+    )
+
+
+def query(name="timeout", **options):
+    """A connection that asks its peer, PEER unless others are named, again and again."""
+    options.setdefault("peers", [PEER])
+    return QueryToTopics(
+        name,
+        minutes_to_number,
+        message=ReportEventTimeout,
+        type=Number,
+        query=QueryEventTimeout(),
+        topics=[Topic(name)],
+        **options,
+    )
+
+
+def report(name="served", translate=None, **options):
+    """A connection that reports a time, which a number of a topic gives."""
+    options.setdefault("topics", [Topic("numbers")])
+    return TopicsToReport(
+        name,
+        translate or number_to_report,
+        message=ReportTime,
+        type=Number,
+        query=QueryTime,
         **options,
     )
 

@@ -18,10 +18,10 @@ from jausml.runtime.transports.packets.packet import Priority
 from jausml.runtime.wire.message import DecodeError, Message
 
 from .bridge_support import Setting
+from .state_tables import V1_1, core_services
 
-CORE_SERVICES = tuple(
-    ServiceIdentity(f"urn:jaus:jss:core:{name}", 1, 1)
-    for name in ("Transport", "Events", "AccessControl", "Management", "Liveness", "Discovery")
+CORE_SERVICES = core_services(
+    V1_1, "Transport", "Events", "AccessControl", "Management", "Liveness", "Discovery"
 )
 
 CLASSES = {
@@ -251,7 +251,7 @@ def message_classes() -> dict[int, type[Message]]:
 
 @pytest.fixture
 def client(world):
-    """A component without services of its own, which subscribes."""
-    component = world.component("2.1.1", services=(), retry_min=0.5, retry_max=4.0)
+    """A component without services of its own, which asks others."""
+    component = world.component("2.1.1", services=())
     component.start()
     return component

@@ -2,7 +2,6 @@
 
 import logging
 import time
-from functools import partial
 
 import pytest
 
@@ -10,7 +9,6 @@ from jausml.runtime import Guard, Status
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.quirks import Quirk
 from jausml.runtime.bridge.bridge import Bridge
-from jausml.runtime.bridge.connections.queries_to_ros import QueryToTopics
 from jausml.runtime.bridge.diagnosing import LATELY, SLICE
 from jausml.runtime.bridge.ends.ends import BridgeSettings
 from jausml.runtime.bridge.ends.topics import Topic
@@ -20,7 +18,6 @@ from jausml.runtime.messages import (
     ConfirmEventRequest,
     CreateEvent,
     Event,
-    QueryEventTimeout,
     ReleaseControl,
     ReportEventTimeout,
     RequestControl,
@@ -41,8 +38,8 @@ from .bridge_support import (
     event,
     message_connection,
     minutes,
-    minutes_to_number,
     peer_component,
+    query,
     safe,
     values,
 )
@@ -149,24 +146,11 @@ def test_a_slow_source_that_fell_silent_is_told(world, setting):
     assert peer.running
 
 
-def query_connection(**options):
-    return QueryToTopics(
-        "timeout",
-        minutes_to_number,
-        message=ReportEventTimeout,
-        type=Number,
-        query=QueryEventTimeout(),
-        rate=5.0,
-        topics=[Topic("timeout")],
-        **options,
-    )
-
-
-@pytest.mark.parametrize("make", [partial(event, rate=5.0), query_connection])
+@pytest.mark.parametrize("make", [event, query])
 def test_one_dead_peer_of_two_is_told(world, setting, make):
     peer_component(world)
     other = peer_component(world, OTHER)
-    setting.open(make(peers=[PEER, OTHER]))
+    setting.open(make(rate=5.0, peers=[PEER, OTHER]))
     world.run(5.0)
     assert setting.ros.statuses[-1]["timeout"].level == "ok"
     world.lost = lambda source, *_: source == OTHER

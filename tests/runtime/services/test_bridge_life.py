@@ -4,7 +4,6 @@ import pytest
 
 from jausml.runtime import Guard, Status
 from jausml.runtime.bridge.bridge import Bridge
-from jausml.runtime.bridge.connections.to_reports import TopicsToReport
 from jausml.runtime.bridge.ends.ends import BridgeSettings
 from jausml.runtime.bridge.ends.topics import Qos, Topic
 from jausml.runtime.bridge.reports.states import StopReason
@@ -17,7 +16,6 @@ from jausml.runtime.messages import (
     ReleaseControl,
     ReportEventTimeout,
     ReportStatus,
-    ReportTime,
     RequestControl,
     Resume,
     SetEmergency,
@@ -34,19 +32,9 @@ from .bridge_support import (
     message_connection,
     minutes,
     peer_component,
+    report,
     safe,
 )
-
-
-def report(name="served", **options):
-    return TopicsToReport(
-        name,
-        lambda source: ReportTime(time_stamp=ReportTime.TimeStamp(minutes=int(source.data))),
-        message=ReportTime,
-        type=Number,
-        query=QueryTime,
-        topics=[Topic("numbers", **options)],
-    )
 
 
 def test_a_command_stops_and_goes_on_with_the_next_message(world, setting):
@@ -208,7 +196,9 @@ def test_reports_are_withdrawn(world, setting):
 
 
 def test_what_is_latched_passes_afterwards(world, setting):
-    setting.open(report(qos=Qos(durability="transient_local")), services=CORE)
+    setting.open(
+        report(topics=[Topic("numbers", Qos(durability="transient_local"))]), services=CORE
+    )
     probe = world.probe(str(OTHER))
     setting.bridge.set_active(False)
     for number in (3.0, 4.0):

@@ -6,11 +6,9 @@ import pytest
 
 from jausml.runtime import AttributeParameter, Join
 from jausml.runtime.bridge.bridge import Bridge
-from jausml.runtime.bridge.connections.queries_to_ros import QueryToTopics
 from jausml.runtime.bridge.ends import parameters
 from jausml.runtime.bridge.ends.ends import BridgeSettings
 from jausml.runtime.bridge.ends.topics import Qos, Topic, TopicFault, nearest
-from jausml.runtime.messages import QueryEventTimeout, ReportEventTimeout
 
 from .bridge_support import (
     OTHER,
@@ -21,9 +19,9 @@ from .bridge_support import (
     command,
     event,
     minutes,
-    minutes_to_number,
     number_to_time,
     peer_component,
+    query,
     safe,
     values,
 )
@@ -112,19 +110,6 @@ def test_rate_of_events_changes_while_the_bridge_runs(world, setting):
     assert connection.describe_peers() == [("peer 1.1.1", "confirmed")]
 
 
-def query(rate):
-    return QueryToTopics(
-        "timeout",
-        minutes_to_number,
-        message=ReportEventTimeout,
-        type=Number,
-        query=QueryEventTimeout(),
-        rate=rate,
-        peers=[PEER],
-        topics=[Topic("timeout")],
-    )
-
-
 @pytest.mark.parametrize("of", [event, query])
 @pytest.mark.parametrize(
     ("stated", "given", "rate"),
@@ -149,7 +134,7 @@ def test_who_states_no_rate_follows_the_frequency_of_the_bridge(
 
 def test_rate_of_queries_changes_while_the_bridge_runs(world, setting):
     peer_component(world, event_timeout=4)
-    setting.open(query(1.0))
+    setting.open(query(rate=1.0))
     world.run(2.0)
     before = len(setting.ros.numbers("timeout"))
     setting.ros.changed["timeout.rate"](20.0)

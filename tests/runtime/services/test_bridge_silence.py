@@ -4,12 +4,10 @@ import pytest
 
 from jausml.runtime import Guard, Shape
 from jausml.runtime.base.quirks import Quirk
-from jausml.runtime.bridge.connections.to_reports import TopicsToReport
-from jausml.runtime.bridge.ends.topics import Topic
 from jausml.runtime.bridge.reports.states import StopReason
 from jausml.runtime.messages import CreateEvent, Event, QueryTime, ReportTime, SetTime
 
-from .bridge_support import CORE, OTHER, OWN, PEER, Number, command, event, minutes, safe
+from .bridge_support import CORE, OTHER, OWN, PEER, Number, command, event, minutes, report, safe
 
 
 def test_safe_value_once_then_recovery(world, setting):
@@ -29,13 +27,6 @@ def test_safe_value_once_then_recovery(world, setting):
     world.run(5.0)
     assert peer.take() == [minutes(0)]
     assert connection.statistics.safe_values == 2
-
-
-def test_source_that_never_spoke_is_silent(world, setting):
-    peer = world.probe(str(PEER))
-    setting.open(command(silence_timeout=1.0, safe_value=safe))
-    world.run(1.1)
-    assert peer.take() == [minutes(0)]
 
 
 def test_peer_that_was_away_gets_the_safe_value_when_it_is_ready(world, setting):
@@ -176,16 +167,7 @@ def test_after_a_halt_no_old_report_is_sent_as_if_it_were_new(world, setting, em
     """Timers of events may run before that of the silence: they judge the age themselves."""
     peer = world.probe(str(PEER))
     connection = setting.open(
-        TopicsToReport(
-            "heard",
-            lambda source: reported(int(source.data)),
-            query=QueryTime,
-            message=ReportTime,
-            type=Number,
-            topics=[Topic("numbers")],
-            freshness=1.0,
-            empty=empty,
-        ),
+        report("heard", freshness=1.0, empty=empty),
         services=CORE,
     )
     setting.ros.deliver["numbers"](Number(7.0))

@@ -2,18 +2,13 @@
 
 import pytest
 
-from jausml.runtime.bridge.connections.queries_to_ros import QueryToTopics
-from jausml.runtime.bridge.connections.to_reports import TopicsToReport
 from jausml.runtime.bridge.ends.simulation import CLOCK_TIMEOUT
-from jausml.runtime.bridge.ends.topics import Topic
 from jausml.runtime.bridge.reports.states import StopReason
 from jausml.runtime.messages import (
     CreateEvent,
     Event,
     QueryEventTimeout,
     QueryTime,
-    ReportEventTimeout,
-    ReportTime,
 )
 
 from .bridge_support import (
@@ -25,8 +20,9 @@ from .bridge_support import (
     command,
     event,
     minutes,
-    minutes_to_number,
     peer_component,
+    query,
+    report,
     safe,
 )
 
@@ -120,17 +116,7 @@ def test_a_jump_back_is_counted_and_ends_nothing(world, setting, simulation):
 
 @pytest.mark.parametrize("ratio", [0.5, 2.0])
 def test_reports_are_served_at_the_pace_of_the_simulation(world, setting, simulation, ratio):
-    setting.open(
-        TopicsToReport(
-            "served",
-            lambda source: ReportTime(time_stamp=ReportTime.TimeStamp(minutes=int(source.data))),
-            message=ReportTime,
-            type=Number,
-            query=QueryTime,
-            topics=[Topic("numbers")],
-        ),
-        services=CORE,
-    )
+    setting.open(report(), services=CORE)
     client = world.probe(str(OTHER))
     simulation.run(0.1)
     setting.ros.deliver["numbers"](Number(5.0))
@@ -152,18 +138,7 @@ def test_reports_are_served_at_the_pace_of_the_simulation(world, setting, simula
 
 def test_queries_are_sent_at_the_pace_of_the_simulation(world, setting, simulation):
     peer = world.probe(str(PEER))
-    setting.open(
-        QueryToTopics(
-            "asked",
-            minutes_to_number,
-            message=ReportEventTimeout,
-            type=Number,
-            query=QueryEventTimeout(),
-            rate=10.0,
-            topics=[Topic("asked")],
-            peers=[PEER],
-        )
-    )
+    setting.open(query(rate=10.0))
     peer.take()
     simulation.run(4.0, 0.5)
     queries = [message for message in peer.take() if isinstance(message, QueryEventTimeout)]

@@ -3,13 +3,12 @@
 import pytest
 
 from jausml.runtime import Guard
-from jausml.runtime.bridge.connections.to_reports import TopicsToReport
 from jausml.runtime.bridge.ends.topics import Topic
 from jausml.runtime.bridge.messages.limits import AbsentFieldError
 from jausml.runtime.messages import QueryTime, ReportTime, Resume, SetTime
 from jausml.runtime.transports.packets.packet import Priority
 
-from .bridge_support import CORE, OTHER, OWN, PEER, Number, command, minutes, safe
+from .bridge_support import CORE, OTHER, OWN, PEER, Number, command, minutes, report, safe
 
 
 def test_one_translation_serves_every_peer(world, setting):
@@ -85,51 +84,32 @@ def test_controlled_is_enough_where_nobody_can_resume(world, setting):
 
 
 def test_report_is_served_to_queries_and_events(world, setting):
-    setting.open(
-        TopicsToReport(
-            "time",
-            lambda source: ReportTime(time_stamp=ReportTime.TimeStamp(minutes=int(source.data))),
-            message=ReportTime,
-            type=Number,
-            query=QueryTime,
-            topics=[Topic("numbers")],
-        ),
-        services=CORE,
-    )
+    setting.open(report(), services=CORE)
     watched = []
     client = world.component("7.1.1", services=())
     client.start()
     client.subscribe(
-        OWN, QueryTime(presence_vector=1), ReportTime, lambda report, _: watched.append(report)
+        OWN, QueryTime(presence_vector=1), ReportTime, lambda answer, _: watched.append(answer)
     )
     probe = world.probe("8.1.1")
     assert probe.ask(QueryTime(presence_vector=1), OWN) == []  # nothing yet
     world.run(1.0)
     setting.ros.deliver["numbers"](Number(3.0))
-    (report,) = probe.ask(QueryTime(presence_vector=1), OWN)
-    assert report.time_stamp.minutes == 3
+    (answer,) = probe.ask(QueryTime(presence_vector=1), OWN)
+    assert answer.time_stamp.minutes == 3
     setting.ros.deliver["numbers"](Number(4.0))
     world.run(1.0)
     assert [watched_report.time_stamp.minutes for watched_report in watched] == [3, 4]
 
 
 def test_connections_may_feed_one_report(world, setting):
-    def feed(name):
-        return TopicsToReport(
-            name,
-            lambda source: ReportTime(time_stamp=ReportTime.TimeStamp(minutes=int(source.data))),
-            message=ReportTime,
-            type=Number,
-            query=QueryTime,
-            topics=[Topic(name)],
-        )
-
-    setting.open(feed("a"), feed("b"), services=CORE)
+    feeds = (report(name, topics=[Topic(name)]) for name in "ab")
+    setting.open(*feeds, services=CORE)
     probe = world.probe("8.1.1")
     for topic, value in (("a", 1.0), ("b", 2.0), ("a", 3.0)):
         setting.ros.deliver[topic](Number(value))
-        (report,) = probe.ask(QueryTime(presence_vector=1), OWN)
-        assert report.time_stamp.minutes == value
+        (answer,) = probe.ask(QueryTime(presence_vector=1), OWN)
+        assert answer.time_stamp.minutes == value
 
 
 def joints_served(setting, **options):
@@ -144,15 +124,7 @@ def joints_served(setting, **options):
         left, right = joints.by_name(("left", "right"), keys, [value] * len(keys), "position")
         return ReportTime(time_stamp=ReportTime.TimeStamp(seconds=left, minutes=right))
 
-    joints = TopicsToReport(
-        "joints",
-        translate,
-        message=ReportTime,
-        type=Number,
-        query=QueryTime,
-        topics=[Topic("numbers")],
-        **options,
-    )
+    joints = report("joints", translate, **options)
     return setting.open(joints, services=CORE)
 
 
@@ -214,9 +186,7 @@ def test_the_age_of_what_was_not_reported_is_not_that_of_the_next_report(world, 
 
 
 def test_a_translation_that_is_tried_knows_nothing_of_messages_before():
-    joints = TopicsToReport(
-        "joints", lambda _: None, message=ReportTime, type=Number, query=QueryTime, topics=[]
-    )
+    joints = report("joints", lambda _: None, topics=[])
     for key in ("left", "right"):
         with pytest.raises(AbsentFieldError):
             joints.by_name(("left", "right"), [key], [1.0], "position")

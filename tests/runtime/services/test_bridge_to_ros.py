@@ -4,7 +4,6 @@ import pytest
 
 from jausml.runtime import Component, Guard, Status
 from jausml.runtime.bridge.connections.events_to_ros import EventToTopics
-from jausml.runtime.bridge.connections.queries_to_ros import QueryToTopics
 from jausml.runtime.bridge.connections.to_ros import MessageToTopics
 from jausml.runtime.bridge.ends.topics import Topic
 from jausml.runtime.conversions import ConversionError
@@ -13,7 +12,6 @@ from jausml.runtime.messages import (
     QueryEventTimeout,
     QueryTime,
     ReleaseControl,
-    ReportEventTimeout,
     ReportTime,
     RequestControl,
     Resume,
@@ -29,8 +27,8 @@ from .bridge_support import (
     event,
     message_connection,
     minutes,
-    minutes_to_number,
     peer_component,
+    query,
 )
 
 
@@ -78,18 +76,7 @@ def test_rate_is_a_parameter(world, setting):
 
 def test_query_asks_once_each_period(world, setting):
     peer_component(world, event_timeout=4)
-    setting.open(
-        QueryToTopics(
-            "timeout",
-            minutes_to_number,
-            message=ReportEventTimeout,
-            type=Number,
-            query=QueryEventTimeout(),
-            rate=5.0,
-            peers=[PEER],
-            topics=[Topic("timeout")],
-        )
-    )
+    setting.open(query(rate=5.0))
     world.run(2.0)
     assert 10 <= world.count(QueryEventTimeout.CODE) <= 11
     assert setting.ros.numbers("timeout") == [4.0] * len(setting.ros.numbers("timeout"))
@@ -97,29 +84,11 @@ def test_query_asks_once_each_period(world, setting):
 
 
 def test_query_of_an_absent_peer_goes_on(world, setting):
-    connection = setting.open(
-        QueryToTopics(
-            "timeout",
-            minutes_to_number,
-            message=ReportEventTimeout,
-            type=Number,
-            query=QueryEventTimeout(),
-            rate=5.0,
-            peers=[PEER],
-            topics=[Topic("timeout")],
-        )
-    )
+    connection = setting.open(query(rate=5.0))
     world.run(2.0)
     peer_component(world)
     world.run(1.0)
     assert connection.statistics.passed >= 4
-
-
-def test_message_from_anybody(world, setting):
-    setting.open(message_connection())
-    world.probe("5.1.1").send(minutes(7), OWN)
-    world.settle()
-    assert setting.ros.numbers("times") == [7.0]
 
 
 def test_message_from_a_stranger_is_counted(world, setting):
@@ -192,22 +161,6 @@ def test_command_needs_control_and_losing_it_is_safe_at_once(world, setting):
         3.0,
         -1.0,
     ]  # one silence, one safe value
-
-
-def test_losing_control_is_safe_without_a_timeout_too(world, setting):
-    connection = setting.open(
-        message_connection(when=Guard.READY, safe_value=lambda: Number(-1.0)), services=CORE
-    )
-    operator = world.probe("5.1.1")
-    for message in (RequestControl(authority_code=200), Resume(), minutes(2), ReleaseControl()):
-        operator.send(message, OWN)
-    world.run(60.0, step=0.5)
-    assert setting.ros.numbers("times") == [-1.0, 2.0, -1.0]
-    for message in (RequestControl(authority_code=200), Resume(), minutes(3)):
-        operator.send(message, OWN)
-    world.settle()
-    assert setting.ros.numbers("times") == [-1.0, 2.0, -1.0, 3.0]
-    assert not connection.is_silent
 
 
 @pytest.mark.parametrize("guard", [Guard.READY, Guard.CONTROLLED, lambda _message: Guard.READY])

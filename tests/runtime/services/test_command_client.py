@@ -59,13 +59,6 @@ def robot(world):
 
 
 @pytest.fixture
-def client(world):
-    component = world.component("2.1.1", services=())
-    component.start()
-    return component
-
-
-@pytest.fixture
 def outcome():
     return Outcome()
 
@@ -173,16 +166,6 @@ class TestCommand:
         world.run(5.0, step=0.5)
         assert outcome.done == [True]
         assert len(reports) >= 5
-
-    def test_end_that_overtakes_its_confirmation(self, world, client, outcome):
-        probe = world.probe("5.1.1")
-        client.command(probe.address, Drive(), **outcome.callbacks())
-        (request,) = probe.take()
-        assert isinstance(request, CreateCommandEvent)
-        probe.send(CommandEvent(event_id=9, command_result=0), client)
-        probe.send(ConfirmEventRequest(request_id=request.request_id, event_id=9), client)
-        world.settle()
-        assert outcome.done == [True]
 
     def test_ends_of_two_commands_that_overtake_their_confirmations(self, world, client):
         probe, ends = world.probe("5.1.1"), (Outcome(), Outcome())

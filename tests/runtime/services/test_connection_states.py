@@ -12,7 +12,6 @@ from jausml.runtime.base.counters import LOGGER
 from jausml.runtime.bridge.bridge import Bridge
 from jausml.runtime.bridge.connections.events_to_ros import EventToTopics
 from jausml.runtime.bridge.connections.queries_to_ros import QueryToTopics
-from jausml.runtime.bridge.connections.to_reports import TopicsToReport
 from jausml.runtime.bridge.ends.ends import BridgeSettings
 from jausml.runtime.bridge.ends.topics import Topic
 from jausml.runtime.bridge.reports.states import (
@@ -27,7 +26,6 @@ from jausml.runtime.bridge.reports.states import (
 )
 from jausml.runtime.messages import (
     QueryEventTimeout,
-    QueryTime,
     ReleaseControl,
     ReportEventTimeout,
     ReportTime,
@@ -47,6 +45,7 @@ from .bridge_support import (
     command,
     message_connection,
     minutes,
+    report,
     safe,
     values,
 )
@@ -168,7 +167,7 @@ def connection_of(kind, scene):
     def number_of_time(message):
         return Number(message.time_stamp.minutes / scene.number)
 
-    def report(source):
+    def time_of_number(source):
         return ReportTime(time_stamp=ReportTime.TimeStamp(minutes=int(1 / source.data)))
 
     def order(source):
@@ -181,15 +180,7 @@ def connection_of(kind, scene):
         "event": lambda: EventToTopics("c", number, **asked),
         "query": lambda: QueryToTopics("c", number, **asked),
         "message": lambda: message_connection(number_of_time, silence_timeout=1.0),
-        "report": lambda: TopicsToReport(
-            "c",
-            report,
-            query=QueryTime,
-            message=ReportTime,
-            type=Number,
-            topics=[Topic("numbers")],
-            freshness=1.0,
-        ),
+        "report": lambda: report("c", time_of_number, freshness=1.0),
         "command to ROS": lambda: message_connection(
             number_of_time, when=Guard.READY, safe_value=lambda: Number(-1.0), **stops
         ),

@@ -23,15 +23,10 @@ from jausml.runtime.messages import (
     Standby,
 )
 
+from .state_tables import V1_0, core_services
+
 TARGET = JausAddress(1, 1, 1)
 SEEKING, CONTROLLED, READY, REFUSED = ControlState
-
-
-@pytest.fixture
-def client(world):
-    component = world.component("2.1.1", services=())
-    component.start()
-    return component
 
 
 def target(world, **settings):
@@ -44,18 +39,6 @@ def kill(world, component):
     """End a component as a crash does: without a word."""
     component._jaus_access._timer.cancel()
     world.detach(component.address)
-
-
-def test_target_is_controlled_and_resumed(world, client):
-    tested = target(world)
-    states = []
-    session = client.control(TARGET, authority=127, on_change=states.append)
-    assert session.state is SEEKING
-    world.settle()
-    assert states == [CONTROLLED, READY]
-    assert tested.controller == client.address
-    assert tested.authority == 127
-    assert tested.status is Status.READY
 
 
 def test_session_before_the_start(world):
@@ -224,10 +207,7 @@ def test_take_over_and_release_are_known_at_once(world, client):
 
 @pytest.mark.parametrize("version", [0, 1])
 def test_emergency_and_recovery(world, client, version):
-    services = tuple(
-        ServiceIdentity(f"urn:jaus:jss:core:{name}", 1, version)
-        for name in ("Events", "AccessControl", "Management")
-    )
+    services = core_services((1, version), "Events", "AccessControl", "Management")
     tested = target(world, services=services)
     session = client.control(TARGET, authority=127)
     world.run(1.0)
@@ -274,9 +254,7 @@ def test_events_tell_at_once_that_control_can_be_had_again(world, client):
 
 
 def test_target_without_events_is_not_asked_for_them_for_ever(world, client):
-    names = ("AccessControl", "Management")
-    services = tuple(ServiceIdentity(f"urn:jaus:jss:core:{name}", 1, 0) for name in names)
-    target(world, services=services)
+    target(world, services=core_services(V1_0, "AccessControl", "Management"))
     session = client.control(TARGET, authority=127)
     world.run(6.0)
     asked = world.count(CreateEvent.CODE)

@@ -13,7 +13,6 @@ from jausml.runtime.messages import (
     QuerySubsystemList,
     RegisterServices,
     ReportIdentification,
-    ReportServiceList,
     ReportServices,
 )
 from jausml.runtime.services.discovery import report_services
@@ -120,10 +119,6 @@ class TestRegistration:
         probe.ask(registration(SENSOR), tested)
         return probe
 
-    def test_all_services(self, tested, client):
-        (report,) = client.ask(query_pairs((255, 255)), tested)
-        assert found(report) == {(1, 1): [DISCOVERY.urn], (2, 3): [SENSOR.urn]}
-
     @pytest.mark.parametrize(
         ("node", "component", "expected"),
         [
@@ -143,25 +138,12 @@ class TestRegistration:
         (report,) = client.ask(query_pairs((2, 3), (1, 1), (5, 5)), tested)
         assert set(found(report)) == {(1, 1), (2, 3)}
 
-    def test_versions(self, tested, client):
-        (report,) = client.ask(query_pairs((2, 3)), tested)
-        service = report.node_list[0].component_list[0].service_list[0]
-        assert (service.major_version_number, service.minor_version_number) == (1, 0)
-
     def test_node_scope_takes_its_node_only(self, world, client):
         narrow = server(world, Scope.NODE, "2.1.1")
         world.probe("2.1.2").ask(registration(SENSOR), narrow)
         world.probe("2.2.2").ask(registration(SENSOR), narrow)
         (report,) = client.ask(query_pairs((255, 255)), narrow)
         assert set(found(report)) == {(1, 1), (1, 2)}
-
-    def test_registrations_lapse(self, world, tested, client):
-        world.run(299.0, step=10.0)
-        (report,) = client.ask(query_pairs((255, 255)), tested)
-        assert set(found(report)) == {(1, 1), (2, 3)}
-        world.run(2.0, step=1.0)
-        (report,) = client.ask(query_pairs((255, 255)), tested)
-        assert set(found(report)) == {(1, 1)}
 
     def test_looking_for_the_server_renews_the_registration(self, world, tested, member, client):
         world.run(200.0, step=10.0)
@@ -177,16 +159,6 @@ class TestRegistration:
             world.send(source, tested.address, payload)
         world.settle()
         assert world.counters.snapshot()["discovery.too_many_registrations"] == 76
-
-    def test_service_list(self, tested, client):
-        (report,) = client.ask(query_service_list(65535, 255, 255), tested)
-        assert isinstance(report, ReportServiceList)
-        (subsystem,) = report.subsystem_list
-        assert subsystem.subsystem_rec.subsystem_id == 1
-        assert [node.node_rec.node_id for node in subsystem.node_list] == [1, 2]
-        component = subsystem.node_list[1].component_list[0]
-        assert component.component_rec.component_id == 3
-        assert [service.uri for service in component.service_list] == [SENSOR.urn]
 
     @pytest.mark.parametrize("address", [(2, 255, 255), (1, 7, 255), (1, 2, 7)])
     def test_service_list_of_the_unknown(self, tested, client, address):

@@ -2,25 +2,23 @@
 
 import pytest
 
-from jausml.runtime import JausComponent, ServiceIdentity
+from jausml.runtime import JausComponent
 from jausml.runtime.messages import (
     ConfirmEventRequest,
     CreateEvent,
     Event,
     QueryAuthority,
-    QueryControl,
-    QueryEvents,
     QueryHeartbeatPulse,
     QueryStatus,
     QueryTime,
     RejectEventRequest,
     ReportAuthority,
-    ReportControl,
     ReportStatus,
     ReportTime,
-    RequestControl,
     UpdateEvent,
 )
+
+from .state_tables import V1_1, core_services
 
 PERIODIC, EVERY_CHANGE = 0, 1
 STATUS = QueryStatus().encode()
@@ -84,10 +82,6 @@ class TestCreate:
         world.run(1.0)
         assert len(client.take()) == pytest.approx(20, abs=1)
 
-    def test_request_id_is_scoped_to_the_client(self, server, client, other):
-        for probe in (client, other):
-            assert probe.ask(create(STATUS, request_id=3), server)[0].request_id == 3
-
 
 class TestReject:
     def test_4_unknown_event_type(self, server, client):
@@ -104,14 +98,6 @@ class TestReject:
 
 
 class TestUpdate:
-    def test_changes_the_rate(self, world, server, client):
-        event_id = created(client, server, PULSE, rate=10)
-        confirm = client.ask(update(event_id, PULSE, rate=2), server)[0]
-        assert (confirm.request_id, confirm.event_id) == (8, event_id)
-        client.take()
-        world.run(3.0)
-        assert len(client.take()) == pytest.approx(6, abs=1)
-
     def test_changes_the_query(self, server, client):
         event_id = created(client, server, STATUS)
         query = QueryAuthority().encode()
@@ -128,49 +114,7 @@ class TestUpdate:
         assert len(events) == pytest.approx(5, abs=1)
 
 
-class TestTimeout:
-    def test_event_of_a_dead_client_expires(self, world, server, client):
-        event_id = created(client, server, STATUS)
-        world.run(59.0, step=1.0)
-        assert client.take() == []
-        world.run(1.1, step=0.1)
-        assert client.take() == [
-            ConfirmEventRequest(request_id=7, event_id=event_id, confirmed_periodic_rate=0.0)
-        ]
-        server.control_available = False
-        client.send(RequestControl(authority_code=1), server)
-        assert world.counters.snapshot()["events.expired"] == 1
-        choice = QueryEvents.AllEventsRec(all_events=0)
-        assert client.ask(QueryEvents(query_events_var=choice), server)[-1].event_list == []
-
-    @pytest.mark.parametrize("renewal", ["update", "create"])
-    def test_renewal_restarts_it(self, world, server, client, renewal):
-        event_id = created(client, server, PULSE, rate=1)
-        for _ in range(4):
-            world.run(40.0, step=0.5)
-            client.send(
-                update(event_id, PULSE, rate=1) if renewal == "update" else create(PULSE, rate=1),
-                server,
-            )
-        client.take()
-        world.run(10.0, step=0.5)
-        assert len(client.take()) == pytest.approx(10, abs=1)
-
-
 class TestDelivery:
-    def test_every_change_only_when_changed(self, world, server, client):
-        created(client, server, QueryControl().encode())
-        client.take()
-        server.report_changed(ReportStatus)
-        server.report_changed(ReportAuthority)
-        assert client.take() == []
-        client.ask(RequestControl(authority_code=5), server)
-        client.ask(RequestControl(authority_code=5), server)
-        world.settle()
-        assert world.count(Event.CODE) == 2
-        server.report_changed(ReportControl)
-        assert world.count(Event.CODE) == 2
-
     def test_no_report_now(self, world, server, client):
         server.provide(QueryTime, ReportTime, lambda *_: None)
         answer = client.ask(create(QueryTime(presence_vector=1).encode(), rate=10), server)
@@ -242,9 +186,7 @@ def test_provider_that_stops_the_component_is_the_last_to_be_asked(world):
             self.stop()
             return super().host_time()
 
-    services = tuple(
-        ServiceIdentity(f"urn:jaus:jss:core:{name}", 1, 1) for name in ("Events", "Time")
-    )
+    services = core_services(V1_1, "Events", "Time")
     component = world.component("1.1.1", kind=Unwilling, services=services)
     client = world.probe("2.1.1")
     component.start()

@@ -6,11 +6,10 @@ import pytest
 
 from jausml.runtime.bridge.connections.joins import Join
 from jausml.runtime.bridge.connections.to_jaus import TopicsToMessage
-from jausml.runtime.bridge.connections.to_reports import TopicsToReport
 from jausml.runtime.bridge.ends.topics import Topic
 from jausml.runtime.messages import QueryTime, ReportTime, SetTime
 
-from .bridge_support import PEER, Number, Serialized, peer_component, values
+from .bridge_support import PEER, Number, Serialized, peer_component, report, values
 
 
 @dataclass
@@ -28,17 +27,8 @@ def number_and_angle(source, angle=None):
     return ReportTime(time_stamp=ReportTime.TimeStamp(minutes=int(source.data), hour=hour))
 
 
-def report(join, **options):
-    return TopicsToReport(
-        "pose",
-        number_and_angle,
-        message=ReportTime,
-        query=QueryTime,
-        type=Number,
-        topics=[Topic("numbers")],
-        joins=[join],
-        **options,
-    )
+def pose(join, **options):
+    return report("pose", number_and_angle, joins=[join], **options)
 
 
 def angle_join(**options):
@@ -52,7 +42,7 @@ def present(setting):
 
 
 def test_the_latest_fresh_message_is_given(world, setting):
-    setting.open(report(angle_join()))
+    setting.open(pose(angle_join()))
     setting.ros.deliver["angles"](Angle(3.0))
     setting.ros.deliver["angles"](Angle(7.0))
     world.run(0.4)
@@ -61,7 +51,7 @@ def test_the_latest_fresh_message_is_given(world, setting):
 
 
 def test_freshness_ends_when_it_says(world, setting):
-    setting.open(report(angle_join()))
+    setting.open(pose(angle_join()))
     setting.ros.deliver["angles"](Angle(7.0))
     world.run(0.49)
     setting.ros.deliver["numbers"](Number(1.0))
@@ -75,7 +65,7 @@ def test_freshness_ends_when_it_says(world, setting):
 
 
 def test_what_came_before_the_bridge_was_closed_is_not_fresh(world, setting):
-    setting.open(report(angle_join()))
+    setting.open(pose(angle_join()))
     setting.ros.deliver["angles"](Angle(7.0))
     setting.bridge.close()
     setting.ros.made.clear()
@@ -85,14 +75,14 @@ def test_what_came_before_the_bridge_was_closed_is_not_fresh(world, setting):
 
 
 def test_nothing_yet_is_nothing_fresh(setting):
-    connection = setting.open(report(angle_join()))
+    connection = setting.open(pose(angle_join()))
     setting.ros.deliver["numbers"](Number(5.0))
     assert present(setting) == (5, 0)
     assert setting.drops(connection) == {}
 
 
 def test_what_needs_a_fresh_message_is_dropped_and_counted(world, setting):
-    connection = setting.open(report(angle_join(drop=True)))
+    connection = setting.open(pose(angle_join(drop=True)))
     setting.ros.deliver["numbers"](Number(1.0))
     assert setting.bridge.shared_messages.report(QueryTime, ReportTime).value is None
     setting.ros.deliver["angles"](Angle(9.0))
@@ -131,7 +121,7 @@ def test_a_message_that_lacks_its_join_does_not_end_silence(world, setting):
 
 def test_joined_topics_are_heard_before_the_main_one(setting):
     """So that a latched message is there when the first main message comes."""
-    setting.open(report(angle_join()))
+    setting.open(pose(angle_join()))
     assert setting.ros.made == [("subscription", "angles"), ("subscription", "numbers")]
 
 
@@ -143,20 +133,11 @@ def test_several_joins_and_topics(setting):
             (source.data, {name: message and message.yaw for name, message in joined.items()})
         )
 
-    setting.open(
-        TopicsToReport(
-            "pose",
-            translate,
-            message=ReportTime,
-            query=QueryTime,
-            type=Number,
-            topics=[Topic("numbers")],
-            joins=[
-                Join("front", Angle, [Topic("a"), Topic("b")]),
-                Join("rear", Angle, [Topic("c")]),
-            ],
-        )
-    )
+    joins = [
+        Join("front", Angle, [Topic("a"), Topic("b")]),
+        Join("rear", Angle, [Topic("c")]),
+    ]
+    setting.open(report("pose", translate, joins=joins))
     setting.ros.deliver["a"](Angle(1.0))
     setting.ros.deliver["b"](Angle(2.0))
     setting.ros.deliver["numbers"](Number(4.0))
@@ -167,15 +148,8 @@ def test_connections_share_the_subscription_of_a_joined_topic(setting):
     found = []
 
     def connection(name):
-        return TopicsToReport(
-            name,
-            lambda _source, angle: found.append((name, angle.yaw)),
-            message=ReportTime,
-            query=QueryTime,
-            type=Number,
-            topics=[Topic("numbers")],
-            joins=[angle_join()],
-        )
+        translate = lambda _source, angle: found.append((name, angle.yaw))  # noqa: E731
+        return report(name, translate, joins=[angle_join()])
 
     setting.open(connection("one"), connection("two"))
     setting.ros.deliver["angles"](Angle(6.0))
@@ -185,7 +159,7 @@ def test_connections_share_the_subscription_of_a_joined_topic(setting):
 
 
 def test_diagnostics_show_the_age_of_joined_topics(world, setting):
-    setting.open(report(angle_join()))
+    setting.open(pose(angle_join()))
     world.run(1.01)
     status = setting.ros.statuses[-1]["pose"]
     assert values(status)["join angle age (s)"] == "never"

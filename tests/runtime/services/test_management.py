@@ -4,7 +4,7 @@ from functools import partial
 
 import pytest
 
-from jausml.runtime import Guard, PeerSearch, ServiceIdentity, Status
+from jausml.runtime import Guard, PeerSearch, Status
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.api import JausError
 from jausml.runtime.messages import (
@@ -26,7 +26,7 @@ from jausml.runtime.messages import (
 )
 
 from .event_support import kill
-from .state_tables import Robot
+from .state_tables import V1_0, Robot, core_services
 
 ACCEPTED = ConfirmControl(response_code=0)
 RELEASED = RejectControl(response_code=0)
@@ -126,12 +126,6 @@ def test_init_goes_to_standby_by_itself(world):
     assert robot.take() == ["initialize"]
 
 
-@pytest.mark.parametrize("status", list(Status))
-def test_status_is_reported_in_every_state(robot, client, status):
-    robot._jaus_management._enter(status)
-    assert client.ask(QueryStatus(), robot) == [ReportStatus(status=status, reserved=0)]
-
-
 def test_hook_that_raises_is_counted(world, client):
     class Broken(Robot):
         def on_ready(self):
@@ -217,10 +211,7 @@ class TestControlThatSurvivesAnEmergency:
     def test_after_that_of_version_1_0_it_has_what_it_asked_for_meanwhile(
         self, world, client, other
     ):
-        services = tuple(
-            ServiceIdentity(f"urn:jaus:jss:core:{name}", 1, 0)
-            for name in ("Transport", "Events", "AccessControl", "Management")
-        )
+        services = core_services(V1_0, "Transport", "Events", "AccessControl", "Management")
         robot = world.component("1.1.1", services=services, control_survives_emergency=True)
         robot.start()
         client.ask(RequestControl(authority_code=100), robot)
@@ -403,10 +394,7 @@ class TestLift:
         assert stopped.status is Status.FAILURE
 
     def test_of_version_1_0_it_does_not_go_on_where_it_was(self, world, client, other):
-        services = tuple(
-            ServiceIdentity(f"urn:jaus:jss:core:{name}", 1, 0)
-            for name in ("Transport", "Events", "AccessControl", "Management")
-        )
+        services = core_services(V1_0, "Transport", "Events", "AccessControl", "Management")
         component = world.component("1.1.1", kind=Robot, services=services)
         component.start()
         for message in (RequestControl(authority_code=9), Resume()):

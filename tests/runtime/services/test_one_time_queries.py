@@ -8,13 +8,6 @@ from jausml.runtime.messages import QueryStatus, ReportStatus
 TARGET = JausAddress(1, 1, 1)
 
 
-@pytest.fixture
-def client(world):
-    component = world.component("2.1.1", services=())
-    component.start()
-    return component
-
-
 def target(world, **settings):
     component = world.component(str(TARGET), **settings)
     component.start()

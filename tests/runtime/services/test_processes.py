@@ -1,15 +1,11 @@
 """Components over real JUDP: in one process, in several, and how a process begins and ends."""
 
-import queue
 import signal
-import subprocess
-import sys
-import threading
 from pathlib import Path
 
 import pytest
 
-from jausml.runtime import ComponentSettings, ControlState, JausComponent, ServiceIdentity, Status
+from jausml.runtime import ComponentSettings, ControlState, JausComponent, Status
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.settings import TransportSettings
 from jausml.runtime.component import program
@@ -24,9 +20,10 @@ from jausml.runtime.messages import (
     Shutdown,
 )
 
+from .state_tables import V1_1, core_services
+
 pytestmark = pytest.mark.ports
 
-ROOT = Path(__file__).parents[3]
 SCRIPT = Path(__file__).with_name("robot_process.py")
 ROBOT = JausAddress(1, 1, 1)
 OPERATOR = JausAddress(2, 1, 1)
@@ -36,56 +33,10 @@ QUICK = ComponentSettings(
 )
 
 
-class RobotProcess:
-    """A running robot_process.py and the lines that it wrote."""
-
-    def __init__(self, *arguments):
-        self.running = subprocess.Popen(
-            [sys.executable, str(SCRIPT), *arguments],
-            cwd=ROOT,
-            env={"PYTHONPATH": str(ROOT)},
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-        )
-        self.lines = queue.Queue()
-        self.reader = threading.Thread(target=self._read)
-        self.reader.start()
-
-    def _read(self):
-        for line in self.running.stdout:
-            self.lines.put(line.strip())
-
-    def expect(self, text, seconds=20.0):
-        while self.lines.get(timeout=seconds) != text:
-            pass
-
-    def end(self):
-        """Wait for the end; return the exit code and what was logged."""
-        code = self.running.wait(timeout=20)
-        self.reader.join()
-        with self.running.stdout, self.running.stderr:
-            return code, self.running.stderr.read()
-
-    def kill(self):
-        if self.running.poll() is None:
-            self.running.kill()
-        if not self.running.stderr.closed:
-            self.end()
-
-
 @pytest.fixture
-def robot(free_port):
-    """Start robots on the port; all are killed in the end."""
-    started = []
-
-    def start(*arguments):
-        started.append(RobotProcess("--jaus-port", str(free_port), *arguments))
-        return started[-1]
-
-    yield start
-    for robot_process in started:
-        robot_process.kill()
+def robot(start, free_port):
+    """Start robots on the port."""
+    return lambda *arguments: start(SCRIPT, "--jaus-port", free_port, *arguments)
 
 
 @pytest.fixture
@@ -104,10 +55,7 @@ class TestOneProcess:
     def pair(self, station):
         """Two components on one transport."""
         transport = station().transport
-        core = [
-            ServiceIdentity(f"urn:jaus:jss:core:{name}", 1, 1)
-            for name in ("Events", "AccessControl", "Management", "Liveness", "Discovery")
-        ]
+        core = core_services(V1_1, "Events", "AccessControl", "Management", "Liveness", "Discovery")
         made = [
             JausComponent(transport, address, name=str(address), services=core, settings=QUICK)
             for address in (ROBOT, OPERATOR)
@@ -218,12 +166,10 @@ class TestEnd:
             ROBOT, QueryStatus(), ReportStatus, lambda report, _sender: statuses.append(report)
         )
         wait_until(lambda: session.state is ControlState.READY and statuses)
-        tested.running.send_signal(number)
+        assert tested.end(number) == 0
         tested.expect("not ready")
         tested.expect("shutdown")
-        code, log = tested.end()
-        assert code == 0
-        assert f"ends: {number.name}" in log
+        assert f"ends: {number.name}" in tested.log
         wait_until(lambda: statuses[-1].status == Status.SHUTDOWN)
         wait_until(lambda: session.state is ControlState.SEEKING)
 
@@ -232,10 +178,9 @@ class TestEnd:
         session = operator.control(ROBOT, authority=100)
         wait_until(lambda: session.state is ControlState.READY)
         operator.send(Shutdown(), ROBOT)
+        assert tested.end() == 0
         tested.expect("shutdown")
-        code, log = tested.end()
-        assert code == 0
-        assert "ends: JAUS Shutdown" in log
+        assert "ends: JAUS Shutdown" in tested.log
 
     @pytest.mark.parametrize(
         "arguments",
@@ -247,16 +192,16 @@ class TestEnd:
         ],
     )
     def test_wrong_command_line(self, robot, arguments):
-        code, log = robot(*arguments).end()
-        assert code == 2
-        assert "usage: robot" in log
-        assert "Traceback" not in log
+        tested = robot(*arguments)
+        assert tested.end() == 2
+        assert "usage: robot" in tested.log
+        assert "Traceback" not in tested.log
 
     def test_network_that_cannot_be_used(self, robot):
-        code, log = robot("--jaus-interface", "192.0.2.1").end()
-        assert code == 1
-        assert "cannot use the network" in log
-        assert "Traceback" not in log
+        tested = robot("--jaus-interface", "192.0.2.1")
+        assert tested.end() == 1
+        assert "cannot use the network" in tested.log
+        assert "Traceback" not in tested.log
 
     def test_component_that_fails_to_start(self, free_port, caplog):
         def broken(*_):

@@ -86,16 +86,6 @@ def test_operators_of_different_authority_take_turns(world, robot):
     assert robot.controllers == [FIRST, SECOND, None, FIRST]
 
 
-def test_equal_authority_waits(world, robot):
-    first, second = operator(world, FIRST), operator(world, SECOND)
-    first.control(ROBOT, authority=50)
-    world.settle()
-    late = second.control(ROBOT, authority=50)
-    world.run(60.0, step=0.25)
-    assert robot.controllers == [FIRST]
-    assert late.state is ControlState.REFUSED
-
-
 def test_controller_that_lowers_its_authority_lets_others_in(world, robot):
     first, second = world.probe(str(FIRST)), world.probe(str(SECOND))
     first.ask(RequestControl(authority_code=200), robot)
@@ -105,14 +95,6 @@ def test_controller_that_lowers_its_authority_lets_others_in(world, robot):
     (grant,) = second.ask(RequestControl(authority_code=100), robot)
     assert grant.response_code == 0
     assert robot.controllers == [FIRST, SECOND]
-
-
-def test_authority_below_the_default_never_controls(world, robot):
-    first = operator(world, FIRST)
-    session = first.control(ROBOT, authority=4)
-    world.run(30.0, step=0.5)
-    assert session.state is ControlState.REFUSED
-    assert robot.controllers == []
 
 
 @pytest.mark.parametrize("dead_after", [0.0, 1.7, 3.3])
@@ -170,15 +152,6 @@ def test_emergency_of_two_bystanders(world, robot):
     assert session.state is ControlState.READY
     assert robot.speed == 0, "nobody has told it to move again"
     assert robot.emergencies == [True, False]
-
-
-def test_emergency_without_any_controller_blocks_control(world, robot):
-    world.probe(str(SECOND)).send(SetEmergency(), robot)
-    first = operator(world, FIRST)
-    session = first.control(ROBOT, authority=255)
-    world.run(30.0, step=0.5)
-    assert session.state is ControlState.REFUSED
-    assert robot.controllers == []
 
 
 def test_flood_of_emergencies_is_bounded_and_safe(world, robot):

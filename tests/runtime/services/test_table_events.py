@@ -359,11 +359,6 @@ REJECTIONS = (
         when=("client", create(Resume().encode())),
         then={"client": [Reject(7, 5)]},
     ),
-    row(
-        "Reject 6: invalid event id",
-        when=("client", update(0, STATUS)),
-        then={"client": [Reject(8, 6)]},
-    ),
 )
 
 SLOW, FAILING = SlowCommand(), FailingCommand()

@@ -586,12 +586,3 @@ def test_chain_links_elements():
         ListElement(2, 1, 1, b"b", 1),
     ]
     assert chain([(1, b"a", 0)], circular=True) == [ListElement(1, 0, 0, b"a", 0)]
-
-
-def test_heartbeat_goes_to_the_own_subsystem(world):
-    neighbour, stranger = world.probe("1.9.9"), world.probe("2.1.1")
-    component = world.component("1.1.1", services=(), heartbeat_rate=1.0)
-    component.start()
-    assert neighbour.take() == [PULSE]
-    assert stranger.take() == []
-    assert JausAddress(1, 255, 255) in {to for _, to, _ in world.log}

@@ -132,13 +132,6 @@ def old_robot(world, **settings):
     return component
 
 
-@pytest.fixture
-def client(world):
-    component = world.component("2.1.1", services=())
-    component.start()
-    return component
-
-
 def test_event_of_a_v1_0_provider_lives_on(world, client):
     old_robot(world)
     reports = []

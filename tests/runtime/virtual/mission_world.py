@@ -1,6 +1,6 @@
 """A robot with missions of an operator or of a station, in virtual time.
 
-Plays a scene, prints what happened.
+Plays scenes, each of a line with its name and its share of losses, and prints what happened.
 """
 
 import json
@@ -366,22 +366,24 @@ def sent_refused(scene):
     return [client.result, scene.state, driver._mission.number]
 
 
-def main():
-    """Plays the scene of the command line, after `pausing_` with the station that pauses."""
-    logging.disable()
-    name, loss = sys.argv[1].removeprefix("pausing_"), float(sys.argv[2])
+def play(word, loss):
+    """Plays a scene, after `pausing_` with the station that pauses."""
+    name = word.removeprefix("pausing_")
     if not name.startswith("sent_"):
         scene = Scene(loss)
     else:
-        scene = Sending(loss, Station if name == sys.argv[1] else Pausing)
+        scene = Sending(loss, Station if name == word else Pausing)
     asked = globals()[name](scene)
     counted = {
         name: count
         for name, count in scene.world.counters.snapshot().items()
         if name.startswith(("mission.", "loop."))
     }
-    happened = {"driven": scene.driven, "told": scene.told, "asked": asked, "counted": counted}
-    sys.stdout.write(json.dumps(happened))
+    return {"driven": scene.driven, "told": scene.told, "asked": asked, "counted": counted}
 
 
-main()
+logging.disable()
+for line in sys.stdin:
+    word, loss = line.split()
+    sys.stdout.write(f"{json.dumps(play(word, float(loss)))}\n")
+    sys.stdout.flush()

@@ -7,12 +7,10 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
+from generated import model_of
 from scripts import succeeded
-from workspaces import python_path
+from workspaces import kept, python_path
 
-from jausml.generation.rendering import render
-from jausml.language.model import read_models
-from jausml.language.text.notation import NOTATIONS
 from jausml_generators.bridge.target import TARGET as BRIDGE
 from jausml_generators.messages.target import TARGET as MESSAGES
 from jausml_generators.runtime.target import TARGET as RUNTIME
@@ -23,20 +21,9 @@ SCRIPT = Path(__file__).with_name("two_bridges.py")
 
 
 @pytest.fixture(scope="module")
-def workspace(tmp_path_factory):
-    """The packages of the model."""
-    folder = tmp_path_factory.mktemp("virtual")
-    model = read_models([MODEL], notations=NOTATIONS).model
-    for artifact in render(model, [BRIDGE, MESSAGES, RUNTIME.for_whole_library()]):
-        target = folder / artifact.path
-        target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_text(artifact.text, encoding="utf-8")
-    return folder
-
-
-@pytest.fixture(scope="module")
-def drive(workspace):
+def drive():
     """Runs the bridges in a process of their own; returns what happened."""
+    workspace = kept(model_of(MODEL), [BRIDGE, MESSAGES, RUNTIME.for_whole_library()])
 
     def run(hash_seed="0", **options):
         words = [f"--{name}={value}" for name, value in options.items()]

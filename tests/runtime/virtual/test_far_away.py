@@ -9,16 +9,13 @@ from jausml.runtime import (
     Guard,
     JausAddress,
     JausComponent,
-    ServiceIdentity,
     Status,
 )
 from jausml.runtime.messages import SetTime
 from jausml.runtime.virtual import Link, VirtualWorld
+from tests.runtime.services.state_tables import V1_1, core_services
 
-CORE = tuple(
-    ServiceIdentity(f"urn:jaus:jss:core:{name}", 1, 1)
-    for name in ("Transport", "Events", "AccessControl", "Management")
-)
+CORE = core_services(V1_1, "Transport", "Events", "AccessControl", "Management")
 VEHICLE, OPERATOR = JausAddress(1, 1, 1), JausAddress(2, 1, 1)
 PERIOD = 0.05
 FAR = Link(delay=0.3, jitter=0.1, loss=0.2)

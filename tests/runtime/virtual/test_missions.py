@@ -2,17 +2,15 @@
 
 import json
 import os
+import subprocess
 import sys
 from pathlib import Path
 
 import pytest
-from scripts import succeeded
+from generated import model_of
 from sweeps import sweep
-from workspaces import python_path
+from workspaces import kept, python_path
 
-from jausml.generation.rendering import render
-from jausml.language.model import read_models
-from jausml.language.text.notation import NOTATIONS
 from jausml_generators.bridge.target import TARGET as BRIDGE
 from jausml_generators.messages.target import TARGET as MESSAGES
 from jausml_generators.runtime.target import TARGET as RUNTIME
@@ -25,33 +23,21 @@ LOST_CONTROL, FAILURE = 1, 3
 
 
 @pytest.fixture(scope="module")
-def workspace(tmp_path_factory):
-    """The packages of the model."""
-    folder = tmp_path_factory.mktemp("missions")
-    result = read_models([MODEL], notations=NOTATIONS)
-    assert result.diagnostics == []
-    for artifact in render(result.model, [BRIDGE, MESSAGES, RUNTIME.for_whole_library()]):
-        target = folder / artifact.path
-        target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_text(artifact.text, encoding="utf-8")
-    return folder
+def play():
+    """Plays a scene in a process of all scenes; returns what happened."""
+    folder = kept(model_of(MODEL), [BRIDGE, MESSAGES, RUNTIME.for_whole_library()])
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True, "bufsize": 1}
+    environment = {**os.environ, "PYTHONPATH": python_path(folder)}
+    with subprocess.Popen([sys.executable, str(SCRIPT)], env=environment, **pipes) as process:
 
+        def run(scene, loss=0.0):
+            process.stdin.write(f"{scene} {loss}\n")
+            happened = json.loads(process.stdout.readline())
+            assert "loop.callback_failed" not in happened["counted"]
+            return happened
 
-@pytest.fixture(scope="module")
-def play(workspace):
-    """Plays a scene in a process of its own; returns what happened."""
-
-    def run(scene, loss=0.0):
-        result = succeeded(
-            [sys.executable, str(SCRIPT), scene, str(loss)],
-            env={**os.environ, "PYTHONPATH": python_path(workspace)},
-            timeout=100,
-        )
-        happened = json.loads(result.stdout)
-        assert "loop.callback_failed" not in happened["counted"]
-        return happened
-
-    return run
+        yield run
+        process.stdin.close()
 
 
 def told_of(happened, kind):

@@ -10,7 +10,6 @@ from jausml.runtime import (
     Guard,
     JausAddress,
     JausComponent,
-    ServiceIdentity,
     TransportSettings,
 )
 from jausml.runtime.messages import (
@@ -23,18 +22,10 @@ from jausml.runtime.messages import (
     SetTime,
 )
 from jausml.runtime.virtual import Link
+from tests.runtime.services.state_tables import V1_1, core_services
 
-CORE = tuple(
-    ServiceIdentity(f"urn:jaus:jss:core:{name}", 1, 1)
-    for name in (
-        "Transport",
-        "Events",
-        "AccessControl",
-        "Management",
-        "Time",
-        "Liveness",
-        "Discovery",
-    )
+CORE = core_services(
+    V1_1, "Transport", "Events", "AccessControl", "Management", "Time", "Liveness", "Discovery"
 )
 FIRST, SECOND = JausAddress(1, 1, 1), JausAddress(1, 1, 2)
 THIRD = JausAddress(1, 2, 1)

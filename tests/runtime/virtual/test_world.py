@@ -7,15 +7,13 @@ from datetime import datetime, timedelta, timezone
 
 import pytest
 
-from jausml.runtime import JausAddress, JausComponent, ServiceIdentity
+from jausml.runtime import JausAddress, JausComponent
 from jausml.runtime.base.clocks import HostClock
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.virtual import VirtualWorld
+from tests.runtime.services.state_tables import V1_1, core_services
 
-CORE = tuple(
-    ServiceIdentity(f"urn:jaus:jss:core:{name}", 1, 1)
-    for name in ("Transport", "Events", "AccessControl", "Management", "Time")
-)
+CORE = core_services(V1_1, "Transport", "Events", "AccessControl", "Management", "Time")
 FIRST = JausAddress(1, 1, 1)
 
 

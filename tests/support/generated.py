@@ -1,0 +1,53 @@
+"""Models of tests, and what is generated of them."""
+
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from scripts import succeeded
+from workspaces import python_path
+
+from jausml.generation.rendering import render
+from jausml.generation.target import Target
+from jausml.language.model import Model, Severity, read_models
+from jausml.language.text.notation import NOTATIONS
+
+
+def model_of(*paths: Path, **options: Any) -> Model:
+    """Returns the model of documents, of which nothing worse is said than an info."""
+    result = read_models(paths, notations=NOTATIONS, **options)
+    faults = [fault for fault in result.diagnostics if fault.severity is not Severity.INFO]
+    assert not faults, faults
+    return result.model
+
+
+def model_in(folder: Path, text: str, name: str = "model.ros2jaus") -> Model:
+    """Returns the model of a text, which stands in a folder then."""
+    path = folder / name
+    path.write_text(text, encoding="utf-8")
+    return model_of(path)
+
+
+def texts_of(model: Model, targets: Sequence[Target[Any]]) -> dict[str, str]:
+    """Returns what is generated of a model, by path."""
+    return {artifact.path: artifact.text for artifact in render(model, targets)}
+
+
+def text_of(model: Model, targets: Sequence[Target[Any]], end: str = "_base.py") -> str:
+    """Returns the only generated text whose path ends so."""
+    (text,) = (text for path, text in texts_of(model, targets).items() if path.endswith(end))
+    return text
+
+
+def run_in(workspace: Path, *command: str | Path, cwd: Path | None = None, **more: str) -> str:
+    """Runs Python with the packages of a workspace, by default in it; returns what it printed."""
+    path = python_path(workspace)
+    done = succeeded(
+        [sys.executable, *command],
+        cwd=cwd or workspace,
+        env={**os.environ, "PYTHONPATH": path, "MYPYPATH": path, **more},
+        timeout=110,
+    )
+    return done.stdout + done.stderr
