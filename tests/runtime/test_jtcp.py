@@ -9,11 +9,13 @@ import socket
 import subprocess
 import sys
 import threading
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import ports
 import pytest
+from conftest import Station
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -32,12 +34,6 @@ from jausml.runtime.transports.packets.packet import (
     parse_datagram,
 )
 from jausml.runtime.transports.tcp_connection import StreamError, StreamReader
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-    from pathlib import Path
-
-    from conftest import Station
 
 pytestmark = pytest.mark.ports
 

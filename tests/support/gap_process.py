@@ -14,17 +14,13 @@ import gc
 import json
 import sys
 import time
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from jausml.cli import main
 from jausml.live.operating import serving
-
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
-
-    from jausml.live.operating.knowledge import Knowledge
+from jausml.live.operating.knowledge import Knowledge
 
 PERIOD = 0.005
 READERS = ("jausml.language.metamodel", "jausml.language.model", "pyecore")

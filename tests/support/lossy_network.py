@@ -6,7 +6,10 @@ The clock is turned by the test, so that a minute takes no minute and the same s
 from __future__ import annotations
 
 import random
-from typing import TYPE_CHECKING, Any
+import socket
+from collections.abc import Callable
+from types import TracebackType
+from typing import Any
 
 from ports import free_port
 
@@ -16,11 +19,6 @@ from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.settings import TransportSettings
 from jausml.runtime.messages import SetTime
 from jausml.runtime.transports.udp.judp import JudpTransport
-
-if TYPE_CHECKING:
-    import socket
-    from collections.abc import Callable
-    from types import TracebackType
 
 CORE = tuple(
     ServiceIdentity(f"urn:jaus:jss:core:{name}", 1, 1)

@@ -6,9 +6,10 @@ Half of what it takes to read an example is the library. Programs that tests sta
 from __future__ import annotations
 
 import os
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
 import warm
@@ -18,14 +19,10 @@ from jausml.language import project
 from jausml.language.model import read_models
 from jausml.language.model.library import library_root
 from jausml.language.model.project import Reading
+from jausml.language.model.reading.reader import ReadResult
 from jausml.language.project import read_project
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
-    from typing import Any
-
-    from jausml.language.model.reading.reader import ReadResult
-
     _Read = Callable[[Reader, str], ReadResult]
 
 TESTS = Path(__file__).resolve().parents[1]

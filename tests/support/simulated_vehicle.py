@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
-from studio_client import RefusedError
+from studio_client import Page, RefusedError
 
 import jausml
 from jausml import Component
+from jausml.runtime import JausComponent, ListElement
 from jausml.runtime.services.definitions import Status
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from studio_client import Page
-
-    from jausml.runtime import JausComponent, ListElement
 
 VEHICLE = "100.1.10"
 SERVICES = ("PrimitiveDriver", "VelocityStateSensor", "LocalPoseSensor", "LocalWaypointListDriver")

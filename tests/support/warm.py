@@ -32,12 +32,11 @@ import tempfile
 import threading
 import warnings
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from isolation import isolate
 
-if TYPE_CHECKING:
-    from jausml.language.model.reading.library_cache import LibraryCache
+from jausml.language.model.reading.library_cache import LibraryCache
 
 ROOT = Path(__file__).resolve().parents[2]
 CLIENT = Path(__file__).with_name("warm_client.py")

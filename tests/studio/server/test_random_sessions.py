@@ -10,9 +10,11 @@ import random
 import resource
 import subprocess
 from collections import Counter
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 from sweeps import sweep
@@ -30,9 +32,6 @@ from jausml.live.serving.rpc import as_json, typed
 
 pytestmark = pytest.mark.slow
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
-    from pathlib import Path
 
 FILE = "boat.ros2jaus"
 BEGINNING = "\n".join(f"component c{i} {{ address: 1.1.{i} }}" for i in range(1, 5)) + "\n"
