@@ -6,7 +6,6 @@ import re
 import shlex
 import signal
 import sys
-import zlib
 from collections.abc import Generator
 from pathlib import Path
 
@@ -33,8 +32,6 @@ settings.register_profile(
 settings.load_profile("jausml")
 
 pytest_plugins = ["expected_skips", "needs", "processor_time", "shared_library", "browser"]
-WAITING = ("slow", "live", "ports")
-"""Marks of tests that wait for processes, or take long."""
 SHARED_NETWORK = pytest.StashKey[str]()
 
 
@@ -96,22 +93,6 @@ def pytest_collection() -> Generator[None, object, object]:
         return (yield)
     finally:
         gc.enable()
-
-
-def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Mixes the files that workers get, so that tests that wait run beside those that compute.
-
-    The last fifth has none that wait or take long: no worker is left with one at the end.
-    """
-    if not hasattr(config, "workerinput"):
-        return
-    wait = {item.path for item in items if any(map(item.get_closest_marker, WAITING))}
-
-    def place(item: pytest.Item) -> float:
-        by_chance = zlib.crc32(item.path.relative_to(config.rootpath).as_posix().encode())
-        return by_chance * (0.8 if item.path in wait else 1.0)
-
-    items.sort(key=place)
 
 
 @pytest.hookimpl(trylast=True)

@@ -58,7 +58,9 @@ def main(arguments: list[str]) -> int:
     if status:
         return status
     LAST_FAILED.unlink(missing_ok=True)
-    status = run("--assert=plain", "--durations=15", "-n", "auto", *arguments)
+    status = run(
+        "--assert=plain", "--durations=15", "-n", "auto", "--dist", "worksteal", *arguments
+    )
     first = failed()
     if status != FAILED or not first:
         return status
