@@ -10,8 +10,10 @@ import json
 import sys
 import threading
 import time
+from typing import TYPE_CHECKING
 
-from jausml_runtime import JausComponent
+if TYPE_CHECKING:
+    from jausml_runtime import JausComponent
 
 ACCOUNT_PERIOD = 0.1
 """Seconds from one account to the next."""

@@ -9,13 +9,11 @@ import socket
 import subprocess
 import sys
 import threading
-from collections.abc import Callable, Iterator
 from contextlib import ExitStack
-from pathlib import Path
+from typing import TYPE_CHECKING
 
 import ports
 import pytest
-from conftest import Station
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -34,6 +32,12 @@ from jausml.runtime.transports.packets.packet import (
     parse_datagram,
 )
 from jausml.runtime.transports.tcp_connection import StreamError, StreamReader
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from pathlib import Path
+
+    from conftest import Station
 
 pytestmark = pytest.mark.ports
 

@@ -5,17 +5,21 @@ from __future__ import annotations
 import os
 import socket
 import struct
-from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
-from conftest import Program, Station
 
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.settings import TransportKind, TransportSettings
 from jausml.runtime.transports.node_manager import NodeManagerTransport
 from jausml.runtime.transports.packets.packet import AckNak, Broadcast, Packet
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from conftest import Program, Station
 
 pytestmark = pytest.mark.ports
 

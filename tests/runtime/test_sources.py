@@ -5,10 +5,9 @@ from __future__ import annotations
 import argparse
 import contextlib
 import socket
-from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING
 
 import pytest
-from conftest import Station
 
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.base.counters import Counters
@@ -20,6 +19,11 @@ from jausml.runtime.base.settings import (
 )
 from jausml.runtime.transports.address_book import AddressBook, AllowedHosts
 from jausml.runtime.transports.packets.packet import Packet
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from conftest import Station
 
 pytestmark = pytest.mark.ports
 

@@ -5,12 +5,11 @@ from __future__ import annotations
 import re
 import signal
 import socket
-from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import ports
 import pytest
-from conftest import Program
 
 from jausml.runtime import ComponentSettings, ControlState, JausComponent
 from jausml.runtime.base.address import JausAddress
@@ -22,6 +21,11 @@ from jausml.runtime.transports import ports as port_holder
 from jausml.runtime.transports.jtcp import JtcpTransport
 from jausml.runtime.transports.node_manager import NodeManagerTransport
 from jausml.runtime.transports.udp.judp import JudpTransport
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from conftest import Program
 
 pytestmark = pytest.mark.ports
 
