@@ -43,7 +43,7 @@ bridge deck {
 
 
 def guards(folder, text):
-    """Return the guards in the generated bases: of the handler, and of both connections."""
+    """Returns the guards in the generated bases: of the handler, and of both connections."""
     model = model_in(folder, f"import `jaus.core-1.1`\n{text}", "demo.ros2jaus")
     winch, deck = (text_of(model, [target]) for target in (COMPONENTS, BRIDGES))
     handler = re.search(r"self\.handle\(\s*SetWinch,[^)]*?when=Guard\.(\w+)", winch)

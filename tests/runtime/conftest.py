@@ -29,7 +29,7 @@ LOOPBACK = "127.0.0.1"
 
 
 def wait_until(condition: Callable[[], object], seconds: float = 10.0) -> None:
-    """Return when the condition holds; fail when it does not in time."""
+    """Returns when the condition holds; fails when it does not in time."""
     deadline = time.monotonic() + seconds
     while not condition():
         assert time.monotonic() < deadline, "the condition did not come true in time"
@@ -106,11 +106,11 @@ class Peer:
         self.send(packet, (GROUP, self.port))
 
     def receive(self, seconds: float = 5.0) -> Packet:
-        """Return the next unicast packet; fails after the time."""
+        """Returns the next unicast packet; fails after the time."""
         return self._next(self.unicast, seconds)
 
     def overhear(self, seconds: float = 5.0) -> Packet:
-        """Return the next multicast packet of someone else."""
+        """Returns the next multicast packet of someone else."""
         return self._next(self.multicast, seconds)
 
     def _next(self, sock: socket.socket, seconds: float) -> Packet:
@@ -123,7 +123,7 @@ class Peer:
         return packet
 
     def is_quiet(self, seconds: float = 0.05) -> bool:
-        """Return whether nothing arrives by unicast for a moment."""
+        """Returns whether nothing arrives by unicast for a moment."""
         self.unicast.settimeout(seconds)
         try:
             self.unicast.recvfrom(65535)
@@ -168,14 +168,14 @@ class Program:
         self.running.stdin.write(f"{line}\n")
 
     def expect(self, start: str, seconds: float = 20.0) -> str:
-        """Return the next line that starts so; fails after the time."""
+        """Returns the next line that starts so; fails after the time."""
         while True:
             line = self._lines.get(timeout=seconds)
             if line.startswith(start):
                 return line
 
     def end(self, number: int = 0) -> int:
-        """Wait for the end, after a signal if one is named; return the exit code."""
+        """Waits for the end, after a signal if one is named; returns the exit code."""
         if number:
             self.running.send_signal(number)
         code = self.running.wait(20)
@@ -192,7 +192,7 @@ class Program:
 
 @pytest.fixture
 def start() -> Iterator[Callable[..., Program]]:
-    """Start programs; all are killed in the end."""
+    """Starts programs; all are killed in the end."""
     started: list[Program] = []
 
     def make(*command: object, kind: type[Program] = Program) -> Program:
@@ -212,7 +212,7 @@ def free_port() -> int:
 
 @pytest.fixture
 def station(free_port: int) -> Iterator[Callable[..., Station]]:
-    """Make running transports on one free port, with settings by keyword."""
+    """Makes running transports on one free port, with settings by keyword."""
     stations: list[Station] = []
 
     def make(**settings: object):
@@ -250,5 +250,5 @@ def clock() -> FakeClock:
 
 @pytest.fixture(name="wait_until")
 def wait_until_fixture() -> Callable[..., None]:
-    """Wait for a condition, with a bound."""
+    """Waits for a condition, with a bound."""
     return wait_until

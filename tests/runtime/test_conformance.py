@@ -28,7 +28,7 @@ def packet(payload: bytes = STATUS, sequence: int = 1, **fields) -> Packet:
 
 
 def message(*arguments, **fields) -> bytes:
-    """Return a message without the version byte of its datagram."""
+    """Returns a message without the version byte of its datagram."""
     return packet(*arguments, **fields).encode()[1:]
 
 

@@ -49,7 +49,7 @@ STATUS = b"\x02\x40" + bytes(5)
 
 
 def from_peer(payload: bytes = STATUS, sequence: int = 1, **fields) -> bytes:
-    """Return a message of the peer as it stands in a stream."""
+    """Returns a message of the peer as it stands in a stream."""
     return Packet(fields.pop("destination", DRIVER), PEER, payload, sequence, **fields).encode()[1:]
 
 
@@ -79,7 +79,7 @@ class Stream:
         return packet
 
     def is_closed(self) -> bool:
-        """Wait for the other end to close the connection."""
+        """Waits for the other end to close the connection."""
         with contextlib.suppress(ConnectionError):
             while self.socket.recv(65536):
                 pass
@@ -130,7 +130,7 @@ def free_port() -> int:
 
 @pytest.fixture
 def tcp(station) -> Callable[..., Station]:
-    """Make running transports over TCP on one free port."""
+    """Makes running transports over TCP on one free port."""
 
     def make(**settings: object) -> Station:
         return station(**{"transport": TransportKind.JTCP, "takeover_interval": 0.1, **settings})
@@ -675,7 +675,7 @@ MESSAGES = st.lists(
 
 
 def read(chunks: list[bytes]) -> tuple[list[Packet | None], str]:
-    """Return what a stream holds and how it ends."""
+    """Returns what a stream holds and how it ends."""
     reader, packets = StreamReader(Counters()), []
     try:
         for chunk in chunks:

@@ -40,7 +40,7 @@ def folder(tmp_path_factory) -> Path:
 
 @pytest.fixture
 def managers(start, folder, free_port) -> Callable[..., Program]:
-    """Start node managers on the free port."""
+    """Starts node managers on the free port."""
 
     def make(peer: str = "-") -> Program:
         manager = start(SCRIPT, folder, free_port, peer)
@@ -52,7 +52,7 @@ def managers(start, folder, free_port) -> Callable[..., Program]:
 
 @pytest.fixture
 def client(station, folder) -> Callable[..., Station]:
-    """Make running transports that attach to the manager of the folder."""
+    """Makes running transports that attach to the manager of the folder."""
 
     def make(**settings: object) -> Station:
         return station(

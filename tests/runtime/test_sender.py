@@ -18,7 +18,7 @@ STATUS = b"\x02\x40" + bytes(5)
 
 
 def join(peer, at, wait_until) -> None:
-    """Let a station learn where the peer is."""
+    """Lets a station learn where the peer is."""
     before = at.counter("transport.nak")
     packet = Packet(DRIVER, PEER, b"", 0, acknowledge=AckNak.NAK)
     peer.send(packet, at.transport.endpoint)

@@ -41,7 +41,7 @@ def message(number: int, text: bytes = b"1", destination: JausAddress = DRIVER) 
 
 @pytest.fixture
 def udp() -> Iterator[Callable[..., socket.socket]]:
-    """Make foreign sockets, on the interface of the tests or elsewhere."""
+    """Makes foreign sockets, on the interface of the tests or elsewhere."""
     with contextlib.ExitStack() as stack:
 
         def make(host: str = "127.0.0.1") -> socket.socket:
@@ -54,7 +54,7 @@ def udp() -> Iterator[Callable[..., socket.socket]]:
 
 @pytest.fixture
 def tcp() -> Iterator[Callable[..., socket.socket]]:
-    """Connect to a station from the interface of the tests or from elsewhere."""
+    """Connects to a station from the interface of the tests or from elsewhere."""
     with contextlib.ExitStack() as stack:
 
         def make(to: Station, host: str = "127.0.0.1") -> socket.socket:

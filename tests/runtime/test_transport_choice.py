@@ -47,7 +47,7 @@ QUICK = ComponentSettings(register_services=False, retry_max=1.0)
 
 @pytest.fixture
 def robot(start, free_port) -> Callable[..., Program]:
-    """Start robots on the free port."""
+    """Starts robots on the free port."""
     return lambda *options: start(ROBOT_SCRIPT, "--jaus-port", free_port, *options)
 
 
@@ -58,7 +58,7 @@ def folder(tmp_path_factory) -> Path:
 
 @pytest.fixture
 def operator(station) -> Iterator[Callable[..., JausComponent]]:
-    """Make a running operator on a transport of its own."""
+    """Makes a running operator on a transport of its own."""
     made: list[JausComponent] = []
 
     def make(**settings: object) -> JausComponent:

@@ -33,12 +33,12 @@ class Process(Program):
 
 @pytest.fixture
 def process(start, free_port: int) -> Callable[[JausAddress], Process]:
-    """Start processes on one free port."""
+    """Starts processes on one free port."""
     return lambda address: start(free_port, address, kind=Process)
 
 
 def ask(peer, address: JausAddress, sequence: int) -> Packet:
-    """Send to a component at the well-known port, acknowledged; return its echo."""
+    """Sends to a component at the well-known port, acknowledged; returns its echo."""
     wanted = AckNak.REQUESTED
     peer.send(Packet(address, PEER, b"\x02\x40hi", sequence, acknowledge=wanted))
     answers = [peer.receive(), peer.receive()]
@@ -78,7 +78,7 @@ def test_another_process_takes_over_the_port_of_a_dead_owner(process, peer, free
 
 
 def takes_over(one: Process, port: int) -> bool:
-    """Return whether the process comes to own the port in time."""
+    """Returns whether the process comes to own the port in time."""
     try:
         return one.expect("open", seconds=3.0).endswith(f":{port}")
     except queue.Empty:
@@ -86,7 +86,7 @@ def takes_over(one: Process, port: int) -> bool:
 
 
 def eventually_answers(peer, address: JausAddress, sequence: int) -> bool:
-    """Ask until the new owner has learnt where the component is."""
+    """Asks until the new owner has learnt where the component is."""
     for attempt in range(50):
         peer.send(Packet(address, PEER, b"\x02\x40hi", sequence + attempt))
         try:

@@ -15,7 +15,7 @@ def from_peer(payload: bytes = STATUS, sequence: int = 1, **fields) -> Packet:
 
 
 def join(peer, at, wait_until) -> None:
-    """Let a station learn where the peer is."""
+    """Lets a station learn where the peer is."""
     before = at.counter("transport.nak")
     peer.send(from_peer(b"", 0, acknowledge=AckNak.NAK), at.transport.endpoint)
     wait_until(lambda: at.counter("transport.nak") > before)

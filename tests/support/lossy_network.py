@@ -42,14 +42,14 @@ class LossyTransport(JudpTransport):
         return super()._reader(LossySocket(self, sock), by_multicast=by_multicast)
 
     def loses(self) -> bool:
-        """Return whether the next datagram is lost; it is counted then."""
+        """Returns whether the next datagram is lost; it is counted then."""
         is_lost = self._random.random() < self.share
         if is_lost:
             self.counters.add("lost")
         return is_lost
 
     def holds_back(self) -> bool:
-        """Return whether the next datagram lets the one after it pass."""
+        """Returns whether the next datagram lets the one after it pass."""
         return self._random.random() < self.late_share
 
 
@@ -63,11 +63,11 @@ class LossySocket:
         self._late: Any = None
 
     def getsockopt(self, *arguments: int) -> Any:
-        """Return what the kernel says of the socket."""
+        """Returns what the kernel says of the socket."""
         return self._sock.getsockopt(*arguments)
 
     def recvfrom(self, size: int) -> Any:
-        """Return the next datagram that is not lost."""
+        """Returns the next datagram that is not lost."""
         while True:
             if self._late is not None:
                 late, self._late = self._late, None
@@ -129,7 +129,7 @@ class LossyNetwork:
         self.loop.stop()
 
     def restart_vehicle(self) -> None:
-        """End the vehicle without a word and start a new one in its place."""
+        """Ends the vehicle without a word and starts a new one in its place."""
         self._transports[0].detach(VEHICLE)
         self.vehicle = self._vehicle()
         self.vehicle.start()
@@ -155,21 +155,21 @@ class LossyNetwork:
         )
 
     def lose(self, share: float) -> None:
-        """Change the share that is lost."""
+        """Changes the share that is lost."""
         for transport in self._transports:
             transport.share = share
 
     def delay(self, share: float) -> None:
-        """Change the share of the vehicle's datagrams that come after the next one."""
+        """Changes the share of the vehicle's datagrams that come after the next one."""
         self._transports[0].late_share = share
 
     def settle(self) -> None:
-        """Let everything happen that is due now."""
+        """Lets everything happen that is due now."""
         while self.loop.run_once(0):
             pass
 
     def run(self, seconds: float) -> None:
-        """Let time pass."""
+        """Lets time pass."""
         self.settle()
         for _ in range(round(seconds / STEP)):
             self.time += STEP
@@ -178,7 +178,7 @@ class LossyNetwork:
                 self.uncontrolled.append(self.time)
 
     def longest_gap(self, since: float = 0.0) -> float:
-        """Return the longest time that the vehicle was not in Ready and controlled in one go."""
+        """Returns the longest time that the vehicle was not in Ready and controlled in one go."""
         longest = run = 0.0
         last = float("-inf")
         for moment in self.uncontrolled:

@@ -29,7 +29,7 @@ class NetworkHost:
 
     @property
     def number(self) -> int:
-        """Process that holds the namespace."""
+        """Processes that holds the namespace."""
         return self._holder.pid
 
     def command(self, line: Sequence[str]) -> list[str]:

@@ -67,7 +67,7 @@ class Teller:
     """Runs a story in a folder."""
 
     def __init__(self, folder: Path, words: Mapping[str, str], programs: Sequence[Path]) -> None:
-        """Begin.
+        """Begins.
 
         Args:
             words: What takes the place of words in capitals between braces, as {NOTATION}.
@@ -85,7 +85,7 @@ class Teller:
         self.commands = 0
 
     def tell(self, text: str) -> None:
-        """Run all steps; an AssertionError tells the first one that did not go as it should."""
+        """Runs all steps; an AssertionError tells the first one that did not go as it should."""
         for name, value in self._words.items():
             text = text.replace(f"{{{name}}}", value)
         with ExitStack() as running:

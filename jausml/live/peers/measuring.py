@@ -238,7 +238,7 @@ class Pings:
 
     @property
     def loss(self) -> float:
-        """Share of the questions without an answer, 0 to 1."""
+        """Shares of the questions without an answer, 0 to 1."""
         return 1 - self.answered / self.sent if self.sent else 0.0
 
     @property

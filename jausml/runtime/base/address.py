@@ -26,7 +26,7 @@ class JausAddress(int):
     __slots__ = ()
 
     def __new__(cls, subsystem: int, node: int, component: int) -> JausAddress:
-        """Refuse parts that the wire cannot carry, and pack the others.
+        """Refuses parts that the wire cannot carry, and packs the others.
 
         Args:
             subsystem: 1 to 65534; 65535 means every subsystem.
@@ -48,7 +48,7 @@ class JausAddress(int):
         return self.subsystem, self.node, self.component
 
     def __bool__(self) -> bool:
-        """Return True: an address is one, also 0.0.0."""
+        """Returns True: an address is one, also 0.0.0."""
         return True
 
     def __str__(self) -> str:
@@ -79,7 +79,7 @@ class JausAddress(int):
 
     @classmethod
     def parse(cls, text: str) -> JausAddress:
-        """Read the dotted form, e.g. ``100.1.2``; raises ValueError for any other text."""
+        """Reads the dotted form, e.g. ``100.1.2``; raises ValueError for any other text."""
         match = _DOTTED.fullmatch(text.strip())
         if match is None:
             raise ValueError(f"{text!r} is not a JAUS address; expected e.g. 100.1.2")
@@ -114,7 +114,7 @@ class JausAddress(int):
 
 @lru_cache(maxsize=1024)
 def address_of(packed: int) -> JausAddress:
-    """Return the address of an unsigned 32-bit number; the few peers of a system are cached."""
+    """Returns the address of an unsigned 32-bit number; the few peers of a system are cached."""
     return JausAddress(packed >> 16 & 0xFFFF, packed >> 8 & 0xFF, packed & 0xFF)
 
 

@@ -19,7 +19,7 @@ class ApiVersionError(ImportError):
 
 
 def require_api(version: tuple[int, int], file: str) -> None:
-    """Refuse a runtime that generated code does not fit; called when its package is imported.
+    """Refuses a runtime that generated code does not fit; called when its package is imported.
 
     Args:
         version: API that the code was generated for: the first number must be the same, and the
@@ -45,8 +45,8 @@ class JausError(ValueError):
     """
 
 
-def part_of_whole(module: str, name: str) -> Any:
-    """Return a part of the runtime that a workspace has only where its model asks for it.
+def optional_part(module: str, name: str) -> Any:
+    """Returns a part of the runtime that a workspace has only where its model asks for it.
 
     Whoever starts the process may ask for what the model does not, e.g. for another transport;
     where the workspace does not have the module, that is a JausError.

@@ -32,7 +32,7 @@ class Held(Generic[T]):
 
 
 def who_gives_way(held: Sequence[Held[T]], asker: Held[object]) -> T | None:
-    """Return what makes room for one more; None when nothing has to.
+    """Returns what makes room for one more; None when nothing has to.
 
     What is not proved goes first, whosever it is; a flood of forged requests thus takes its own
     places only. For the same reason an asker without proof takes nothing from those who have one.
@@ -63,7 +63,7 @@ def who_gives_way(held: Sequence[Held[T]], asker: Held[object]) -> T | None:
 
 
 def fair_rates(held: Sequence[Held[T]], capacity: float, level: int = 0) -> list[tuple[T, float]]:
-    """Share a rate max-min fairly: nobody is cut who asks for less than an equal share.
+    """Shares a rate max-min fairly: nobody is cut who asks for less than an equal share.
 
     Args:
         capacity: What there is a second.
@@ -84,7 +84,7 @@ def fair_rates(held: Sequence[Held[T]], capacity: float, level: int = 0) -> list
 
 
 def _filled(wanted: Mapping[K, float], capacity: float) -> dict[K, float]:
-    """Fill shares like water, the smallest first; what is left goes to the others."""
+    """Fills shares like water, the smallest first; what is left goes to the others."""
     shares: dict[K, float] = {}
     ordered = sorted(wanted.items(), key=lambda item: item[1])
     for index, (who, amount) in enumerate(ordered):

@@ -18,11 +18,11 @@ class HostClock:
         self._loop = loop
 
     def now(self) -> float:
-        """Return seconds that never go back; only their differences mean anything."""
+        """Returns seconds that never go back; only their differences mean anything."""
         return self._loop.now()
 
     def utc(self) -> datetime:
-        """Return the time of day in UTC."""
+        """Returns the time of day in UTC."""
         return _EPOCH + timedelta(microseconds=self._loop.wall() // 1000)
 
 
@@ -33,13 +33,13 @@ class Timing(Protocol):
     """
 
     def now(self) -> float:
-        """Return the time in seconds, which never goes back."""
+        """Returns the time in seconds, which never goes back."""
 
     def call_at(self, when: float, callback: Callable[[], None]) -> Timer:
-        """Run a callback at a time of this clock."""
+        """Runs a callback at a time of this clock."""
 
     def call_later(self, delay_s: float, callback: Callable[[], None]) -> Timer:
-        """Run a callback after a delay in seconds of this clock."""
+        """Runs a callback after a delay in seconds of this clock."""
 
 
 class Alarm:
@@ -60,16 +60,16 @@ class Alarm:
         return self._timer is not None and self._timer.callback is not None
 
     def set(self, delay_s: float, callback: Callable[[], None]) -> None:
-        """Run a callback after a delay in seconds."""
+        """Runs a callback after a delay in seconds."""
         self.cancel()
         self._timer = self._clock.call_later(delay_s, callback)
 
     def set_at(self, when: float, callback: Callable[[], None]) -> None:
-        """Run a callback at a time of the clock."""
+        """Runs a callback at a time of the clock."""
         self.cancel()
         self._timer = self._clock.call_at(when, callback)
 
     def cancel(self) -> None:
-        """Run nothing any more; no effect when nothing is to run."""
+        """Runs nothing any more; no effect when nothing is to run."""
         if self._timer is not None:
             self._timer.cancel()

@@ -32,12 +32,12 @@ class Counters:
         self._logged: dict[str, tuple[float, int]] = {}
 
     def add(self, name: str, amount: int = 1) -> None:
-        """Add to a counter of ordinary traffic, without logging."""
+        """Adds to a counter of ordinary traffic, without logging."""
         with self._lock:
             self._counts[name] = self._counts.get(name, 0) + amount
 
     def tally(self, name: str) -> Tally:
-        """Return a part of a counter of ordinary traffic, for one writer at a time."""
+        """Returns a part of a counter of ordinary traffic, for one writer at a time."""
         tally = Tally()
         with self._lock:
             self._tallies.append((name, tally))
@@ -53,7 +53,7 @@ class Counters:
         level: int = logging.WARNING,
         once: bool = False,
     ) -> None:
-        """Count a drop or a failure and warn about it.
+        """Counts a drop or a failure and warns about it.
 
         The first one of a name is logged at once, later ones at most once in ``log_interval``
         with the number that happened since, so that a flood of bad datagrams is one line.
@@ -75,12 +75,12 @@ class Counters:
         LOGGER.log(level, "%s (%d times): %s", name, times, detail, exc_info=error)
 
     def drops(self) -> dict[str, int]:
-        """Return the counts of what was warned about alone, sorted by name."""
+        """Returns the counts of what was warned about alone, sorted by name."""
         with self._lock:
             return {name: self._counts[name] for name in sorted(self._logged)}
 
     def snapshot(self) -> dict[str, int]:
-        """Return a copy of all counts, sorted by name."""
+        """Returns a copy of all counts, sorted by name."""
         with self._lock:
             counts = dict(self._counts)
             for name, tally in self._tallies:

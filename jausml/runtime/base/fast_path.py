@@ -33,7 +33,7 @@ class Revision:
         """Has a core let nothing pass any more; returns when nothing does."""
 
     def stop_by(self, stop: Callable[[], object] | None) -> None:
-        """Have another core stopped by changes, or none."""
+        """Has another core stopped by changes, or none."""
         self.stop = stop or _nothing
 
     def changed(self) -> None:

@@ -26,7 +26,7 @@ _AT_ONCE = 64
 
 
 def due_after(now: float, delay_s: float) -> float:
-    """Return the time after a delay: later than now, unless the delay is 0.
+    """Returns the time after a delay: later than now, unless the delay is 0.
 
     What is left until a deadline may be less than the resolution of a large time. Who asks for it
     again and again must see time pass, also where a clock stands still between two turns.
@@ -46,7 +46,7 @@ class Timer:
         self.on_cancel: Callable[[], None] | None = on_cancel
 
     def cancel(self) -> None:
-        """Keep the callback from running; no effect when it ran or was cancelled."""
+        """Keeps the callback from running; no effect when it ran or was cancelled."""
         self.callback = None
         on_cancel, self.on_cancel = self.on_cancel, None
         # Taken away first, so that it is counted once however often it is cancelled.
@@ -117,17 +117,17 @@ class Loop:
         self.stop()
 
     def call_soon(self, callback: Callable[[], object]) -> None:
-        """Run a callback in the next turn of the loop, after those asked for earlier."""
+        """Runs a callback in the next turn of the loop, after those asked for earlier."""
         # A deque takes it in one step of the interpreter: no lock is needed.
         self._soon.append(callback)
         self._wake()
 
     def call_later(self, delay_s: float, callback: Callable[[], None]) -> Timer:
-        """Run a callback after a delay in seconds."""
+        """Runs a callback after a delay in seconds."""
         return self.call_at(due_after(self.now(), delay_s), callback)
 
     def call_at(self, when: float, callback: Callable[[], None]) -> Timer:
-        """Run a callback at a time of the loop's clock."""
+        """Runs a callback at a time of the loop's clock."""
         timer = Timer(callback, self._timer_cancelled)
         with self._state:
             self._created += 1
@@ -139,7 +139,7 @@ class Loop:
         return timer
 
     def register(self, source: socket.socket | int, on_readable: Callable[[], object]) -> None:
-        """Call ``on_readable`` whenever a socket or descriptor has something to read."""
+        """Calls ``on_readable`` whenever a socket or descriptor has something to read."""
         number = _number(source)
         with self._state:
             self._renewed.add(number)
@@ -159,7 +159,7 @@ class Loop:
         return self._epoll.fileno()
 
     def wait_by(self, poll: Poll | None, settle: Callable[[], None] | None) -> None:
-        """Wait by other means from the next turn on; None stands for those of the system.
+        """Waits by other means from the next turn on; None stands for those of the system.
 
         Args:
             poll: Waits as `select.epoll.poll` does.
@@ -170,25 +170,25 @@ class Loop:
         self._wake()
 
     def unregister(self, source: socket.socket | int) -> None:
-        """Stop watching a descriptor; to be called before it is closed, no effect if unknown."""
+        """Stops watching a descriptor; to be called before it is closed, no effect if unknown."""
         number = _number(source)
         with self._state:
             if not self._closed and self._callbacks.pop(number, None) is not None:
                 self._epoll.unregister(number)
 
     def is_idle(self) -> bool:
-        """Tell whether no descriptor waits to be served; to be called by a callback."""
+        """Tells whether no descriptor waits to be served; to be called by a callback."""
         return not self._epoll.poll(0, 1)
 
     def start(self) -> None:
-        """Run the loop on a thread of its own; raises RuntimeError where it runs or was stopped."""
+        """Runs the loop on a thread of its own; raises RuntimeError if it runs or was stopped."""
         if self._thread is not None or self._closed:
             raise RuntimeError("a loop starts once")
         self._thread = threading.Thread(target=self._run, name="jausml-loop", daemon=True)
         self._thread.start()
 
     def stop(self) -> None:
-        """End the thread, wait for it (unless called on it) and release the descriptors.
+        """Ends the thread, waits for it (unless called on it) and releases the descriptors.
 
         Another thread must not hold ``lock`` meanwhile: the loop may need it to finish.
         """
@@ -201,15 +201,15 @@ class Loop:
             thread.join()
 
     def run_once(self, timeout: float | None = None) -> int:
-        """Wait, at most for so many seconds, and run what is due; return how many callbacks ran."""
+        """Waits at most so many seconds, and runs what is due; returns how many callbacks ran."""
         return self._turn(timeout, is_only=True)
 
     def runs_here(self) -> bool:
-        """Tell whether the caller is on the thread of the loop: who waits there waits forever."""
+        """Tells whether the caller is on the thread of the loop: who waits there waits forever."""
         return threading.get_ident() == self._runner
 
     def next_due(self) -> float | None:
-        """Return when there is something to do by the loop's clock; None when it waits for nothing.
+        """Returns when there is something to do by the loop's clock; None if it waits for nothing.
 
         Whoever drives the loop with a clock of its own goes there. Descriptors are not looked at.
         """
@@ -224,7 +224,7 @@ class Loop:
     def _turn(  # noqa: C901 - what is called here delays each message
         self, timeout: float | None, *, is_only: bool
     ) -> int:
-        """Take one turn, or turns until the loop stops; return what the last one ran.
+        """Takes one turn, or turns until the loop stops; returns what the last one ran.
 
         What is ready comes first: nobody looks at the time between a message and its callback.
         """

@@ -23,7 +23,7 @@ EXIT_USAGE = 2
 
 
 def failed(name: str, error: Exception) -> int:
-    """Tell the log why a process could not run, and return its exit code."""
+    """Tells the log why a process could not run, and returns its exit code."""
     if isinstance(error, OSError):
         LOGGER.error("%s cannot use the network: %s", name, error)
     elif isinstance(error, JausError):
@@ -34,12 +34,12 @@ def failed(name: str, error: Exception) -> int:
 
 
 def configure_log(level: str) -> None:
-    """Log to standard error."""
+    """Logs to standard error."""
     logging.basicConfig(format=LOG_FORMAT, level=level.upper())
 
 
 def log_counts(label: str, counts: Mapping[str, int]) -> None:
-    """Log names and numbers on one line, as the last word of a process on what it did."""
+    """Logs names and numbers on one line, as the last word of a process on what it did."""
     pairs = " ".join(f"{name}={number}" for name, number in counts.items())
     LOGGER.info("%s: %s", label, pairs or "none")
 
@@ -53,15 +53,15 @@ class StopRequest:
         self._requests: SimpleQueue[str | BaseException] = SimpleQueue()
 
     def request(self, reason: str) -> None:
-        """End the wait."""
+        """Ends the wait."""
         self._requests.put(reason)
 
     def fail(self, error: BaseException) -> None:
-        """End the wait by an error of a thread without which the process is of no use."""
+        """Ends the wait by an error of a thread without which the process is of no use."""
         self._requests.put(error)
 
     def wait(self) -> str:
-        """Wait for a request and return its reason; raises the error of a thread that failed."""
+        """Waits for a request and returns its reason; raises the error of a thread that failed."""
         request = self._requests.get()
         if isinstance(request, BaseException):
             raise request
@@ -69,7 +69,7 @@ class StopRequest:
 
     @contextmanager
     def on_signals(self) -> Iterator[None]:
-        """Let SIGINT and SIGTERM request the stop during a block."""
+        """Lets SIGINT and SIGTERM request the stop during a block."""
 
         def handle(number: int, _frame: FrameType | None) -> None:
             self.request(signal.Signals(number).name)

@@ -71,7 +71,7 @@ class Quirks:
         self._reported = 0
 
     def learn(self, peer: JausAddress, quirk: Quirk, how: str) -> None:
-        """Remember a quirk of a peer; the log tells of it once."""
+        """Remembers a quirk of a peer; the log tells of it once."""
         known = self._known.get(peer)
         if known is None:
             if len(self._known) >= MOST_PEERS:
@@ -84,10 +84,10 @@ class Quirks:
             LOGGER.info("%s %s", peer, Learnt(quirk, how))
 
     def has(self, peer: JausAddress, quirk: Quirk) -> bool:
-        """Return whether a peer has shown a quirk."""
+        """Returns whether a peer has shown a quirk."""
         return quirk in self._known.get(peer, ())
 
     def of(self, peer: JausAddress) -> tuple[Learnt, ...]:
-        """Return what was learnt of a peer, in the order of `Quirk`."""
+        """Returns what was learnt of a peer, in the order of `Quirk`."""
         known = self._known.get(peer, {})
         return tuple(Learnt(quirk, known[quirk]) for quirk in Quirk if quirk in known)

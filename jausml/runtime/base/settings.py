@@ -161,7 +161,7 @@ class TransportSettings:
 
 
 def _peer(text: str) -> tuple[JausAddress, Endpoint]:
-    """Read ``ID=HOST:PORT``; argparse turns the ValueError into a usage message."""
+    """Reads ``ID=HOST:PORT``; argparse turns the ValueError into a usage message."""
     address, _, endpoint = text.partition("=")
     host, _, port = endpoint.rpartition(":")
     if not host or not (port.isascii() and port.isdigit()):
@@ -239,7 +239,7 @@ def option_values(settings: TransportSettings) -> dict[str, Any]:
 def add_arguments(
     parser: argparse.ArgumentParser, defaults: TransportSettings | None = None
 ) -> None:
-    """Add the ``--jaus-...`` options that ``from_arguments`` reads."""
+    """Adds the ``--jaus-...`` options that ``from_arguments`` reads."""
     known = option_values(TransportSettings() if defaults is None else defaults)
     for title, options in OPTIONS.items():
         group = parser.add_argument_group(title)
@@ -255,7 +255,7 @@ def add_arguments(
 def from_arguments(
     arguments: argparse.Namespace, defaults: TransportSettings | None = None
 ) -> TransportSettings:
-    """Return the settings that the options of ``add_arguments`` describe.
+    """Returns the settings that the options of ``add_arguments`` describe.
 
     Args:
         defaults: Modelled settings; its address book is extended by ``--jaus-peer``.
@@ -276,7 +276,7 @@ def from_arguments(
 
 
 def peers(*texts: str) -> dict[JausAddress, Endpoint]:
-    """Return entries of an address book.
+    """Returns entries of an address book.
 
     Args:
         texts: Entries like ``100.1.2=192.168.0.7:3794``.
@@ -296,6 +296,6 @@ def _ipv4(name: str, text: str) -> ipaddress.IPv4Address:
 
 
 def check_range(name: str, value: float, low: float, high: float) -> None:
-    """Raise ValueError for a setting that is less or greater than it may be."""
+    """Raises ValueError for a setting that is less or greater than it may be."""
     if not low <= value <= high:
         raise ValueError(f"{name} is {value}; it must lie in {low}..{high}")

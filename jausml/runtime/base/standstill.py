@@ -30,20 +30,20 @@ class Waiting(Protocol):
     now: Callable[[], float]
 
     def call_soon(self, callback: Callable[[], object]) -> None:
-        """Run a callback in the next turn."""
+        """Runs a callback in the next turn."""
 
     def call_later(self, delay_s: float, callback: Callable[[], None]) -> Cancellable:
-        """Run a callback after a delay in seconds."""
+        """Runs a callback after a delay in seconds."""
 
     def is_idle(self) -> bool:
-        """Tell whether nothing waits to be served."""
+        """Tells whether nothing waits to be served."""
 
 
 class Cancellable(Protocol):
     """A callback that is planned."""
 
     def cancel(self) -> None:
-        """Keep it from running."""
+        """Keeps it from running."""
 
 
 class Watch:
@@ -63,12 +63,12 @@ class Watch:
         self.limit, self.began, self.caught_up = limit, began, caught_up
 
     def change(self, limit: float) -> None:
-        """Want to know of standstills of another length in seconds from now on; 0 for none."""
+        """Wants to know of standstills of another length in seconds from now on; 0 for none."""
         self.limit = limit
         self._standstill.arrange()
 
     def cancel(self) -> None:
-        """Want to know of nothing any more."""
+        """Wants to know of nothing any more."""
         self._standstill.forget(self)
 
 
@@ -113,20 +113,20 @@ class Standstill:
         began: Callable[[float], None],
         caught_up: Callable[[], None] = lambda: None,
     ) -> Watch:
-        """Tell of standstills before what waited is served; called with the lock of the loop."""
+        """Tells of standstills before what waited is served; called with the lock of the loop."""
         watch = Watch(self, limit, began, caught_up)
         self._watches.append(watch)
         self.arrange()
         return watch
 
     def forget(self, watch: Watch) -> None:
-        """Tell of nothing any more; no effect when that is so already."""
+        """Tells of nothing any more; no effect when that is so already."""
         if watch in self._watches:
             self._watches.remove(watch)
             self.arrange()
 
     def arrange(self) -> None:
-        """Beat as often as the watches need it; no time passes unseen by another clock."""
+        """Beats as often as the watches need it; no time passes unseen by another clock."""
         # What stood still until now is judged by the limits of until now.
         self.look()
         if self._beat is not None:
@@ -138,12 +138,12 @@ class Standstill:
         self._note_turn()
 
     def look(self) -> None:
-        """Notice a standstill, if there was one; whoever reads calls it before."""
+        """Notices a standstill, if there was one; whoever reads calls it before."""
         if self._loop.now() > self.due:
             self.end()
 
     def end(self) -> None:
-        """Tell of a standstill that ends now."""
+        """Tells of a standstill that ends now."""
         now = self._loop.now()
         still = now - self._turned
         # First, as those who are told may look again and must find it told.
@@ -169,7 +169,7 @@ class Standstill:
             self._beat = self._loop.call_later(self._limit / _LOOKS, self._beat_once)
 
     def _catch_up(self) -> None:
-        """Tell that all has been served, once nothing waits for a moment."""
+        """Tells that all has been served, once nothing waits for a moment."""
         left = self._relayed - self._loop.now()
         if left > 0:
             self._loop.call_later(left, self._catch_up)

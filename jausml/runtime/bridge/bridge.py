@@ -306,7 +306,7 @@ class Bridge:
         )
 
     def _check_lift(self, clients: str) -> None:
-        """Raise ValueError where an emergency cannot be lifted."""
+        """Raises ValueError where an emergency cannot be lifted."""
         try:
             if clients:
                 with self.loop.lock:
@@ -316,7 +316,7 @@ class Bridge:
             raise ValueError(str(error)) from error
 
     def _lift_emergency(self, clients: str) -> None:
-        """Lift emergencies; who sets the parameter was told before why that cannot be."""
+        """Lifts emergencies; who sets the parameter was told before why that cannot be."""
         if clients:
             with suppress(JausError):
                 self.component.lift_emergency(JausAddress.parse(clients))

@@ -51,7 +51,7 @@ class PendingCommand:
         self._timer = Alarm(client.component.loop)
 
     def cancel(self) -> None:
-        """Await the end no longer; neither callback is called.
+        """Awaits the end no longer; neither callback is called.
 
         The target is told; whether it goes on with the command is left to it.
         """
@@ -65,12 +65,12 @@ class PendingCommand:
                 self.cancel_event(self.event_id)
 
     def cancel_event(self, event_id: int) -> None:
-        """Tell the target that nobody awaits an event."""
+        """Tells the target that nobody awaits an event."""
         cancel = CancelEvent(request_id=self.request_id, event_id=event_id)
         self._client.component.send(cancel, self.target)
 
     def send(self, payload: bytes, timeout: float) -> None:
-        """Send the command; the transport repeats it until the target has it."""
+        """Sends the command; the transport repeats it until the target has it."""
         component = self._client.component
         message = CreateCommandEvent(
             request_id=self.request_id,
@@ -81,24 +81,24 @@ class PendingCommand:
         self._timer.set(timeout, self._on_silence)
 
     def await_end(self, event_id: int, margin: float) -> None:
-        """Await the end of a confirmed command, a little longer than the target has for it."""
+        """Awaits the end of a confirmed command, a little longer than the target has for it."""
         self.event_id = event_id
         self._timer.set(self.max_duration + margin, self._on_timeout)
 
     def report_refusal(self, code: int | None, text: str) -> None:
-        """Tell the user that the command was not executed."""
+        """Tells the user that the command was not executed."""
         self._client.forget(self)
         self._client.component.counters.add("command_client.refused")
         if self._on_refused is not None:
             self._client.component.call(self._on_refused, code, text)
 
     def report_end(self, *, succeeded: bool) -> None:
-        """Tell the user whether the command was done, if that is awaited still."""
+        """Tells the user whether the command was done, if that is awaited still."""
         if self._client.forget(self) and self._on_done is not None:
             self._client.component.call(self._on_done, succeeded)
 
     def stop_waiting(self) -> None:
-        """Wait for nothing any more."""
+        """Waits for nothing any more."""
         self._timer.cancel()
 
     def _on_silence(self) -> None:
@@ -106,7 +106,7 @@ class PendingCommand:
         self.report_refusal(None, "no answer")
 
     def _withdraw(self) -> None:
-        """Have the command repeated no more: who is told of its end must not see it begin."""
+        """Has the command repeated no more: who is told of its end must not see it begin."""
         component, start = self._client.component, _start_of(self.request_id)
         component.transport.withdraw(component.address, self.target, start)
 
@@ -143,7 +143,7 @@ class CommandClient:
         max_duration: int = 60,
         timeout: float = 3.0,
     ) -> PendingCommand:
-        """Send a command as soon as the component runs, and await its end."""
+        """Sends a command as soon as the component runs, and awaits its end."""
         if not target.is_concrete:
             raise ValueError(f"{target} does not name one component")
         if not 0 <= max_duration <= MAX_DURATION:
@@ -156,7 +156,7 @@ class CommandClient:
         return pending
 
     def forget(self, pending: PendingCommand) -> bool:
-        """Drop a command that has ended or is awaited no longer; return whether it was."""
+        """Drops a command that has ended or is awaited no longer; returns whether it was."""
         pending.stop_waiting()
         key = (pending.target, pending.request_id)
         if self._pending.get(key) is not pending:
@@ -166,17 +166,17 @@ class CommandClient:
         return True
 
     def cancel_when_confirmed(self, pending: PendingCommand) -> None:
-        """Cancel a command by the event that its target will name."""
+        """Cancels a command by the event that its target will name."""
         self._cancelled[pending.target, pending.request_id] = pending
 
     def stop(self) -> None:
-        """Await no end any more."""
+        """Awaits no end any more."""
         self._cancelled.clear()
         for pending in list(self._pending.values()):
             self.forget(pending)  # with the last one of a target go its early results
 
     def _free_request(self, target: JausAddress) -> int:
-        """Return an id that was not used lately: late answers must not meet another command."""
+        """Returns an id that was not used lately: late answers must not meet another command."""
         count = len(COMMAND_REQUESTS)
         for step in range(count):
             request_id = COMMAND_REQUESTS[(self._next_request + step) % count]
@@ -219,7 +219,7 @@ class CommandClient:
             pending.report_refusal(message.response_code, message.error_message or "")
 
     def _take_answer(self, pending: PendingCommand) -> None:
-        """Let the answer to CreateCommandEvent end its repetition."""
+        """Lets the answer to CreateCommandEvent end its repetition."""
         start = _start_of(pending.request_id)
         self.component.transport.answered(self.component.address, pending.target, start)
 
@@ -235,7 +235,7 @@ class CommandClient:
             self.component.counters.add("command_client.unknown_event")
 
     def _awaiting(self, target: JausAddress, event_id: int) -> PendingCommand | None:
-        """Return the confirmed command of an event; None where there is none."""
+        """Returns the confirmed command of an event; None where there is none."""
         return next(
             (
                 pending
@@ -252,7 +252,7 @@ class CommandClient:
         )
 
     def _drop_early_results(self, target: JausAddress) -> None:
-        """Drop and count the results that no command of a target can be about any more.
+        """Drops and counts the results that no command of a target can be about any more.
 
         The target may use their event ids again, for commands that have not ended.
         """
@@ -274,7 +274,7 @@ class Commander(Host):
         max_duration: int = 60,
         timeout: float = 3.0,
     ) -> PendingCommand:
-        """Send a command and learn when it is done (AS5710 v1.1, CreateCommandEvent).
+        """Sends a command and learns when it is done (AS5710 v1.1, CreateCommandEvent).
 
         Components of core v1.0 do not know command events; they answer nothing, and the command
         is not executed.

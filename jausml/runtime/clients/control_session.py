@@ -51,12 +51,12 @@ class ControlSession:
         return self._control.reason
 
     def release(self) -> None:
-        """End the session; control is released with the last session."""
+        """Ends the session; control is released with the last session."""
         with self._control.component.loop.lock:
             self._control.leave(self)
 
     def changed(self) -> None:
-        """Tell the user the present state, unless the session was released."""
+        """Tells the user the present state, unless the session was released."""
         if self._on_change is not None and self._control.has(self):
             self._control.component.call(self._on_change, self._control.state)
 
@@ -85,7 +85,7 @@ class ControlClient:
         resume: bool = True,
         on_change: Callable[[ControlState], None] | None = None,
     ) -> ControlSession:
-        """Join the control of a target, which begins with the first session."""
+        """Joins the control of a target, which begins with the first session."""
         if not target.is_concrete:
             raise ValueError(f"{target} does not name one component")
         if not 0 <= authority <= 255:
@@ -99,35 +99,35 @@ class ControlClient:
         return session
 
     def _permit(self, permitted: bool) -> None:  # noqa: FBT001
-        """Let go of all targets while the component may not command, and take them back after."""
+        """Lets go of all targets while the component may not command, and takes them back after."""
         for control in list(self._controls.values()):
             control.permit(permitted)
 
     def holds(self, target: JausAddress) -> bool:
-        """Tell whether this component controls a target, as far as it knows."""
+        """Tells whether this component controls a target, as far as it knows."""
         return any(control.holds for control in self._of(target))
 
     def hand_over(self, target: JausAddress) -> None:
-        """Leave control of a target to another component."""
+        """Leaves control of a target to another component."""
         for control in self._of(target):
             control.hand_over()
 
     def take_over(self, target: JausAddress) -> None:
-        """Go on with control of a target that another component has handed over."""
+        """Goes on with control of a target that another component has handed over."""
         for control in self._of(target):
             control.take_over()
 
     def stop(self) -> None:
-        """Release all control."""
+        """Releases all control."""
         for control in list(self._controls.values()):
             control.stop()
 
     def _forget(self, control: ControlledTarget) -> None:
-        """Drop a control without sessions."""
+        """Drops a control without sessions."""
         self._controls.pop(control.target, None)
 
     def _of(self, target: JausAddress) -> tuple[ControlledTarget, ...]:
-        """Return the control of a target, or none."""
+        """Returns the control of a target, or none."""
         control = self._controls.get(target)
         return () if control is None else (control,)
 

@@ -42,7 +42,7 @@ class Session(Protocol):
     resume: bool
 
     def changed(self) -> None:
-        """Learn that the state is another one."""
+        """Learns that the state is another one."""
 
 
 class Releases:
@@ -59,11 +59,11 @@ class Releases:
         self._under_way: dict[JausAddress, int] = {}
 
     def are_under_way(self, target: JausAddress) -> bool:
-        """Return whether a target may still take a release that was sent."""
+        """Returns whether a target may still take a release that was sent."""
         return target in self._under_way
 
     def send(self, target: JausAddress, *, acknowledge: bool) -> None:
-        """Send ReleaseControl, which may be repeated until it is acknowledged."""
+        """Sends ReleaseControl, which may be repeated until it is acknowledged."""
         if not acknowledge:
             self._component.send(ReleaseControl(), target)
             return
@@ -100,18 +100,18 @@ class Questions:
         return [kind for kind in self._open if self.are_worth(kind)]
 
     def are_worth(self, kind: type[Message]) -> bool:
-        """Return whether a question was not asked in vain too often."""
+        """Returns whether a question was not asked in vain too often."""
         return self._tries.get(kind, 0) < QUICK_TRIES
 
     def ask(self, question: Message) -> None:
-        """Send a question; it is open until it is answered or closed."""
+        """Sends a question; it is open until it is answered or closed."""
         kind = type(question)
         self._open.add(kind)
         self._tries[kind] = self._tries.get(kind, 0) + 1
         self.send(question)
 
     def answered(self, kind: type[Message]) -> bool:
-        """Take a question off the list; return whether it was the last one that is worth asking.
+        """Takes a question off the list; returns whether it was the last one that is worth asking.
 
         One that was asked in vain too often does not keep the others from their pace.
         """
@@ -122,20 +122,20 @@ class Questions:
         return not self.urgent
 
     def go_on(self, kind: type[Message]) -> None:
-        """Keep a question open that was answered, though not as wanted."""
+        """Keeps a question open that was answered, though not as wanted."""
         self._tries[kind] = 0
 
     def close(self) -> None:
-        """Wait for no answer any more."""
+        """Waits for no answer any more."""
         self._open.clear()
 
     def forget(self) -> None:
-        """Begin anew: nothing is open, and nothing was asked in vain."""
+        """Begins anew: nothing is open, and nothing was asked in vain."""
         self._open.clear()
         self._tries.clear()
 
     def send(self, message: Message) -> None:
-        """Send a message.
+        """Sends a message.
 
         The transport repeats commands until they are acknowledged, as long as anyone may be there;
         of a question that is asked again and again, the first one. The others would wait for each
@@ -180,7 +180,7 @@ class TargetWatch:
         self._timer = Alarm(component.loop)
 
     def start(self) -> None:
-        """Subscribe, unless that was done."""
+        """Subscribes, unless that was done."""
         if self._subscriptions:
             return
         self._subscriptions = [
@@ -190,14 +190,14 @@ class TargetWatch:
         self._timer.set(PATIENCE, self._give_up)
 
     def verify(self) -> None:
-        """Have all events of the target renewed.
+        """Has all events of the target renewed.
 
         One that has lost its controller, or does not obey it any more, may have been restarted.
         """
         self._events.suspect(self._target)
 
     def stop(self) -> None:
-        """Cancel the events."""
+        """Cancels the events."""
         self._timer.cancel()
         subscriptions, self._subscriptions = self._subscriptions, []
         for subscription in subscriptions:
@@ -207,6 +207,6 @@ class TargetWatch:
         self._take(report)
 
     def _give_up(self) -> None:
-        """Ask no longer for events that the target does not know; it may do so when restarted."""
+        """Asks no longer for events that the target does not know; it may do so when restarted."""
         if not any(subscription.active for subscription in self._subscriptions):
             self.stop()

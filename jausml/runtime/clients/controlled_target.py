@@ -111,7 +111,7 @@ class ControlledTarget:
         return f"{self.target} demands a higher authority than {self.authority}"
 
     def join(self, session: Session) -> None:
-        """Add a session; the first one starts."""
+        """Adds a session; the first one starts."""
         self._sessions.append(session)
         self._is_handed_over = False
         if len(self._sessions) == 1:
@@ -122,18 +122,18 @@ class ControlledTarget:
             self._loop.call_soon(session.changed)
 
     def has(self, session: Session) -> bool:
-        """Tell whether a session has not left."""
+        """Tells whether a session has not left."""
         return session in self._sessions
 
     def leave(self, session: Session) -> None:
-        """Remove a session; control is released with the last one."""
+        """Removes a session; control is released with the last one."""
         if session in self._sessions:
             self._sessions.remove(session)
             if not self._sessions:
                 self.stop()
 
     def stop(self) -> None:
-        """Release control; also when a request may just be on its way."""
+        """Releases control; also when a request may just be on its way."""
         self._sessions.clear()
         if not self._is_handed_over:
             self._release()
@@ -143,7 +143,7 @@ class ControlledTarget:
         self.state = ControlState.SEEKING
 
     def permit(self, permitted: bool) -> None:  # noqa: FBT001
-        """Let go of the target while this component may not command, and ask again afterwards."""
+        """Lets go of the target while this component may not command, and asks again afterwards."""
         if permitted is self._is_permitted:
             return
         self._is_permitted = permitted
@@ -156,14 +156,14 @@ class ControlledTarget:
             self._change(ControlState.SEEKING)
 
     def hand_over(self) -> None:
-        """Request control no more, and do not release it: the target passes it on."""
+        """Requests control no more, and does not release it: the target passes it on."""
         self._is_handed_over = True
         self._timer.cancel()
         self._questions.forget()
         self._change(ControlState.SEEKING)
 
     def take_over(self) -> None:
-        """Request control at once: the target has it for this component."""
+        """Requests control at once: the target has it for this component."""
         self._is_handed_over = False
         self._pace.answered()
         if self._is_permitted and self._sessions and not self.holds:
@@ -173,7 +173,7 @@ class ControlledTarget:
     # ---- what the target says -----------------------------------------------------------------
 
     def confirmed(self, code: int) -> None:
-        """Take the answer to a request."""
+        """Takes the answer to a request."""
         self._awaits_answer = False
         self._take_answer()
         if not self._is_permitted:
@@ -201,7 +201,7 @@ class ControlledTarget:
             self._check_in(self._settings.retry_min)
 
     def _take_answer(self) -> None:
-        """Let the answer end the repetition of the request; learn of a peer that answers more."""
+        """Lets the answer end the repetition of the request; learns of a peer that answers more."""
         transport = self.component.transport
         transport.answered(self.component.address, self.target, _REQUEST)
         self._answers += 1
@@ -210,17 +210,17 @@ class ControlledTarget:
             transport.quirks.learn(self.target, Quirk.NO_DUPLICATE_FILTER, how)
 
     def rejected(self) -> None:
-        """Take the word that control has ended, and ask again at once."""
+        """Takes the word that control has ended, and asks again at once."""
         if self.holds:
             self._lose()
 
     def timeout_reported(self, seconds: int) -> None:
-        """Take the time after which the target lets control lapse."""
+        """Takes the time after which the target lets control lapse."""
         self._timeout = seconds
         self._answered(QueryTimeout)
 
     def reported(self, report: Message) -> None:
-        """Take a ReportStatus or ReportControl, be it an answer or an event."""
+        """Takes a ReportStatus or ReportControl, be it an answer or an event."""
         if not self._sessions:
             return
         if isinstance(report, ReportStatus):
@@ -231,7 +231,7 @@ class ControlledTarget:
             self._control_reported(report)
 
     def _status_reported(self, code: int) -> None:
-        """Take the state of the target; a code that no standard has is none of those that obey."""
+        """Takes the state of the target; a code that no standard has is none of those that obey."""
         status = self.status = Status(code) if code in _STATES else Status.FAILURE
         if not self.holds:
             self._answered(QueryStatus)
@@ -262,7 +262,7 @@ class ControlledTarget:
         self._try_again()
 
     def released(self) -> None:
-        """Request control that could not be requested while a release was under way."""
+        """Requests control that could not be requested while a release was under way."""
         self._returned()
 
     # ---- what is sent to the target -----------------------------------------------------------
@@ -299,7 +299,7 @@ class ControlledTarget:
             self._check_in(self._pace.next_pause())
 
     def _keep(self) -> None:
-        """Renew control and ask how the target is; again soon, as long as an answer is missing."""
+        """Renews control and asks how the target is; again soon while an answer is missing."""
         if self._loop.now() >= self._confirmed_at + RENEWALS * self._interval:
             self._lose()
             return
@@ -319,7 +319,7 @@ class ControlledTarget:
         self._check_in(min(pause, self._renewal_pause))
 
     def _look(self) -> None:
-        """Ask why control is refused, and now and then for control itself."""
+        """Asks why control is refused, and now and then for control itself."""
         now, settings = self._loop.now(), self._settings
         silence = max(settings.refused_retry, RENEWALS * settings.watch_interval)
         # Heard of nothing: it is gone, rather than unwilling.
@@ -356,7 +356,7 @@ class ControlledTarget:
             self._check_in(self._settings.watch_interval)
 
     def _try_again(self) -> None:
-        """Request control that was refused, when the target says that it can be had now."""
+        """Requests control that was refused, when the target says that it can be had now."""
         if (
             self.state is ControlState.REFUSED
             and self._is_free
@@ -377,7 +377,7 @@ class ControlledTarget:
         return self._authority_in_force < self.authority
 
     def _seek_when_due(self) -> None:
-        """Request control now, unless that was done a moment ago."""
+        """Requests control now, unless that was done a moment ago."""
         due = self._requested_at + self._settings.retry_min - self._loop.now()
         if due > 0:
             self._check_in(due)
@@ -385,7 +385,7 @@ class ControlledTarget:
             self._check()
 
     def _resume(self) -> None:
-        """Resume the target, but not again at every answer of one that does not obey."""
+        """Resumes the target, but not again at every answer of one that does not obey."""
         settings = self._settings
         is_quick = self._resumes < QUICK_TRIES
         pause = settings.retry_min if is_quick else settings.watch_interval
@@ -409,7 +409,7 @@ class ControlledTarget:
         self._questions.ask(RequestControl(authority_code=self.authority))
 
     def _answered(self, kind: type[Message]) -> None:
-        """Take an answer; after the last one the next round begins in time."""
+        """Takes an answer; after the last one the next round begins in time."""
         if self._questions.answered(kind) and self.holds:
             self._check_in(self._renewal_pause)
 
@@ -443,7 +443,7 @@ class ControlledTarget:
         self._timer.set(delay, self._check)
 
     def _change(self, state: ControlState) -> bool:
-        """Tell the sessions a new state; return whether control is wanted any longer then."""
+        """Tells the sessions a new state; returns whether control is wanted any longer then."""
         if state is not self.state:
             self.state = state
             # A copy: a session that is told may leave.

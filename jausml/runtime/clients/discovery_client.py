@@ -16,7 +16,7 @@ from .registration import Registration
 
 
 def query_services(component: JausAddress = BROADCAST) -> QueryServices:
-    """Return the query for the services of one component, or of all that are there.
+    """Returns the query for the services of one component, or of all that are there.
 
     There are stacks that know no wildcards, and report nothing.
     """
@@ -28,7 +28,7 @@ def query_services(component: JausAddress = BROADCAST) -> QueryServices:
 
 
 def query_service_lists(component: JausAddress = BROADCAST) -> QueryServiceList:
-    """Return the query of v1.1 for the services of one component, or of all."""
+    """Returns the query of v1.1 for the services of one component, or of all."""
     record = QueryServiceList.ComponentRec(component_id=component.component)
     node = QueryServiceList.NodeSeq(
         node_rec=QueryServiceList.NodeRec(node_id=component.node), component_list=[record]
@@ -43,7 +43,7 @@ def query_service_lists(component: JausAddress = BROADCAST) -> QueryServiceList:
 def reported_services(
     report: ReportServices | ReportServiceList, subsystem: int
 ) -> Iterator[tuple[JausAddress, tuple[ServiceIdentity, ...]]]:
-    """Yield the components of a report, which does not tell their subsystem, and their services."""
+    """Yields components of a report, which does not tell their subsystem, and their services."""
     if isinstance(report, ReportServices):
         parts = [(subsystem, report.node_list)]
     else:
@@ -74,7 +74,7 @@ class ServicesById:
         self._asked: dict[JausAddress, float] = {}
 
     def take(self, report: ReportServices, sender: JausAddress) -> None:
-        """Ask if a report is empty; learn of who reports something then."""
+        """Asks if a report is empty; learns of who reports something then."""
         now = self._component.loop.now()
         asked = self._asked.get(sender, -math.inf)
         if any(node.component_list for node in report.node_list):
@@ -121,7 +121,7 @@ class DiscoveryClient:
         component.on_message(ReportServiceList, self._take)
 
     def discover(self, urn: str, on_found: Callable[[FoundComponent], None]) -> None:
-        """Search for the providers of a service until the component stops."""
+        """Searches for the providers of a service until the component stops."""
         self._searches.append(_Search(urn, on_found, set()))
         registration = self._component.part(Registration)
         if len(self._searches) == 1:
@@ -130,11 +130,11 @@ class DiscoveryClient:
             registration.start()
 
     def watch(self, on_sighting: Callable[[FoundComponent], None]) -> None:
-        """Tell every component that an answer names, each time; nobody is asked for that."""
+        """Tells every component that an answer names, each time; nobody is asked for that."""
         self._watchers.append(on_sighting)
 
     def ask_for_services(self, place: JausAddress) -> None:
-        """Ask a component, or several by a wildcard, for components and their services."""
+        """Asks a component, or several by a wildcard, for components and their services."""
         # Peers of v1.0 know the first alone.
         self._component.send(query_services(), place)
         self._component.send(query_service_lists(), place)
@@ -145,7 +145,7 @@ class DiscoveryClient:
         self._take(report, sender)
 
     def _take(self, report: ReportServices | ReportServiceList, sender: JausAddress) -> None:
-        """Tell what was found; nothing is read when nobody wants to know."""
+        """Tells what was found; nothing is read when nobody wants to know."""
         is_wanted = self._searches or self._watchers
         for address, services in reported_services(report, sender.subsystem) if is_wanted else ():
             component = FoundComponent(address, services)

@@ -62,7 +62,7 @@ class EventClient:
         on_silence: Callable[[], None] | None = None,
         payloads: bool = False,
     ) -> EventSubscription:
-        """Join the event on a query, or create it; see `EventSubscriber`."""
+        """Joins the event on a query, or creates it; see `EventSubscriber`."""
         if not provider.is_concrete:
             raise ValueError(f"{provider} does not name one component")
         if rate is not None and not 0 < rate <= MAX_EVENT_RATE:
@@ -93,7 +93,7 @@ class EventClient:
         return subscription
 
     def stop(self) -> None:
-        """Cancel all events."""
+        """Cancels all events."""
         for stream in list(self._streams.values()):
             stream.stop()
 
@@ -104,7 +104,7 @@ class EventClient:
     # ---- for the streams --------------------------------------------------------------------
 
     def bind(self, stream: EventStream, event_id: int) -> None:
-        """Deliver the events of an id to a stream from now on."""
+        """Delivers the events of an id to a stream from now on."""
         self.unbind(stream)
         self._component.loop.revision.changed()
         key = (stream.provider, event_id)
@@ -115,30 +115,30 @@ class EventClient:
             other.lost()
 
     def unbind(self, stream: EventStream) -> None:
-        """Deliver no events to a stream any more."""
+        """Delivers no events to a stream any more."""
         key = (stream.provider, -1 if stream.event_id is None else stream.event_id)
         if self._by_event.get(key) is stream:
             del self._by_event[key]
             self._component.loop.revision.changed()
 
     def suspect(self, provider: JausAddress) -> None:
-        """Verify all events of a provider that lost one or fell silent: was it restarted?"""
+        """Verifies all events of a provider that lost one or fell silent: was it restarted?"""
         for stream in list(self._streams.values()):
             if stream.provider == provider:
                 stream.verify()
 
     def has(self, stream: EventStream) -> bool:
-        """Return whether a stream is among those with subscribers."""
+        """Returns whether a stream is among those with subscribers."""
         return self._streams.get((stream.provider, stream.payload)) is stream
 
     def forget(self, stream: EventStream) -> None:
-        """Drop a stream without subscribers."""
+        """Drops a stream without subscribers."""
         self.unbind(stream)
         self._by_request.pop((stream.provider, stream.request_id), None)
         self._streams.pop((stream.provider, stream.payload), None)
 
     def event_timeout(self, provider: JausAddress) -> int:
-        """Return the event timeout of a provider in minutes, 0 for never; ask it if unknown."""
+        """Returns the event timeout of a provider in minutes, 0 for never; asks it if unknown."""
         known = self._timeouts.get(provider)
         if known is None:
             self._component.send(QueryEventTimeout(), provider)
@@ -148,7 +148,7 @@ class EventClient:
     # ---- messages ---------------------------------------------------------------------------
 
     def _event(self, payload: bytes, sender: JausAddress) -> None:
-        """Hand the report of an event to its stream; the event itself is read on its bytes."""
+        """Hands the report of an event to its stream; the event itself is read on its bytes."""
         if (
             len(payload) < EVENT_HEADER
             or int.from_bytes(payload[4:8], "little") != len(payload) - EVENT_HEADER
@@ -179,7 +179,7 @@ class EventClient:
                     stream.reschedule()
 
     def _stray(self, event_id: int, sender: JausAddress) -> None:
-        """Act on an event that is not ours: its creation is not confirmed yet, or is unwanted.
+        """Acts on an event that is not ours: its creation is not confirmed yet, or is unwanted.
 
         The event may be left from before a restart of this component, or its confirmation was
         lost; creating it again yields its id. What nobody wants is cancelled.
@@ -203,7 +203,7 @@ class EventClient:
             self._component.send(message, sender)
 
     def _free_request(self, provider: JausAddress, stream: EventStream) -> int:
-        """Return an id that was not used lately: late answers must not meet another stream."""
+        """Returns an id that was not used lately: late answers must not meet another stream."""
         for step in EVENT_REQUESTS:
             request_id = (self._last_request + 1 + step) % len(EVENT_REQUESTS)
             if (provider, request_id) not in self._by_request:

@@ -47,22 +47,22 @@ class Listener(Protocol):
     """Who hands streams their messages, and knows the other streams."""
 
     def bind(self, stream: EventStream, event_id: int) -> None:
-        """Deliver the events of an id to a stream from now on."""
+        """Delivers the events of an id to a stream from now on."""
 
     def unbind(self, stream: EventStream) -> None:
-        """Deliver no events to a stream any more."""
+        """Delivers no events to a stream any more."""
 
     def suspect(self, provider: JausAddress) -> None:
-        """Verify all events of a provider that lost one or fell silent."""
+        """Verifies all events of a provider that lost one or fell silent."""
 
     def has(self, stream: EventStream) -> bool:
-        """Return whether a stream is among those with subscribers."""
+        """Returns whether a stream is among those with subscribers."""
 
     def forget(self, stream: EventStream) -> None:
-        """Drop a stream without subscribers."""
+        """Drops a stream without subscribers."""
 
     def event_timeout(self, provider: JausAddress) -> int:
-        """Return the event timeout of a provider in minutes, 0 for never."""
+        """Returns the event timeout of a provider in minutes, 0 for never."""
 
 
 class EventStream:
@@ -111,7 +111,7 @@ class EventStream:
     # ---- subscribers ------------------------------------------------------------------------
 
     def join(self, subscription: EventSubscription, report_class: type[Message]) -> None:
-        """Add a subscriber; it gets the last report of an event that is under way."""
+        """Adds a subscriber; it gets the last report of an event that is under way."""
         self._subscribers.add(subscription, report_class)
         self._loop.revision.changed()
         self.component.when_started(subscription.start_watching)
@@ -124,7 +124,7 @@ class EventStream:
             self._loop.call_soon(lambda: give(self._loop.now()))
 
     def leave(self, subscription: EventSubscription) -> None:
-        """Remove a subscriber; the event is cancelled with the last one."""
+        """Removes a subscriber; the event is cancelled with the last one."""
         self._loop.revision.changed()
         self._subscribers.remove(subscription)
         if self._subscribers:
@@ -133,7 +133,7 @@ class EventStream:
             self.stop()
 
     def stop(self) -> None:
-        """Cancel the event and forget the subscribers."""
+        """Cancels the event and forgets the subscribers."""
         self._loop.revision.changed()
         for subscription in self._subscribers:
             subscription.stop_watching()
@@ -148,7 +148,7 @@ class EventStream:
         self._state = _State.IDLE
 
     def fast_path(self) -> FastPath | None:
-        """Return the fast path of the reports to the one who alone subscribes; None without one."""
+        """Returns the fast path of the reports to who alone subscribes; None without one."""
         if len(self._subscribers) != 1 or self._is_renewed:
             return None
         ((subscription, report_class),) = self._subscribers.items()
@@ -168,7 +168,7 @@ class EventStream:
         return replace(path, passed=note, expected=lambda: self._expected)
 
     def _agree_on_rate(self) -> None:
-        """Ask for the rate that the subscribers want by now."""
+        """Asks for the rate that the subscribers want by now."""
         rate = self._subscribers.wanted_rate
         if rate != self._rate:
             self._rate = rate
@@ -177,7 +177,7 @@ class EventStream:
         self._pace_subscriptions()
 
     def _pace_subscriptions(self) -> None:
-        """Tell each subscriber what it gets, to have its own rate of it."""
+        """Tells each subscriber what it gets, to have its own rate of it."""
         event_rate = None if self._rate is None else self._confirmed_rate or self._rate
         for subscription in self._subscribers:
             subscription.follow(event_rate)
@@ -185,7 +185,7 @@ class EventStream:
     # ---- requests ---------------------------------------------------------------------------
 
     def hurry(self) -> None:
-        """Ask again now, unless that was done a moment ago."""
+        """Asks again now, unless that was done a moment ago."""
         if (
             self._state is _State.CREATING
             and self._loop.now() >= self._asked_at + self._settings.retry_min
@@ -202,12 +202,12 @@ class EventStream:
         self.hurry()
 
     def reschedule(self) -> None:
-        """Renew in time for the event timeout that the provider has reported."""
+        """Renews in time for the event timeout that the provider has reported."""
         if self._state is _State.ACTIVE and not self._renewals:
             self._schedule_renewal()
 
     def confirmed(self, event_id: int, rate: float) -> None:
-        """Take the provider's confirmation of our last request."""
+        """Takes the provider's confirmation of our last request."""
         self._take_answer()
         if self._state is _State.IDLE or not self._subscribers:
             return
@@ -245,7 +245,7 @@ class EventStream:
             self._renew()
 
     def rejected(self, code: int | None, text: str) -> None:
-        """Take the provider's refusal of our last request."""
+        """Takes the provider's refusal of our last request."""
         self._take_answer()
         if self._state is _State.ACTIVE:
             if self._renewals:
@@ -259,19 +259,19 @@ class EventStream:
             self._timer.set(self._settings.refused_retry, self._create)
 
     def _take_answer(self) -> None:
-        """Let the answer to CreateEvent end its repetition."""
+        """Lets the answer to CreateEvent end its repetition."""
         start = _CREATE + bytes([self.request_id])
         self.component.transport.answered(self.component.address, self.provider, start)
 
     def lost(self) -> None:
-        """Create the event again: the provider does not know it any more."""
+        """Creates the event again: the provider does not know it any more."""
         self._counters.add("event_client.lost")
         self._listener.unbind(self)
         self.event_id = None
         self._recreate()
 
     def verify(self) -> None:
-        """Renew the event now, to learn whether the provider still knows it.
+        """Renews the event now, to learn whether the provider still knows it.
 
         A provider that has just confirmed it knows it, and is left alone.
         """
@@ -285,7 +285,7 @@ class EventStream:
             self._create()
 
     def _recreate(self) -> None:
-        """Create the event again, with growing pauses as long as that is of no use."""
+        """Creates the event again, with growing pauses as long as that is of no use."""
         self._state = _State.CREATING
         if self._loop.now() >= self._asked_at + self._settings.retry_min:
             self._create()
@@ -314,7 +314,7 @@ class EventStream:
         self._ask()
 
     def _ask(self) -> None:
-        """Ask for the event, whether or not the provider has it.
+        """Asks for the event, whether or not the provider has it.
 
         Each provider knows CreateEvent, and answers for an event that it has with that event
         (AS5710, Events). UpdateEvent would do the same, but there are peers that die of it.
@@ -333,12 +333,12 @@ class EventStream:
         self._loop.call_soon(partial(self._listener.suspect, self.provider))
 
     def _send(self, message: Message) -> None:
-        """Send a request; the transport repeats it where somebody is there to acknowledge."""
+        """Sends a request; the transport repeats it where somebody is there to acknowledge."""
         is_heard = self._presence.heard_lately(self.provider)
         self.component.send(message, self.provider, acknowledge=is_heard)
 
     def _schedule_renewal(self) -> None:
-        """Renew at half the provider's timeout, and an every-change event not much later.
+        """Renews at half the provider's timeout, and an every-change event not much later.
 
         The reports of an every-change event may rightly stay away; only a renewal tells that its
         provider was restarted. A periodic event without timeout needs no renewal at all.
@@ -355,7 +355,7 @@ class EventStream:
     # ---- reports ----------------------------------------------------------------------------
 
     def receive(self, sequence: int, payload: bytes) -> None:
-        """Hand a report to the subscribers."""
+        """Hands a report to the subscribers."""
         if self._expected is not None and sequence != self._expected:
             missing = (sequence - self._expected) & 0xFF
             if missing >= HALF_SEQUENCE and not self._is_renewed:
@@ -379,13 +379,13 @@ class EventStream:
         self._subscribers.deliver(payload, now)
 
     def count_bad(self, provider: JausAddress, error: DecodeError) -> None:
-        """Count a report that cannot be read."""
+        """Counts a report that cannot be read."""
         self._counters.count("event_client.bad_report", f"{provider}: {error}")
 
     # ---- silence ----------------------------------------------------------------------------
 
     def _watch_silence(self) -> None:
-        """Wait for the reports of a periodic event, longer each time that they stay away."""
+        """Waits for the reports of a periodic event, longer each time that they stay away."""
         self._silence_timer.cancel()
         if self._confirmed_rate > 0:
             shortest = max(SILENT_PERIODS / self._confirmed_rate, MIN_SILENCE)

@@ -31,7 +31,7 @@ class EventSubscriber(Host):
         stands_by: bool = False,
         payloads: bool = False,
     ) -> EventSubscription:
-        """Receive a report of another component over an AS5710 event.
+        """Receives a report of another component over an AS5710 event.
 
         The event is created as soon as the provider answers, renewed, and created anew when the
         provider was restarted. Subscriptions of this component to the same provider and query

@@ -31,7 +31,7 @@ class QueryTimer:
         self._timer: Timer = loop.call_at(self._next, self._due)
 
     def stop(self) -> None:
-        """Ask no more."""
+        """Asks no more."""
         self._timer.cancel()
 
     def _due(self) -> None:
@@ -60,10 +60,10 @@ class Stream(Protocol):
         """Whether the provider has confirmed the event."""
 
     def leave(self, subscription: EventSubscription) -> None:
-        """Remove a subscriber."""
+        """Removes a subscriber."""
 
     def count_bad(self, provider: JausAddress, error: DecodeError) -> None:
-        """Count a report that cannot be read."""
+        """Counts a report that cannot be read."""
 
 
 class EventSubscription:
@@ -132,34 +132,34 @@ class EventSubscription:
         return self._silent
 
     def cancel(self) -> None:
-        """End the subscription; the event is cancelled with its last subscriber."""
+        """Ends the subscription; the event is cancelled with its last subscriber."""
         with self._component.loop.lock:
             self.stop_watching()
             self._stream.leave(self)
 
     def fast_path(self) -> FastPath | None:
-        """Return the fast path of the reports of the event; None where they do not all go on."""
+        """Returns the fast path of the reports of the event; None where they do not all go on."""
         if self._query_timer is not None or self._period or self._silent:
             return None
         return fast_path_of(self._on_report, self.provider)
 
     def note_heard(self, at: float) -> None:
-        """Note that a report went on without passing here."""
+        """Notes that a report went on without passing here."""
         self._heard = at
 
     def start_watching(self) -> None:
-        """Begin to wait for the first report."""
+        """Begins to wait for the first report."""
         self._heard = self._component.loop.now()
         if self._silence_timeout > 0:
             self._watch_from(self._heard)
 
     def stop_watching(self) -> None:
-        """Detect no silence any more."""
+        """Detects no silence any more."""
         self._watch.cancel()
         self._stop_asking()
 
     def follow(self, event_rate: float | None) -> None:
-        """Have the own rate of an event that others share, whose rate is None at every change."""
+        """Has the own rate of an event that others share, whose rate is None at every change."""
         self._component.loop.revision.changed()
         is_slower = (
             self.rate is not None and event_rate is not None and self.rate < _ALIKE * event_rate
@@ -182,7 +182,7 @@ class EventSubscription:
             self._query_timer = None
 
     def deliver(self, report: Message | bytes, now: float) -> None:
-        """Hand a report of the event to the subscriber, unless it has another rate."""
+        """Hands a report of the event to the subscriber, unless it has another rate."""
         if self._query_timer is not None:
             return
         if self._period:
@@ -193,7 +193,7 @@ class EventSubscription:
         self._hand_over(report, now)
 
     def answer(self, report: Message | bytes, _provider: JausAddress) -> None:
-        """Hand the answer to a query to the subscriber."""
+        """Hands the answer to a query to the subscriber."""
         if self._query_timer is not None:
             self._hand_over(report, self._component.loop.now())
 
@@ -233,19 +233,19 @@ class Subscribers:
         return iter(tuple(self._classes))
 
     def items(self) -> tuple[tuple[EventSubscription, type[Message]], ...]:
-        """Return each with its class of the report."""
+        """Returns each with its class of the report."""
         return tuple(self._classes.items())
 
     def add(self, subscription: EventSubscription, report_class: type[Message]) -> None:
-        """Add one."""
+        """Adds one."""
         self._classes[subscription] = report_class
 
     def remove(self, subscription: EventSubscription) -> None:
-        """Remove one; no effect when it is none of them."""
+        """Removes one; no effect when it is none of them."""
         self._classes.pop(subscription, None)
 
     def clear(self) -> None:
-        """Remove all."""
+        """Removes all."""
         self._classes.clear()
 
     @property
@@ -256,7 +256,7 @@ class Subscribers:
         return max(periodic) if len(periodic) == len(rates) else None
 
     def deliver(self, payload: bytes, now: float) -> None:
-        """Give each a report, which is read once for all that take it alike."""
+        """Gives each a report, which is read once for all that take it alike."""
         read: dict[tuple[type[Message], bool], Message | bytes | None] = {}
         for subscription, report_class in self.items():
             group = report_class, subscription.takes_payloads
@@ -267,7 +267,7 @@ class Subscribers:
                 subscription.deliver(report, now)
 
     def give(self, subscription: EventSubscription, payload: bytes, now: float) -> None:
-        """Give a report to one of them."""
+        """Gives a report to one of them."""
         if subscription in self._classes:
             report_class = self._classes[subscription]
             report = self._read(report_class, subscription.takes_payloads, payload)
@@ -280,7 +280,7 @@ class Subscribers:
         takes_payloads: bool,  # noqa: FBT001 - one of two ways
         payload: bytes,
     ) -> Message | bytes | None:
-        """Return a report as some of them take it; None if it is of another message."""
+        """Returns a report as some of them take it; None if it is of another message."""
         if takes_payloads and int.from_bytes(payload[:2], "little") == report_class.CODE:
             return payload
         try:

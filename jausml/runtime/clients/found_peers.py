@@ -32,7 +32,7 @@ class PeerSubscriber(EventSubscriber):
         on_silence: Callable[[JausAddress], None] | None = None,
         stands_by: bool = False,
     ) -> None:
-        """Receive a report of what a search finds, as ``subscribe`` does of one provider.
+        """Receives a report of what a search finds, as ``subscribe`` does of one provider.
 
         Args:
             rate: Reports each second of each provider; None means every change.
@@ -74,7 +74,7 @@ class PeerQuerier(Querier):
         report_class: type[R],
         on_report: Callable[[R, JausAddress], None],
     ) -> None:
-        """Ask each component that a search finds for a report once, when it is found."""
+        """Asks each component that a search finds for a report once, when it is found."""
 
         def join(peer: JausAddress) -> None:
             self.query(peer, query, report_class, on_report)

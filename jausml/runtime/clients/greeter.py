@@ -32,20 +32,20 @@ class Greeter:
         component.when_stopped(self.stop)
 
     def start(self) -> None:
-        """Greet now, and whoever is silent again and again."""
+        """Greets now, and whoever is silent again and again."""
         for peer in self.unanswered:
             self._presence.watch(peer, self._heard)
         if self.unanswered:
             self._look()
 
     def stop(self) -> None:
-        """Greet no more."""
+        """Greets no more."""
         self._timer.cancel()
         for peer in self.unanswered:
             self._presence.forget(peer, self._heard)
 
     def _look(self) -> None:
-        """Greet whoever was not heard for long."""
+        """Greets whoever was not heard for long."""
         component = self._component
         since = component.loop.now() - component.settings.discovery_timeout
         for peer in self.unanswered:
@@ -64,7 +64,7 @@ class Greeter:
             )
 
     def _heard(self) -> None:
-        """Tell once of each peer that speaks after it was greeted."""
+        """Tells once of each peer that speaks after it was greeted."""
         since = self._component.loop.now() - self._component.settings.discovery_timeout
         for peer, tries in self.unanswered.items():
             if tries and self._presence.heard_since(peer, since):

@@ -53,7 +53,7 @@ class PendingHandoff:
         self._timer = Alarm(host.loop)
 
     def cancel(self) -> None:
-        """Take the request back; no effect once it is decided."""
+        """Takes the request back; no effect once it is decided."""
         with self._host.loop.lock:
             if self._timer.is_set and self.number is not None:
                 removal = RemoveHandoffRequest(id_=self.number)
@@ -61,16 +61,16 @@ class PendingHandoff:
             self.end()
 
     def end(self) -> None:
-        """Ask no more."""
+        """Asks no more."""
         self._timer.cancel()
 
     def ask(self) -> None:
-        """Send the request, and again before it lapses."""
+        """Sends the request, and again before it lapses."""
         self._timer.set(self.pause, self.ask)
         self._host.send(self._message, self.target, acknowledge=True)
 
     def answered(self, message: ConfirmHandoffRequest) -> bool:
-        """Take an answer; return whether it grants control."""
+        """Takes an answer; returns whether it grants control."""
         if not self._timer.is_set:
             return False
         answer = HandoffAnswer(message.response_code)
@@ -103,7 +103,7 @@ class HandoffClient:
         explanation: str,
         on_answer: Callable[[HandoffAnswer], None] | None,
     ) -> PendingHandoff:
-        """Ask for control; a request of the same target before is replaced."""
+        """Asks for control; a request of the same target before is replaced."""
         if not target.is_concrete:
             raise ValueError(f"{target} does not name one component")
         message = RequestHandoff(authority_code=authority, explanation=explanation)
@@ -117,7 +117,7 @@ class HandoffClient:
         return handoff
 
     def decide(self, request: HandoffRequest, decision: HandoffDecision) -> None:
-        """Tell the target of a request what was decided of it; who grants gives control up.
+        """Tells the target of a request what was decided of it; who grants gives control up.
 
         At most one request can be granted, and all others are denied then (IOP).
         """
@@ -141,7 +141,7 @@ class HandoffClient:
             self._control.hand_over(request.target)
 
     def _tell(self, target: JausAddress, message: ConfirmReleaseControl, tries: int) -> None:
-        """Tell a decision, again when no repetition of the transport was acknowledged."""
+        """Tells a decision, again when no repetition of the transport was acknowledged."""
 
         def ended(acknowledged: bool) -> None:  # noqa: FBT001
             if not acknowledged and tries > 1 and self._host.running:
@@ -152,7 +152,7 @@ class HandoffClient:
         )
 
     def stop(self) -> None:
-        """Ask for nothing any more."""
+        """Asks for nothing any more."""
         for pending_handoff in self._pending.values():
             pending_handoff.end()
         self._pending.clear()

@@ -64,12 +64,12 @@ class ListRequest:
         return self._request_id >= 0
 
     def cancel(self) -> None:
-        """Send no further request; neither callback is called."""
+        """Sends no further request; neither callback is called."""
         with self._client.component.loop.lock:
             self._client.forget(self)
 
     def send_next(self) -> None:
-        """Send the next request, or tell the user that all are confirmed."""
+        """Sends the next request, or tells the user that all are confirmed."""
         if not self._requests:
             self._client.forget(self)
             if self._on_done is not None:
@@ -81,19 +81,19 @@ class ListRequest:
         self._send()
 
     def confirmed(self, request_id: int) -> None:
-        """Go on after the confirmation of the request under way."""
+        """Goes on after the confirmation of the request under way."""
         if request_id == self._request_id:
             self.stop_waiting()
             del self._requests[0]
             self.send_next()
 
     def rejected(self, request_id: int, code: int) -> None:
-        """Give up after the refusal of the request under way."""
+        """Gives up after the refusal of the request under way."""
         if request_id == self._request_id:
             self._refuse(code)
 
     def stop_waiting(self) -> None:
-        """Wait for no answer any more."""
+        """Waits for no answer any more."""
         self._request_id = -1
         self._timer.cancel()
 
@@ -132,7 +132,7 @@ class ListClient:
         timeout: float,
         retries: int,
     ) -> None:
-        """Ask for the order, then for one element after the other."""
+        """Asks for the order, then for one element after the other."""
         elements: list[ListElement] = []
 
         def ask(query: Message, report: type[Message], take: Callable[..., None]) -> None:
@@ -160,12 +160,12 @@ class ListClient:
         ask(QueryElementList(), ReportElementList, take_list)
 
     def next_request_id(self) -> int:
-        """Return an id that marks a request in its answer."""
+        """Returns an id that marks a request in its answer."""
         self._last_request_id = (self._last_request_id + 1) & 0xFF
         return self._last_request_id
 
     def forget(self, request: ListRequest) -> None:
-        """Drop a change that is done, refused or cancelled; the next one to the target begins."""
+        """Drops a change that is done, refused or cancelled; the next one to the target begins."""
         request.stop_waiting()
         if request in self._pending:
             self._pending.remove(request)
@@ -178,7 +178,7 @@ class ListClient:
                 self.component.loop.call_soon(lambda: self._begin(following[0]))
 
     def stop(self) -> None:
-        """Cancel all changes."""
+        """Cancels all changes."""
         pending, self._pending = self._pending, []
         for request in pending:
             request.stop_waiting()
@@ -193,7 +193,7 @@ class ListClient:
         timeout: float = 1.0,
         retries: int = 3,
     ) -> ListRequest:
-        """Send requests to a target one after the other, each when the one before is confirmed."""
+        """Sends requests to a target one after the other, each when the one before is confirmed."""
         if not target.is_concrete:
             raise ValueError(f"{target} does not name one component")
         for message in requests:
@@ -204,7 +204,7 @@ class ListClient:
         return request
 
     def _begin(self, request: ListRequest) -> None:
-        """Start a change if it is the first one to its target; they happen one at a time."""
+        """Starts a change if it is the first one to its target; they happen one at a time."""
         first = next(
             (
                 list_request
@@ -228,14 +228,14 @@ class ListClient:
 
 
 def deletion(uids: Sequence[int]) -> DeleteElement:
-    """Return the request that deletes elements, at most 255."""
+    """Returns the request that deletes elements, at most 255."""
     return DeleteElement(
         delete_element_list=[DeleteElement.DeleteElementRec(element_uid=uid) for uid in uids]
     )
 
 
 def replacement(elements: list[ListElement]) -> list[SetElement | DeleteElement]:
-    """Return the requests that delete the list and append the elements piece by piece.
+    """Returns the requests that delete the list and append the elements piece by piece.
 
     The list must be valid after each: the last element of a piece has no next one until the next
     piece appends to it, and the circle is closed by the last piece.
@@ -289,7 +289,7 @@ class ListEditor(Host):
         timeout: float = 1.0,
         retries: int = 3,
     ) -> ListRequest:
-        """Replace the list of another component, which must be controlled (AS5710, SetElement).
+        """Replaces the list of another component, which must be controlled (AS5710, SetElement).
 
         Args:
             elements: The list, in order; see ``chain``.
@@ -318,7 +318,7 @@ class ListEditor(Host):
         timeout: float = 1.0,
         retries: int = 3,
     ) -> ListRequest:
-        """Delete elements of another component's list, which must be controlled.
+        """Deletes elements of another component's list, which must be controlled.
 
         Args:
             uids: The elements, at most 255; 65535 means all.
@@ -344,7 +344,7 @@ class ListEditor(Host):
         timeout: float = 1.0,
         retries: int = 3,
     ) -> None:
-        """Read the list of another component; control is not needed.
+        """Reads the list of another component; control is not needed.
 
         Args:
             on_failure: Called when a query stayed unanswered, for example because the list was

@@ -24,12 +24,12 @@ class Pace:
         self._pause = settings.retry_min
 
     def answered(self) -> None:
-        """Begin anew: an answer has come."""
+        """Begins anew: an answer has come."""
         self._tries = 0
         self._pause = self._settings.retry_min
 
     def next_pause(self) -> float:
-        """Return the seconds to wait for the answer to a request that is sent now."""
+        """Returns the seconds to wait for the answer to a request that is sent now."""
         self._tries += 1
         if self._tries < QUICK_TRIES:
             return self._pause

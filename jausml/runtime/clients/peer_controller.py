@@ -24,7 +24,7 @@ class PeerController(Host):
         resume: bool = True,
         on_change: Callable[[ControlState], None] | None = None,
     ) -> ControlSession:
-        """Acquire and keep control of another component (AS5710, AccessControl).
+        """Acquires and keeps control of another component (AS5710, AccessControl).
 
         Sessions of this component with the same target share one exchange, with the highest
         authority asked for.
@@ -50,7 +50,7 @@ class PeerController(Host):
         explanation: str = "",
         on_answer: Callable[[HandoffAnswer], None] | None = None,
     ) -> PendingHandoff:
-        """Ask for control of another component that somebody else controls (IOP).
+        """Asks for control of another component that somebody else controls (IOP).
 
         The target has its controller decide. The request is sent again until that is done or it is
         cancelled. Once it is granted, sessions of ``control`` with the target go on at once.
@@ -71,7 +71,7 @@ class PeerController(Host):
             return self.part(HandoffClient).request(target, authority, explanation, on_answer)
 
     def decide_handoff(self, request: HandoffRequest, decision: HandoffDecision) -> None:
-        """Tell a controlled component what a person has decided of a request (IOP).
+        """Tells a controlled component what a person has decided of a request (IOP).
 
         Who grants controls the target no more: its sessions wait until a request of their own is
         granted, or ``control`` is called again. All other requests are denied then.

@@ -61,7 +61,7 @@ class PeerSearch:
             raise ValueError(f"nothing can be found: {self}")
 
     def matches(self, own: JausAddress, address: JausAddress, urns: Collection[str]) -> bool:
-        """Return whether a component is one that the search looks for: never who searches."""
+        """Returns whether a component is one that the search looks for: never who searches."""
         return (
             address != own
             and self.subsystem in (0, address.subsystem)
@@ -71,7 +71,7 @@ class PeerSearch:
         )
 
     def where_to_ask(self, own: JausAddress) -> JausAddress:
-        """Return the wildcard address of those who may know such components.
+        """Returns the wildcard address of those who may know such components.
 
         Every node of a subsystem is asked, since one component may answer for all of them.
         """
@@ -79,7 +79,7 @@ class PeerSearch:
         return JausAddress(subsystem or WILDCARD_SUBSYSTEM, WILDCARD_NODE, WILDCARD_COMPONENT)
 
     def find(self, component: Host, on_change: OnChange) -> None:
-        """Look for such components until one stops, and tell all of them whenever they change."""
+        """Looks for such components until one stops, and tells all of them whenever they change."""
         component.part(PeerClient).find(self, on_change)
 
     def __str__(self) -> str:
@@ -93,7 +93,7 @@ class PeerSearch:
 
 
 def distance(own: JausAddress, address: JausAddress) -> int:
-    """Return how far another component is: 0 on the same node, 1 in the same subsystem, else 2."""
+    """Returns how far another component is: 0 on the same node, 1 in the same subsystem, else 2."""
     if address.subsystem != own.subsystem:
         return 2
     return 0 if address.node == own.node else 1
@@ -144,7 +144,7 @@ class _Finder:
         return self.search.matches(self._component.address, provider.address, provider.urns)
 
     def choose(self, living: Sequence[_Provider]) -> None:
-        """Keep the peers that live, and take others when they are wanted."""
+        """Keeps the peers that live, and takes others when they are wanted."""
         addresses = [provider.address for provider in living if self.matches(provider)]
         if self.search.choice is PeerChoice.ALL:
             chosen = tuple(sorted(addresses))
@@ -170,7 +170,7 @@ class PeerClient:
     """The searches of one component, and the peers that they have found."""
 
     def __init__(self, component: Host) -> None:
-        """Listen to what Discovery tells; nothing is asked before there is a search."""
+        """Listens to what Discovery tells; nothing is asked before there is a search."""
         self._component = component
         self._discovery = component.part(DiscoveryClient)
         self._finders: dict[PeerSearch, _Finder] = {}
@@ -184,7 +184,7 @@ class PeerClient:
         component.when_stopped(self.stop)
 
     def find(self, search: PeerSearch, on_change: OnChange) -> None:
-        """Look for peers until the component stops; tells all of them whenever they change."""
+        """Looks for peers until the component stops; tells all of them whenever they change."""
         if not self._finders:
             self._discovery.watch(self._sighted)
             self._component.when_started(self._check)
@@ -194,14 +194,14 @@ class PeerClient:
         self._finders[search].add(on_change)
 
     def stop(self) -> None:
-        """Look for nobody any more."""
+        """Looks for nobody any more."""
         self._timer.cancel()
         self._choice.cancel()
 
     # ---- looking around ---------------------------------------------------------------------
 
     def _check(self) -> None:
-        """Look after the peers, and look around when somebody is missing."""
+        """Looks after the peers, and looks around when somebody is missing."""
         loop = self._component.loop
         self._timer.set(CHECK_INTERVAL, self._check)
         for address in self._bound():
@@ -228,7 +228,7 @@ class PeerClient:
         return not finder.bound or finder.search.choice is PeerChoice.ALL
 
     def _newcomer(self, _query: QueryIdentification, sender: JausAddress) -> None:
-        """Ask a component that speaks at its start at once, not at the next look around."""
+        """Asks a component that speaks at its start at once, not at the next look around."""
         if sender not in self._providers and any(map(self._is_open, self._finders.values())):
             self._discovery.ask_for_services(sender)
 
@@ -251,7 +251,7 @@ class PeerClient:
             self._probe(provider)
 
     def _probe(self, provider: _Provider) -> None:
-        """Send something that the provider's transport acknowledges, whatever it provides."""
+        """Sends something that the provider's transport acknowledges, whatever it provides."""
         self._component.transport.send(
             self._component.address,
             provider.address,
@@ -273,7 +273,7 @@ class PeerClient:
             self._forget(provider)
 
     def _forget(self, provider: _Provider) -> None:
-        """Let a provider go that is gone; whoever needs another looks around at once."""
+        """Lets a provider go that is gone; whoever needs another looks around at once."""
         del self._providers[provider.address]
         if not provider.lives:
             return
@@ -303,14 +303,14 @@ class PeerFinder(Host):
     """A component that finds others by what they provide."""
 
     def discover(self, urn: str, on_found: Callable[[FoundComponent], None]) -> None:
-        """Report each component that provides a service, by its URN, once for each found."""
+        """Reports each component that provides a service, by its URN, once for each found."""
         with self.loop.lock:
             self.part(DiscoveryClient).discover(urn, on_found)
 
     def find_peers(
         self, search: PeerSearch, on_change: Callable[[Sequence[JausAddress]], None]
     ) -> None:
-        """Find components by what they provide, and look after them, until the component stops.
+        """Finds components by what they provide, and looks after them, until the component stops.
 
         Discovery tells who provides the services; a component is taken when its transport
         acknowledges a message, and let go when three in a row stay unacknowledged. One that is

@@ -21,12 +21,12 @@ class Presence:
         self._on_return: dict[JausAddress, list[Callable[[], None]]] = {}
 
     def watch(self, address: JausAddress, on_return: Callable[[], None]) -> None:
-        """Wait for a component; the action is called when it speaks first, or after a silence."""
+        """Waits for a component; the action is called when it speaks first, or after a silence."""
         self.heard.setdefault(address, -math.inf)
         self._on_return.setdefault(address, []).append(on_return)
 
     def note(self, address: JausAddress, at: float) -> None:
-        """Note a message of a component, which did not pass those who take messages."""
+        """Notes a message of a component, which did not pass those who take messages."""
         last = self.heard.get(address)
         if last is not None:
             self.heard[address] = at
@@ -34,7 +34,7 @@ class Presence:
                 self.returned(address)
 
     def forget(self, address: JausAddress, on_return: Callable[[], None]) -> None:
-        """Undo ``watch``."""
+        """Undoes ``watch``."""
         actions = self._on_return.get(address, [])
         if on_return in actions:
             actions.remove(on_return)
@@ -43,14 +43,14 @@ class Presence:
             self.heard.pop(address, None)
 
     def returned(self, address: JausAddress) -> None:
-        """Tell who waits for a component that it speaks again, after what its message says."""
+        """Tells who waits for a component that it speaks again, after what its message says."""
         for action in self._on_return[address]:
             self._loop.call_soon(action)
 
     def heard_since(self, address: JausAddress, when: float) -> bool:
-        """Tell whether a component that is waited for has sent a message since a time."""
+        """Tells whether a component that is waited for has sent a message since a time."""
         return self.heard.get(address, -math.inf) >= when
 
     def heard_lately(self, address: JausAddress) -> bool:
-        """Tell whether a component that is waited for is audible now."""
+        """Tells whether a component that is waited for is audible now."""
         return self.heard_since(address, self._loop.now() - SILENCE)

@@ -28,7 +28,7 @@ class Querier(Host):
         retries: int = 3,
         payloads: bool = False,
     ) -> PendingQuery:
-        """Ask another component for a report once.
+        """Asks another component for a report once.
 
         Args:
             on_failure: Called when every attempt stayed unanswered.

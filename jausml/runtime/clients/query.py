@@ -31,7 +31,7 @@ class PendingQuery:
     timer: Alarm
 
     def cancel(self) -> None:
-        """Wait no longer; neither callback is called."""
+        """Waits no longer; neither callback is called."""
         with self._client.component.loop.lock:
             self._client.forget(self)
 
@@ -56,7 +56,7 @@ class QueryClient:
         retries: int = 3,
         payloads: bool = False,
     ) -> PendingQuery:
-        """Send a query as soon as the component runs; see ``Querier.query``."""
+        """Sends a query as soon as the component runs; see ``Querier.query``."""
         if not target.is_concrete:
             raise ValueError(f"{target} does not name one component")
         queries = self._pending.get(report_class)
@@ -82,25 +82,25 @@ class QueryClient:
         return pending
 
     def forget(self, pending: PendingQuery) -> None:
-        """Drop a query that is given up or cancelled; no effect when it does not wait."""
+        """Drops a query that is given up or cancelled; no effect when it does not wait."""
         queries = self._pending[pending.report_class]
         if pending in queries:
             queries.remove(pending)
             pending.timer.cancel()
 
     def stop(self) -> None:
-        """Cancel all queries."""
+        """Cancels all queries."""
         for queries in self._pending.values():
             for pending in list(queries):
                 self.forget(pending)
 
     def _start(self, pending: PendingQuery) -> None:
-        """Send a query when the component runs, unless it was cancelled before."""
+        """Sends a query when the component runs, unless it was cancelled before."""
         if pending in self._pending[pending.report_class]:
             self._send(pending)
 
     def _send(self, pending: PendingQuery) -> None:
-        """Send a query, or give up after the last attempt."""
+        """Sends a query, or gives up after the last attempt."""
         component = self.component
         if pending.attempts <= 0:
             self.forget(pending)
@@ -113,7 +113,7 @@ class QueryClient:
         pending.timer.set(pending.timeout, partial(self._send, pending))
 
     def _reported(self, queries: list[PendingQuery], payload: bytes, sender: JausAddress) -> None:
-        """Give a report to the first query that waits for one of its sender."""
+        """Gives a report to the first query that waits for one of its sender."""
         pending = next((waiting for waiting in queries if waiting.target == sender), None)
         if pending is None:
             return

@@ -44,18 +44,18 @@ class Registration:
         component.when_stopped(self.stop)
 
     def ask_as_well(self, ask: Callable[[], None]) -> None:
-        """Ask somebody else's question whenever it looks around, from now on."""
+        """Asks somebody else's question whenever it looks around, from now on."""
         self._askers.append(ask)
         if self._component.running:
             self.start()
 
     def start(self) -> None:
-        """Look around now, and again and again."""
+        """Looks around now, and again and again."""
         self._tries = 0
         self._look_around()
 
     def stop(self) -> None:
-        """Look around no more."""
+        """Looks around no more."""
         self._timer.cancel()
 
     def _look_around(self) -> None:
@@ -74,7 +74,7 @@ class Registration:
             self._timer.set(delay, self._look_around)
 
     def _notice_loss(self) -> None:
-        """Take a server for lost that answered nothing for long, and look for it eagerly."""
+        """Takes a server for lost that answered nothing for long, and looks for it eagerly."""
         settings, now = self._component.settings, self._component.loop.now()
         if self.server is not None and now > self._heard + settings.discovery_timeout:
             self._component.counters.count("discovery_client.lost", str(self.server))

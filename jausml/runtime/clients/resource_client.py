@@ -41,7 +41,7 @@ class ResourceClient:
         component.part(PeerClient).find(REGISTRY, self._registries_found)
 
     def stop(self) -> None:
-        """Look at nothing any more."""
+        """Looks at nothing any more."""
         self._timer.cancel()
 
     def _registries_found(self, registries: Sequence[JausAddress]) -> None:

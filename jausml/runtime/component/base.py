@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from ..base.address import JausAddress
-from ..base.api import part_of_whole
+from ..base.api import optional_part
 from ..base.clocks import HostClock, Timing
 from ..base.counters import LOGGER
 from ..base.fast_path import FastPath
@@ -77,7 +77,7 @@ class Component(Host):
         component_type: int = COMPONENT_TYPE,
         settings: ComponentSettings | None = None,
     ) -> None:
-        """Describe a component; nothing is sent or received before ``start``.
+        """Describes a component; nothing is sent or received before ``start``.
 
         Args:
             component_type: Type that Discovery reports (AS5710, ReportIdentification), e.g.
@@ -123,9 +123,9 @@ class Component(Host):
         self._jaus_registration = self.part(Registration)
         provided = {service.urn for service in self.services}
         if self.settings.digital_resources and DIGITAL_RESOURCE_DISCOVERY not in provided:
-            self.part(part_of_whole("clients.resource_client", "ResourceClient"))
+            self.part(optional_part("clients.resource_client", "ResourceClient"))
         if self.settings.greeted:
-            self.part(part_of_whole("clients.greeter", "Greeter"))
+            self.part(optional_part("clients.greeter", "Greeter"))
         for service in map(self.part, self.core_services):
             if not provided.isdisjoint(service.urns):
                 service.attach()
@@ -179,11 +179,11 @@ class Component(Host):
     # ---- others -----------------------------------------------------------------------------
 
     def set_emergency(self, target: JausAddress) -> None:
-        """Stop another component; no control is needed (AS5710, SetEmergency)."""
+        """Stops another component; no control is needed (AS5710, SetEmergency)."""
         self.send(SetEmergency(), target, priority=Priority.SAFETY_CRITICAL, acknowledge=True)
 
     def clear_emergency(self, target: JausAddress) -> None:
-        """Take back the emergency that this component has set (AS5710, ClearEmergency)."""
+        """Takes back the emergency that this component has set (AS5710, ClearEmergency)."""
         self.send(ClearEmergency(), target, priority=Priority.SAFETY_CRITICAL, acknowledge=True)
 
     @property
@@ -192,7 +192,7 @@ class Component(Host):
         return self._jaus_registration.server
 
     def _jaus_stand_by(self, provider: JausAddress, on_silence: Callable[[], None] | None) -> None:
-        """Leave Ready for Standby, as a report that is needed there does not come."""
+        """Leaves Ready for Standby, as a report that is needed there does not come."""
         if self.status is Status.READY:
             LOGGER.warning("%s stands by: %s is silent", self.address, provider)
             self._jaus_management.stand_by()
@@ -202,19 +202,19 @@ class Component(Host):
     # ---- for the services and clients of the component --------------------------------------
 
     def permissions_changed(self) -> None:
-        """End the commands under way that are not allowed any more; called by the services."""
+        """Ends the commands under way that are not allowed any more; called by the services."""
         self.loop.revision.changed()
         self._jaus_events.permissions_changed()
 
     def report_changed(self, report_class: type[Message]) -> None:
-        """Send the report to every-change events whose report differs from the last one sent."""
+        """Sends the report to every-change events whose report differs from the last one sent."""
         with self.loop.lock:
             self._jaus_events.report_changed(report_class)
 
     # ---- life cycle -------------------------------------------------------------------------
 
     def start(self) -> None:
-        """Receive messages, initialise, and begin subscriptions and sessions.
+        """Receives messages, initialises, and begins subscriptions and sessions.
 
         A RuntimeError says that the component runs already, a ValueError that another one of this
         process has the address.
@@ -236,7 +236,7 @@ class Component(Host):
                 self._jaus_registration.start()
 
     def stop(self) -> None:
-        """Leave in good order; no effect when the component does not run.
+        """Leaves in good order; no effect when the component does not run.
 
         Releases control that is held, cancels subscriptions, tells the controller that control
         is released and reports the status SHUTDOWN to whoever watches it.
@@ -253,12 +253,12 @@ class Component(Host):
                 self.transport.detach(self.address)
 
     def fail(self, reason: str) -> None:
-        """Enter Failure (AS5710, Management, internal event Failure)."""
+        """Enters Failure (AS5710, Management, internal event Failure)."""
         with self.loop.lock:
             self._jaus_management.fail(reason)
 
     def lift_emergency(self, clients: JausAddress) -> None:
-        """Lift emergencies whose clients are gone, by the decision of a person at the robot.
+        """Lifts emergencies whose clients are gone, by the decision of a person at the robot.
 
         The component is then in Standby without a controller.
 
@@ -274,7 +274,7 @@ class Component(Host):
     # ---- what comes in -----------------------------------------------------------------------
 
     def _jaus_dispatcher(self) -> Take:
-        """Return what takes every message for the component, payload and sender."""
+        """Returns what takes every message for the component, payload and sender."""
         takers, unknown = self._jaus_router.takers, self._jaus_router.unknown
         heard, returned = self._jaus_presence.heard, self._jaus_presence.returned
         clock = self.loop.now
@@ -300,5 +300,5 @@ class Component(Host):
         return self.event_path(sender, event_id)
 
     def note_heard(self, sender: JausAddress, at: float) -> None:
-        """Note a message of a component that has taken the fast path."""
+        """Notes a message of a component that has taken the fast path."""
         self._jaus_presence.note(sender, at)

@@ -73,7 +73,7 @@ class ModelledComponent(Component):
     def add_machine(
         self, name: str, states: Sequence[State], *, extends: str = "", service: str = ""
     ) -> StateMachine:
-        """Run a state machine from the start of the component on.
+        """Runs a state machine from the start of the component on.
 
         Args:
             extends: The core service whose ReceiveFSM it extends, Management, AccessControl, Events
@@ -88,7 +88,7 @@ class ModelledComponent(Component):
     def handle_by_machines(
         self, message_class: type[M], *, when: Guard | Callable[[M], Guard] = Guard.ANY
     ) -> None:
-        """Let the machines take an input message, of those alone whom its guard obeys."""
+        """Lets the machines take an input message, of those alone whom its guard obeys."""
         self.handle(message_class, self._jaus_take, when=when)
 
     def provide_by_machines(
@@ -97,7 +97,7 @@ class ModelledComponent(Component):
         report_class: type[R],
         *makers: Callable[[Q, JausAddress], R | None],
     ) -> None:
-        """Let the machines answer a query, and serve events on it.
+        """Lets the machines answer a query, and serve events on it.
 
         An event sends the report that the transition of the present state would send; the
         transition itself is taken for a query alone. The makers are actions that make the report.
@@ -110,7 +110,7 @@ class ModelledComponent(Component):
             )
 
     def raise_event(self, name: str) -> None:
-        """Let the machines take an internal event; callable from any thread.
+        """Lets the machines take an internal event; callable from any thread.
 
         An event that an action raises is taken when the transition is complete.
         """
@@ -142,7 +142,7 @@ class ModelledComponent(Component):
     # ---- what machines ask ------------------------------------------------------------------
 
     def core_state(self, of: str = "Management") -> str:
-        """Return the path of the core state, e.g. Receiving.Ready.Controlled.Available.Ready.
+        """Returns the path of the core state, e.g. Receiving.Ready.Controlled.Available.Ready.
 
         AccessControl knows no more than who controls, and whether control is available.
         """
@@ -154,7 +154,7 @@ class ModelledComponent(Component):
         return _WITHOUT_CONTROL[of]
 
     def request_core_state(self, path: str, of: str = "Management") -> None:
-        """Enter the core state of a path, or around it, when a component may do so by itself.
+        """Enters the core state of a path, or around it, when a component may do so by itself.
 
         Of Management those are Standby, Failure and Shutdown; Standby without a controller lets go
         of it. Of AccessControl, a component lets go of its controller, and says whether control is
@@ -178,12 +178,12 @@ class ModelledComponent(Component):
             self.ignored("component.core_state_refused", path)
 
     def core_event(self, name: str) -> None:
-        """Let machines that extend the core services take one of their internal events."""
+        """Lets machines that extend the core services take one of their internal events."""
         for machine in self._jaus_machines:
             machine.raise_event(name)
 
     def core_state_changed(self) -> None:
-        """Follow the core services; called by them after each change."""
+        """Follows the core services; called by them after each change."""
         former, self._jaus_core_state = self._jaus_core_state, self.core_state()
         has_changed = former != self._jaus_core_state
         if not former or (has_changed and self.status is Status.INITIALIZE):
@@ -198,11 +198,11 @@ class ModelledComponent(Component):
             machine.follow()
 
     def run_condition(self, condition: Condition, arguments: tuple[Any, ...]) -> bool:
-        """Evaluate a guard; one that raises does not hold."""
+        """Evaluates a guard; one that raises does not hold."""
         return bool(self.call(condition, *arguments))
 
     def run_action(self, action: Action, arguments: tuple[Any, ...]) -> None:
-        """Run an action and send the message that it returns."""
+        """Runs an action and sends the message that it returns."""
         message = self.call(action, *arguments)
         if message is None or (arguments and action in self._jaus_answered):
             return
@@ -217,11 +217,11 @@ class ModelledComponent(Component):
             self.ignored("component.report_not_encodable", str(error))
 
     def ignored(self, reason: str, detail: str) -> None:
-        """Count what could not be done."""
+        """Counts what could not be done."""
         self.counters.count(reason, detail)
 
     def _jaus_take(self, message: Message, sender: JausAddress) -> None:
-        """Let each machine take a message; what several would answer alike is answered once."""
+        """Lets each machine take a message; what several would answer alike is answered once."""
         is_taken = False
         self._jaus_answers = frozenset()
         for machine in self._jaus_machines:
@@ -259,7 +259,7 @@ class Simulation:
         component.when_started(self._warn)
 
     def keep(self, report_class: type[Message], **values: Any) -> None:
-        """Have reports say values by their attributes from now on, and send events on them.
+        """Has reports say values by their attributes from now on, and sends events on them.
 
         None is what a command left out: of that, the value before stays.
         """
@@ -268,7 +268,7 @@ class Simulation:
         self._component.report_changed(report_class)
 
     def report(self, at_rest: R) -> R:
-        """Return a report that says what was kept, and of all else what it says at rest."""
+        """Returns a report that says what was kept, and of all else what it says at rest."""
         for name, value in self._kept.get(type(at_rest), {}).items():
             setattr(at_rest, name, value)
         self._component.counters.add("component.simulated")

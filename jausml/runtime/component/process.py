@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 
 from ..base.address import JausAddress
-from ..base.api import part_of_whole
+from ..base.api import optional_part
 from ..base.counters import LOGGER
 from ..base.loop import Loop
 from ..base.process import LOG_LEVELS, log_counts
@@ -24,7 +24,7 @@ _EMPTY_OPTION = re.compile("--[a-z-]+=")
 
 
 def given_options(line: Sequence[str]) -> list[str]:
-    """Return a command line without options that are empty, such as ``--jaus-port=``.
+    """Returns a command line without options that are empty, such as ``--jaus-port=``.
 
     Launch files pass on all of their arguments; an empty one leaves what model and parameters say.
     """
@@ -32,7 +32,7 @@ def given_options(line: Sequence[str]) -> list[str]:
 
 
 def add_component_arguments(parser: argparse.ArgumentParser, address: JausAddress) -> None:
-    """Add the options of a component that are not the transport's."""
+    """Adds the options of a component that are not the transport's."""
     group = parser.add_argument_group("JAUS component")
     group.add_argument(
         "--jaus-id",
@@ -66,7 +66,7 @@ def add_component_arguments(parser: argparse.ArgumentParser, address: JausAddres
 def component_settings(
     arguments: argparse.Namespace, defaults: ComponentSettings | None = None
 ) -> ComponentSettings:
-    """Return the settings that the options of ``add_component_arguments`` describe."""
+    """Returns the settings that the options of ``add_component_arguments`` describe."""
     known = ComponentSettings() if defaults is None else defaults
     if arguments.control_survives_emergency:
         known = replace(known, control_survives_emergency=True)
@@ -79,7 +79,7 @@ def component_settings(
 
 @contextmanager
 def running_transport(settings: TransportSettings) -> Iterator[Transport]:
-    """Open a transport on a loop of its own for a block; OSError where the network refuses."""
+    """Opens a transport on a loop of its own for a block; OSError where the network refuses."""
     with Loop() as loop:
         transport = create_transport(settings, loop)
         transport.open()
@@ -120,10 +120,10 @@ _OPTIONAL_TRANSPORTS = {
 
 
 def create_transport(settings: TransportSettings, loop: Loop) -> Transport:
-    """Return the transport of settings, not yet open; JausError where the workspace has none."""
+    """Returns the transport of settings, not yet open; JausError where the workspace has none."""
     if settings.transport is TransportKind.JUDP:
         return JudpTransport(settings, loop)
-    kind: Callable[[TransportSettings, Loop], Transport] = part_of_whole(
+    kind: Callable[[TransportSettings, Loop], Transport] = optional_part(
         *_OPTIONAL_TRANSPORTS[settings.transport]
     )
     return kind(settings, loop)
@@ -134,7 +134,7 @@ _TIMES_IN_TIME_OUT = 3
 
 
 def feed_watchdog(loop: Loop, environment: Mapping[str, str] = os.environ) -> None:
-    """Tell systemd that the loop turns, as long as it does; nothing where nobody watches.
+    """Tells systemd that the loop turns, as long as it does; nothing where nobody watches.
 
     The lock of the loop is held.
     """
@@ -157,7 +157,7 @@ class _Feeder:
         self._was_told = True
 
     def feed(self) -> None:
-        """Notify the watchdog, and do so again after a period."""
+        """Notifies the watchdog, and does so again after a period."""
         try:
             with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM | socket.SOCK_CLOEXEC) as sender:
                 # A manager that reads nothing must not hold up the loop.

@@ -76,19 +76,19 @@ class MachineHost(Protocol):
     """What a machine asks of its component."""
 
     def run_condition(self, condition: Condition, arguments: tuple[Any, ...]) -> bool:
-        """Evaluate a guard; one that raises does not hold."""
+        """Evaluates a guard; one that raises does not hold."""
 
     def run_action(self, action: Action, arguments: tuple[Any, ...]) -> None:
-        """Run an action and send the message that it returns."""
+        """Runs an action and sends the message that it returns."""
 
     def core_state(self, of: str) -> str:
-        """Return the path of the state of a core service, such as Management."""
+        """Returns the path of the state of a core service, such as Management."""
 
     def request_core_state(self, path: str, of: str) -> None:
-        """Ask a core service for a state; it may refuse."""
+        """Asks a core service for a state; it may refuse."""
 
     def ignored(self, reason: str, detail: str) -> None:
-        """Count what could not be done."""
+        """Counts what could not be done."""
 
 
 class StateMachine:
@@ -111,7 +111,7 @@ class StateMachine:
         extends: str = "",
         entered: Callable[[str], None] | None = None,
     ) -> None:
-        """Describe a machine that is in no state yet; ``entered`` is told each one it comes to."""
+        """Describes a machine that is in no state yet; ``entered`` is told each one it comes to."""
         self.name = name
         self.state = self._place = ""
         self._host = host
@@ -130,7 +130,7 @@ class StateMachine:
         return tuple(self._states)
 
     def start(self) -> None:
-        """Leave all states and enter the initial ones, or those of the core services."""
+        """Leaves all states and enters the initial ones, or those of the core services."""
         self._waiting.clear()
         self._remembered.clear()
         self._busy = True
@@ -142,20 +142,20 @@ class StateMachine:
         self._work_off()
 
     def follow(self) -> None:
-        """Go where the core services have gone, now or after the trigger at work."""
+        """Goes where the core services have gone, now or after the trigger at work."""
         if not self._busy:
             self._work_off()
 
     def receive(self, message: Message, sender: JausAddress) -> bool:
-        """Take a message; returns whether a transition was taken or the message waits."""
+        """Takes a message; returns whether a transition was taken or the message waits."""
         return self._trigger(type(message), (message, sender))
 
     def raise_event(self, name: str) -> bool:
-        """Take an internal event; returns whether a transition was taken or the event waits."""
+        """Takes an internal event; returns whether a transition was taken or the event waits."""
         return self._trigger(name, ())
 
     def chosen(self, message: Message, sender: JausAddress) -> On | None:
-        """Return the transition that a message would take now, without taking it."""
+        """Returns the transition that a message would take now, without taking it."""
         return self._choose(type(message), (message, sender))
 
     def _trigger(self, trigger: Trigger, arguments: tuple[Any, ...]) -> bool:
@@ -171,7 +171,7 @@ class StateMachine:
         return taken
 
     def _work_off(self) -> None:
-        """Follow the core services and take what waits, until there is nothing left."""
+        """Follows the core services and takes what waits, until there is nothing left."""
         self._busy = True
         try:
             self._settle()
@@ -195,7 +195,7 @@ class StateMachine:
         return None
 
     def _candidates_for(self, trigger: Trigger) -> tuple[On, ...]:
-        """Return the transitions to try: innermost first, those for any trigger last."""
+        """Returns the transitions to try: innermost first, those for any trigger last."""
         key = (self.state, trigger)
         candidates = self._candidates.get(key)
         if candidates is None:
@@ -206,7 +206,7 @@ class StateMachine:
         return candidates
 
     def _listed(self) -> list[On]:
-        """Return the transitions of the present state and of those that enclose it."""
+        """Returns the transitions of the present state and of those that enclose it."""
         listed: list[On] = []
         path = self.state
         while path:
@@ -238,7 +238,7 @@ class StateMachine:
         self._enter(self._reachable(self._innermost(target)))
 
     def _reachable(self, target: str) -> str:
-        """Have the core services enter what is theirs of a target; return where that leads."""
+        """Has the core services enter what is theirs of a target; returns where that leads."""
         if _lies_in(target, self._core_state()):
             return target
         self._host.request_core_state(target, self._extends)
@@ -254,7 +254,7 @@ class StateMachine:
             self._enter(self._innermost(core))
 
     def _core_state(self) -> str:
-        """Return the core state that it is in, empty for a machine that stands for itself."""
+        """Returns the core state that it is in, empty for a machine that stands for itself."""
         return self._host.core_state(self._extends) if self._extends else ""
 
     def _innermost(self, path: str) -> str:
@@ -263,7 +263,7 @@ class StateMachine:
         return path
 
     def _leave(self, until: str) -> None:
-        """Leave states; who asks is told the one that is left until another one is entered."""
+        """Leaves states; who asks is told the one that is left until another one is entered."""
         while self._place != until:
             state = self._states.get(self._place)
             if state is not None:
@@ -289,17 +289,17 @@ class StateMachine:
 
 
 def all_of(*conditions: Condition) -> Condition:
-    """Return the condition that holds when all of some hold."""
+    """Returns the condition that holds when all of some hold."""
     return lambda *arguments: all(condition(*arguments) for condition in conditions)
 
 
 def any_of(*conditions: Condition) -> Condition:
-    """Return the condition that holds when one of some holds."""
+    """Returns the condition that holds when one of some holds."""
     return lambda *arguments: any(condition(*arguments) for condition in conditions)
 
 
 def negation(condition: Condition) -> Condition:
-    """Return the condition that holds when another does not."""
+    """Returns the condition that holds when another does not."""
     return lambda *arguments: not condition(*arguments)
 
 
@@ -312,7 +312,7 @@ def _lies_in(path: str, outer: str) -> bool:
 
 
 def _common(first: str, second: str) -> str:
-    """Return the innermost state that encloses two states, never one of them."""
+    """Returns the innermost state that encloses two states, never one of them."""
     names: list[str] = []
     pairs = zip(first.split(".")[:-1], second.split(".")[:-1], strict=False)
     for one, other in pairs:

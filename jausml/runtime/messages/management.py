@@ -82,7 +82,7 @@ class _DateStamp:
     year: int = 0
 
     def to_integer(self) -> int:
-        """Return the integer that holds the bits."""
+        """Returns the integer that holds the bits."""
         date_bits = integer(self.day, 1, 31, "day")
         date_bits |= integer(self.month, 1, 12, "month") << 5
         date_bits |= integer(self.year, 0, 127, "year") << 9
@@ -90,7 +90,7 @@ class _DateStamp:
 
     @classmethod
     def from_integer(cls, date_bits: int) -> "_DateStamp":
-        """Return what the bits of an integer say, legal or not."""
+        """Returns what the bits of an integer say, legal or not."""
         return cls(date_bits & 0x1F, date_bits >> 5 & 0xF, date_bits >> 9 & 0x7F)
 
 

@@ -52,7 +52,7 @@ class Refusals:
         self._counts: dict[JausAddress, _Count] = {}
 
     def put_off(self, requester: JausAddress, code: int, again: Callable[[], None]) -> bool:
-        """Tell whether a refusal is not to be sent now; the request is then judged again later.
+        """Tells whether a refusal is not to be sent now; the request is then judged again later.
 
         Another reason is told at once; of several requests of one sender the last is judged.
         """
@@ -69,7 +69,7 @@ class Refusals:
         return True
 
     def forget(self, requester: JausAddress) -> None:
-        """Judge nothing again that waits: newer words of the requester count, or it has control."""
+        """Judges again nothing that waits: newer words of the requester count, or it controls."""
         count = self._counts.get(requester)
         if count is not None:
             count.waiting.cancel()
@@ -117,7 +117,7 @@ class AccessControlService:
         self._is_1_0 = component.core_version("AccessControl") < VERSION_1_1
 
     def attach(self) -> None:
-        """Take the messages of AccessControl."""
+        """Takes the messages of AccessControl."""
         component = self._component
         component.handle(RequestControl, self._request)
         component.handle(ReleaseControl, self._release)
@@ -137,7 +137,7 @@ class AccessControlService:
         return self._default
 
     def drop(self, reason: Reject) -> None:
-        """Take control away from the controller and tell it; no effect without one."""
+        """Takes control away from the controller and tells it; no effect without one."""
         former = self.controller
         if former is None:
             return
@@ -150,7 +150,7 @@ class AccessControlService:
         self._controller_changed()
 
     def restore(self, controller: JausAddress, authority: int) -> None:
-        """Give control back to whom an emergency took it from (AS5710 v1.0, Management)."""
+        """Gives control back to whom an emergency took it from (AS5710 v1.0, Management)."""
         self.controller = controller
         self.authority = authority
         self._restart_timer()
@@ -175,7 +175,7 @@ class AccessControlService:
         self.pass_control(sender, code, lambda: self._confirm(sender, Confirm.CONTROL_ACCEPTED))
 
     def pass_control(self, client: JausAddress, code: int, confirm: Callable[[], None]) -> None:
-        """Make a client the controller; it is told after the former one, before who watches."""
+        """Makes a client the controller; it is told after the former one, before who watches."""
         self._refusals.forget(client)
         former, self.controller = self.controller, client
         self.has_lapsed = False
@@ -211,7 +211,7 @@ class AccessControlService:
             self._component.counters.add("access_control.authority_ignored")
 
     def change_authority(self, code: int) -> None:
-        """Give the component the authority code that its controller has now."""
+        """Gives the component the authority code that its controller has now."""
         self.authority = code
         self._authority_changed()
 
@@ -229,7 +229,7 @@ class AccessControlService:
             self._timer.set(self._timeout, self._timed_out)
 
     def _refuse(self, message: RequestControl, sender: JausAddress, code: Confirm) -> None:
-        """Refuse control, but do not answer a client faster and faster that asks again at once."""
+        """Refuses control, but does not answer faster and faster a client that asks at once."""
         if self._refusals.put_off(sender, code, lambda: self._request(message, sender)):
             self._component.counters.add("access_control.request_put_off")
         else:
@@ -271,4 +271,4 @@ class AccessControlService:
 
 
 def _nothing() -> None:
-    """Stand in for a service that the component does not have."""
+    """Stands in for a service that the component does not have."""

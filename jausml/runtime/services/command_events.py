@@ -43,14 +43,14 @@ class EventIds:
     """Hands out the ids that are free, each as late as possible after its last use."""
 
     def __init__(self, limit: int, make_room: Callable[[JausAddress], object]) -> None:
-        """Start with all ids free; `make_room` gives one back, if somebody must give way."""
+        """Starts with all ids free; `make_room` gives one back, if somebody must give way."""
         self._limit = limit
         self._make_room = make_room
         self._used: set[int] = set()
         self._next = 0
 
     def take(self, client: JausAddress) -> int:
-        """Return a free id; raises RequestError when nobody has to give way to the client."""
+        """Returns a free id; raises RequestError when nobody has to give way to the client."""
         if len(self._used) >= self._limit:
             self._make_room(client)
         if len(self._used) >= self._limit:
@@ -63,12 +63,12 @@ class EventIds:
         return event_id
 
     def give_back(self, event_id: int) -> None:
-        """Take an id for free again."""
+        """Takes an id for free again."""
         self._used.discard(event_id)
 
 
 def reject(component: Host, client: JausAddress, request_id: int, error: RequestError) -> None:
-    """Refuse a request of a client."""
+    """Refuses a request of a client."""
     component.counters.add("events.rejected")
     message = RejectEventRequest(
         request_id=request_id, response_code=error.code, error_message=str(error)[:MAX_TEXT]
@@ -107,11 +107,11 @@ class CommandEvents:
         self._commands: dict[int, _Command] = {}
 
     def attach(self) -> None:
-        """Take CreateCommandEvent, which came with Events v1.1."""
+        """Takes CreateCommandEvent, which came with Events v1.1."""
         self._component.handle(CreateCommandEvent, self._create)
 
     def cancel(self, client: JausAddress, event_id: int) -> bool:
-        """Forget a client's command event; tell whether there was one."""
+        """Forgets a client's command event; tells whether there was one."""
         command = self._commands.get(event_id)
         if command is None or command.client != client:
             return False
@@ -119,7 +119,7 @@ class CommandEvents:
         return True
 
     def recheck(self) -> None:
-        """Fail the commands that their clients may not give any more.
+        """Fails the commands that their clients may not give any more.
 
         A command that needs Ready or control has failed when that is lost.
         """
@@ -129,7 +129,7 @@ class CommandEvents:
                 self._finish(command, Result.UNSUCCESSFUL)
 
     def stop(self) -> None:
-        """Fail all commands."""
+        """Fails all commands."""
         for command in list(self._commands.values()):
             self._finish(command, Result.UNSUCCESSFUL)
 
@@ -152,7 +152,7 @@ class CommandEvents:
         self._execute(command)
 
     def _check(self, payload: bytes, sender: JausAddress) -> tuple[Handler, Message]:
-        """Return what executes a command; raises RequestError when that is not possible."""
+        """Returns what executes a command; raises RequestError when that is not possible."""
         try:
             code = read_code(payload)
             handler = self._component.command_handler(code)
@@ -173,7 +173,7 @@ class CommandEvents:
         return guard is not None and self._component.allows(guard, command.client)
 
     def _replaced(self, client: JausAddress, message: Message) -> _Command | None:
-        """Return the client's event on the same command, ready for its successor."""
+        """Returns the client's event on the same command, ready for its successor."""
         for command in self._commands.values():
             if command.client == client and command.message.CODE == message.CODE:
                 self._detach(command)
@@ -226,7 +226,7 @@ class CommandEvents:
 
     @staticmethod
     def _detach(command: _Command) -> None:
-        """End the timer and the completion, which concern nobody from now on."""
+        """Ends the timer and the completion, which concern nobody from now on."""
         # Taken away first: to fail it calls `_ended`, which must not report it.
         completion, command.completion = command.completion, None
         if completion is not None:

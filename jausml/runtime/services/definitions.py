@@ -203,7 +203,7 @@ class Completion:
         self._end(succeeded=False)
 
     def when_ended(self, action: Callable[[], None]) -> None:
-        """Run an action at the end, or now if that is past; one action at most."""
+        """Runs an action at the end, or now if that is past; one action at most."""
         self._on_end = action
         if self._succeeded is not None:
             action()

@@ -45,7 +45,7 @@ class DigitalResourceService:
         self._registered: dict[int, Endpoint] = {}
 
     def attach(self) -> None:
-        """Take the messages of the service, unless a connection of a bridge reports endpoints."""
+        """Takes the messages of the service, unless a connection of a bridge reports endpoints."""
         self._component.when_started(self._take)
 
     def _take(self) -> None:

@@ -41,7 +41,7 @@ class Directory:
         component.on_message(QueryIdentification, self._asked)
 
     def catalog(self) -> dict[JausAddress, tuple[ServiceIdentity, ...]]:
-        """Return the component and those that registered and were heard of lately."""
+        """Returns the component and those that registered and were heard of lately."""
         self._forget_registrations()
         return {**self._registered, self._component.address: self._component.services}
 
@@ -106,7 +106,7 @@ class Directory:
         return False
 
     def _oldest(self) -> float:
-        """Return the time before which whoever was heard last is forgotten."""
+        """Returns the time before which whoever was heard last is forgotten."""
         return self._component.loop.now() - self._component.settings.registration_lifetime
 
     def _forget_registrations(self) -> None:
@@ -124,7 +124,7 @@ class Directory:
 
 
 def _report_configuration(addresses: Iterable[JausAddress]) -> ReportConfiguration:
-    """Return the nodes and components of a subsystem or node."""
+    """Returns the nodes and components of a subsystem or node."""
     return ReportConfiguration(
         node_list=[
             ReportConfiguration.NodeSeq(

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 from ..base.address import WILDCARD_COMPONENT, WILDCARD_NODE, WILDCARD_SUBSYSTEM, JausAddress
-from ..base.api import part_of_whole
+from ..base.api import optional_part
 from ..messages import (
     QueryConfiguration,
     QueryIdentification,
@@ -34,12 +34,12 @@ INSTANCE_ID = 0
 
 
 def register_services(services: Iterable[ServiceIdentity]) -> RegisterServices:
-    """Return the registration of a component's services."""
+    """Returns the registration of a component's services."""
     return RegisterServices(service_list=_records(services))
 
 
 def report_services(query: QueryServices, catalog: Catalog, subsystem: int) -> ReportServices:
-    """Return what is known of the nodes and components that a QueryServices names.
+    """Returns what is known of the nodes and components that a QueryServices names.
 
     Unknown nodes and components are left out, so that a query for one unknown node yields an
     empty list.
@@ -58,7 +58,7 @@ def report_services(query: QueryServices, catalog: Catalog, subsystem: int) -> R
 
 
 def report_service_list(query: QueryServiceList, catalog: Catalog) -> ReportServiceList:
-    """Return what is known of the subsystems, nodes and components that a query names.
+    """Returns what is known of the subsystems, nodes and components that a query names.
 
     A SearchFilter keeps the services whose identifier contains it; one of several filters of an
     address is enough. Filters of one address beyond the length of a list are left out.
@@ -96,7 +96,7 @@ def report_service_list(query: QueryServiceList, catalog: Catalog) -> ReportServ
 
 
 def _nodes(addresses: Iterable[JausAddress], catalog: Catalog) -> list[ReportServices.NodeSeq]:
-    """Return the nodes of some components, with what these provide."""
+    """Returns the nodes of some components, with what these provide."""
     return [
         ReportServices.NodeSeq(
             node_rec=ReportServices.NodeRec(node_id=node),
@@ -112,7 +112,7 @@ def _nodes(addresses: Iterable[JausAddress], catalog: Catalog) -> list[ReportSer
 
 
 def component_record(address: JausAddress) -> ReportServices.ComponentRec:
-    """Return what stands for a component."""
+    """Returns what stands for a component."""
     return ReportServices.ComponentRec(component_id=address.component, instance_id=INSTANCE_ID)
 
 
@@ -125,7 +125,7 @@ def _records(services: Iterable[ServiceIdentity]) -> list[ReportServices.Service
 def services_of(
     component: RegisterServices | ReportServices.ComponentSeq,
 ) -> tuple[ServiceIdentity, ...]:
-    """Return the services that a component registers, or that a report names."""
+    """Returns the services that a component registers, or that a report names."""
     return tuple(
         ServiceIdentity(service.uri, service.major_version_number, service.minor_version_number)
         for service in component.service_list
@@ -133,7 +133,7 @@ def services_of(
 
 
 def _matching_patterns(address: JausAddress) -> list[JausAddress]:
-    """Return the address itself and all wildcard addresses that include it.
+    """Returns the address itself and all wildcard addresses that include it.
 
     A query may name tens of thousands of addresses; looking these few up in it keeps the answer
     cheap.
@@ -149,7 +149,7 @@ def _matching_patterns(address: JausAddress) -> list[JausAddress]:
 def grouped(
     addresses: Iterable[JausAddress], key: Callable[[JausAddress], int]
 ) -> list[tuple[int, list[JausAddress]]]:
-    """Group addresses by one of their parts.
+    """Groups addresses by one of their parts.
 
     Groups beyond `MAX_LIST` are dropped: a list on the wire holds no more.
     """
@@ -177,14 +177,14 @@ class DiscoveryService:
         self._directory: Any = None
 
     def attach(self) -> None:
-        """Take the messages of Discovery."""
+        """Takes the messages of Discovery."""
         component = self._component
         component.provide(QueryIdentification, ReportIdentification, self._identification)
         component.provide(QueryServices, ReportServices, self._services)
         if component.core_version("Discovery") >= VERSION_1_1:
             component.provide(QueryServiceList, ReportServiceList, self._service_list)
         if self._scope < Scope.COMPONENT:
-            self._directory = component.part(part_of_whole("services.directory", "Directory"))
+            self._directory = component.part(optional_part("services.directory", "Directory"))
             return
         component.provide(QueryConfiguration, ReportConfiguration, _not_told)
         component.provide(QuerySubsystemList, ReportSubsystemList, _not_told)
@@ -227,7 +227,7 @@ class DiscoveryService:
         return report_service_list(query, self._catalog())
 
     def _catalog(self) -> Mapping[JausAddress, tuple[ServiceIdentity, ...]]:
-        """Return the services of whom it answers for."""
+        """Returns the services of whom it answers for."""
         own = {self._component.address: self._component.services}
         return own if self._directory is None else self._directory.catalog()
 
@@ -236,9 +236,9 @@ class DiscoveryService:
 
 
 def _not_told(_query: Message, _sender: JausAddress) -> None:
-    """Leave what concerns others to a component that answers for them."""
+    """Leaves what concerns others to a component that answers for them."""
 
 
 def _latin(name: str) -> str:
-    """Replace what a JAUS string cannot hold."""
+    """Replaces what a JAUS string cannot hold."""
     return name.encode("latin-1", "replace").decode("latin-1")

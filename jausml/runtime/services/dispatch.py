@@ -51,7 +51,7 @@ class Handler:
     counts_each: bool = True  # whether one that is late is of use still, after newer ones
 
     def guard_for(self, message: Message) -> Guard:
-        """Return whom to obey when the message is this one."""
+        """Returns whom to obey when the message is this one."""
         return self.condition if isinstance(self.condition, Guard) else self.condition(message)
 
 
@@ -103,14 +103,14 @@ class Router:
         self.drops: dict[tuple[JausAddress, str, str], int] = {}
 
     def fast_path(self, code: int, sender: JausAddress) -> FastPath | None:
-        """Return the fast path of the messages of a code; None unless one alone takes them."""
+        """Returns the fast path of the messages of a code; None unless one alone takes them."""
         takers = self.takers.get(code, ())
         return fast_path_of(takers[0], sender) if len(takers) == 1 else None
 
     # ---- routes -----------------------------------------------------------------------------
 
     def set_handler(self, handler: Handler) -> None:
-        """Handle a message; raises ValueError when it is handled already."""
+        """Handles a message; raises ValueError when it is handled already."""
         message_class = handler.message_class
         route = self._routes.setdefault(message_class.CODE, _Route())
         if route.handler is not None:
@@ -123,17 +123,17 @@ class Router:
         provision: Provision[Any, Any],
         answer: Callable[[Provision[Any, Any], Message, JausAddress], None],
     ) -> None:
-        """Answer a query; raises ValueError when it is handled already."""
+        """Answers a query; raises ValueError when it is handled already."""
         query_class = provision.query_class
         self.set_handler(Handler(query_class, partial(answer, provision), Guard.ANY))
         self._provisions[query_class.CODE] = provision
 
     def provision(self, query_code: int) -> Provision[Any, Any] | None:
-        """Return what answers a query."""
+        """Returns what answers a query."""
         return self._provisions.get(query_code)
 
     def handler(self, code: int) -> Handler | None:
-        """Return what acts on a message."""
+        """Returns what acts on a message."""
         route = self._routes.get(code)
         return None if route is None else route.handler
 
@@ -160,7 +160,7 @@ class Router:
         self._prepare(message_class.CODE)
 
     def _prepare(self, code: int) -> None:
-        """Make what takes the messages of a code: the handler, then the listeners."""
+        """Makes what takes the messages of a code: the handler, then the listeners."""
         route = self._routes[code]
         handler = () if route.handler is None else (self._handling(route.handler),)
         listeners = [self._delivering(*item) for item in route.listeners.items()]
@@ -170,7 +170,7 @@ class Router:
     # ---- what takes messages ----------------------------------------------------------------
 
     def _handling(self, handler: Handler) -> Take:
-        """Return what acts on a message if its sender is obeyed; else it costs no decoding."""
+        """Returns what acts on a message if its sender is obeyed; else it costs no decoding."""
         message_class, action = handler.message_class, handler.action
         take = (
             self._payload_taker(message_class, action, handler.is_robust)
@@ -197,7 +197,7 @@ class Router:
         return through(take_guarded, fast_path)
 
     def _handle(self, handler: Handler, take: Take, payload: bytes, sender: JausAddress) -> None:
-        """Act on a message whose guard depends on what it says.
+        """Acts on a message whose guard depends on what it says.
 
         An encoded one is only read for a sender who is not obeyed in Ready.
         """
@@ -214,7 +214,7 @@ class Router:
             self._count_refused(handler, guard, sender)
 
     def _in_order(self, message_class: type[Message], take: Take) -> Take:
-        """Return what takes messages but those that newer ones of their sender came before."""
+        """Returns what takes messages but those that newer ones of their sender came before."""
         ordering, counters, note = self._ordering(), self._counters, self._note_drop
         is_late = ordering.is_late
 
@@ -232,7 +232,7 @@ class Router:
         return through(take_newer, fast_path)
 
     def _delivering(self, message_class: type[Message], actions: Sequence[Action]) -> Take:
-        """Return what decodes a message and calls who wants it, as ``call`` does."""
+        """Returns what decodes a message and calls who wants it, as ``call`` does."""
         wanting, decode, clock = tuple(actions), message_class.decode, self._stopwatch
 
         def take(payload: bytes, sender: JausAddress) -> None:
@@ -266,7 +266,7 @@ class Router:
     def payload_caller(
         self, function: Action, on_bad: Callable[[JausAddress, DecodeError], None]
     ) -> Callable[[bytes, JausAddress], None]:
-        """Return what calls a function with encoded messages, as ``call`` does.
+        """Returns what calls a function with encoded messages, as ``call`` does.
 
         Of a message that it cannot read, the sender and the error are told.
         """
@@ -289,11 +289,11 @@ class Router:
     # ---- user code --------------------------------------------------------------------------
 
     def call(self, function: Callable[..., Any], *arguments: object) -> Any:
-        """Call a function; an error is logged and counted, and None returned."""
+        """Calls a function; an error is logged and counted, and None returned."""
         return self.attempt(function, *arguments)[1]
 
     def attempt(self, function: Callable[..., Any], *arguments: object) -> tuple[bool, Any]:
-        """Call a function; tell whether it raised no error, and what it returned."""
+        """Calls a function; tells whether it raised no error, and what it returned."""
         started = self._stopwatch()
         try:
             return True, function(*arguments)

@@ -102,7 +102,7 @@ class EventsService:
         return self._component.event_clock
 
     def attach(self) -> None:
-        """Take the messages of Events."""
+        """Takes the messages of Events."""
         component = self._component
         component.handle(CreateEvent, self._create)
         component.handle(UpdateEvent, self._update)
@@ -118,17 +118,17 @@ class EventsService:
             )
 
     def report_changed(self, report_class: type[Message]) -> None:
-        """Send the report to every-change events whose report differs from the last one."""
+        """Sends the report to every-change events whose report differs from the last one."""
         watchers = self._watchers.get(report_class.CODE)
         if watchers:
             self._serve(watchers, only_changes=True)
 
     def permissions_changed(self) -> None:
-        """Fail the commands under way that their clients may not give any more."""
+        """Fails the commands under way that their clients may not give any more."""
         self._commands.recheck()
 
     def stop(self) -> None:
-        """Fail all commands under way and forget all events."""
+        """Fails all commands under way and forgets all events."""
         self._commands.stop()
         for event in list(self._events.values()):
             self._remove(event)
@@ -219,7 +219,7 @@ class EventsService:
         return event
 
     def _apply(self, event: _Event, setup: _Setup, *, report: bool) -> None:
-        """Confirm the request, then report and (re)start the timers."""
+        """Confirms the request, then reports and (re)starts the timers."""
         # A renewal keeps the rhythm that it has.
         rephase = event.timer is None or setup != event.setup
         event.setup = setup
@@ -257,7 +257,7 @@ class EventsService:
     # ---- budgets ----------------------------------------------------------------------------
 
     def _held(self, event: _Event) -> Held[_Event]:
-        """Return an event as budgets see it; without proof it wants one report a second."""
+        """Returns an event as budgets see it; without proof it wants one report a second."""
         held = self._claim(event.client, event)
         rate = event.setup.rate if held.is_proved else min(event.setup.rate, _UNPROVED_RATE)
         return replace(held, wanted=rate)
@@ -268,7 +268,7 @@ class EventsService:
         return Held(item, place, transport.is_proved(client), transport.is_kept(client))
 
     def _make_room(self, client: JausAddress) -> None:
-        """End an event, if one has to give way to a client."""
+        """Ends an event, if one has to give way to a client."""
         held = [self._held(running_event) for running_event in self._events.values()]
         event = who_gives_way(held, self._claim(client, None))
         if event is not None:
@@ -276,7 +276,7 @@ class EventsService:
             self._end(event)
 
     def _judge(self, event: _Event) -> None:
-        """End an event whose client had its time to prove where it is."""
+        """Ends an event whose client had its time to prove where it is."""
         # By identity: its id may be that of another event by now.
         is_living = self._events.get(event.event_id) is event
         if is_living and not self._component.transport.is_proved(event.client):
@@ -284,7 +284,7 @@ class EventsService:
             self._remove(event)
 
     def _client_proved(self, client: JausAddress) -> None:
-        """Give a client the rate that it asked for, from now on."""
+        """Gives a client the rate that it asked for, from now on."""
         for event in self._events.values():
             if event.client == client and event.setup.periodic:
                 event.rate = self._first_rate(event)
@@ -297,7 +297,7 @@ class EventsService:
         return sum(event.setup.rate for event in self._events.values())
 
     def _first_rate(self, event: _Event) -> float:
-        """Return the rate of an event until the next sharing: an equal share when that is near.
+        """Returns the rate of an event until the next sharing: an equal share when that is near.
 
         With all that it asks for, one that is created again and again would never be cut.
         """
@@ -307,13 +307,13 @@ class EventsService:
         return min(wanted, max(budget / len(self._events), _LEAST_RATE))
 
     def _plan_shares(self) -> None:
-        """Share the rates soon, where they are more than one component serves."""
+        """Shares the rates soon, where they are more than one component serves."""
         is_due = self._is_cut or self._wanted() > self._settings.event_rate_budget
         if is_due and not self._shares_at.is_set:
             self._shares_at.set(_SHARING_INTERVAL_S, self._share)
 
     def _share(self) -> None:
-        """Set the rate of each event; a burst of requests is shared once."""
+        """Sets the rate of each event; a burst of requests is shared once."""
         held = [
             self._held(running_event)
             for running_event in self._events.values()
@@ -334,7 +334,7 @@ class EventsService:
     # ---- reports ----------------------------------------------------------------------------
 
     def _schedule(self, event: _Event) -> None:
-        """Set the timer one period on; periods that were missed are skipped, not made up for."""
+        """Sets the timer one period on; periods that were missed are skipped, not made up for."""
         period = 1.0 / event.rate
         event.due = max(event.due + period, self._clock.now())
         event.timer = self._clock.call_at(event.due, lambda: self._tick(event))
@@ -345,7 +345,7 @@ class EventsService:
         self._serve((event,), only_changes=False)
 
     def _serve(self, events: Iterable[_Event], *, only_changes: bool) -> None:
-        """Send the present report to some clients; encoded once for all who are to have the same.
+        """Sends the present report to some clients; encoded once for all who are to have the same.
 
         An event may end before its turn, since a provider is user code.
         """
@@ -375,7 +375,7 @@ class EventsService:
                 event.send(header + report)
 
     def _encoded(self, setup: _Setup, present: Message | bytes) -> bytes | None:
-        """Return a report as its clients are to have it."""
+        """Returns a report as its clients are to have it."""
         # Whole and encoded already: there is nothing to select from it.
         if setup.asks_for_all and isinstance(present, bytes):
             code = setup.provision.report_class.CODE
@@ -398,7 +398,7 @@ class EventsService:
         self._end(event)
 
     def _end(self, event: _Event) -> None:
-        """End an event and tell its client."""
+        """Ends an event and tells its client."""
         self._remove(event)
         self._confirm(event.client, event.request_id, event.event_id)
 

@@ -59,7 +59,7 @@ class HandoffService:
         self._telling = Alarm(component.loop)
 
     def attach(self) -> None:
-        """Take the messages of EnhancedAccessControl."""
+        """Takes the messages of EnhancedAccessControl."""
         component = self._component
         self._access.on_changed = self._controller_changed
         component.handle(RequestHandoff, self._request)
@@ -118,7 +118,7 @@ class HandoffService:
             self._end(client, Confirm.DENIED)
 
     def _end(self, client: JausAddress, code: Confirm) -> None:
-        """Tell a client why it waits no longer, if it does, and the controller who is left."""
+        """Tells a client why it waits no longer, if it does, and the controller who is left."""
         request = self._requests.pop(client, None)
         self._confirm(client, NO_REQUEST if request is None else request.number, code)
         if request is not None:
@@ -130,7 +130,7 @@ class HandoffService:
         self._component.send(answer, client, acknowledge=number != NO_REQUEST)
 
     def _free_number(self) -> int:
-        """Return the next number, so that a late decision meets no newer request."""
+        """Returns the next number, so that a late decision meets no newer request."""
         taken = {request.number for request in self._requests.values()}
         number = self._last_number
         while True:
@@ -165,7 +165,7 @@ class HandoffService:
         self._watch()
 
     def _hand_over(self, granted: _Request) -> None:
-        """Give control to one client; the others are denied (IOP, ConfirmReleaseControl)."""
+        """Gives control to one client; the others are denied (IOP, ConfirmReleaseControl)."""
         del self._requests[granted.client]
         for client in list(self._requests):
             self._end(client, Confirm.DENIED)
@@ -177,7 +177,7 @@ class HandoffService:
         )
 
     def _controller_changed(self) -> None:
-        """Begin anew with another controller; without one there is nobody to ask.
+        """Begins anew with another controller; without one there is nobody to ask.
 
         The descriptions do not say what becomes of those that wait.
         """
@@ -196,7 +196,7 @@ class HandoffService:
             self._changed()
 
     def _changed(self) -> None:
-        """Tell the controller soon who waits, and watch how long they do."""
+        """Tells the controller soon who waits, and watches how long they do."""
         if not self._telling.is_set:
             self._telling.set(PAUSE, self._tell)
         self._watch()
@@ -230,7 +230,7 @@ class HandoffService:
             self._expiry.set_at(due, self._expire)
 
     def _ends_of(self, request: _Request) -> tuple[float, float]:
-        """Return when a request has waited too long, and when its client is taken for gone."""
+        """Returns when a request has waited too long, and when its client is taken for gone."""
         handoff, enhanced = self._handoff_timeout, self._enhanced_timeout
         return (
             request.asked_at + handoff if handoff else float("inf"),

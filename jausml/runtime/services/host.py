@@ -43,14 +43,14 @@ class CoreService(Protocol):
         """Identifiers of the service; some had several over the years."""
 
     def attach(self) -> None:
-        """Take the messages of the service, for a component that provides it."""
+        """Takes the messages of the service, for a component that provides it."""
 
 
 class Hooks:
     """Hooks of a component; they do nothing unless they are overridden, and must not block."""
 
     def on_initialize(self) -> None:
-        """Prepare or reset the component: at the start and after Reset; Standby follows."""
+        """Prepares or resets the component: at the start and after Reset; Standby follows."""
 
     def on_ready(self) -> None:
         """The controller resumed the component: commands are obeyed from now on."""
@@ -152,7 +152,7 @@ class Host(Hooks):
     # ---- parts ------------------------------------------------------------------------------
 
     def part(self, kind: Callable[[Host], P]) -> P:
-        """Return a part of the component, made by its class when it is first asked for.
+        """Returns a part of the component, made by its class when it is first asked for.
 
         What a component does not use is thus not made, and a workspace need not have it.
         """
@@ -171,7 +171,7 @@ class Host(Hooks):
         when: Guard | Callable[[M], Guard] = Guard.ANY,
         counts_each: bool | None = None,
     ) -> None:
-        """Call ``handler(message, sender)`` for each such input message.
+        """Calls ``handler(message, sender)`` for each such input message.
 
         Args:
             handler: Acts on the message. It returns a new ``Completion`` when the command takes
@@ -200,7 +200,7 @@ class Host(Hooks):
         when: Guard | Callable[[M], Guard] = Guard.ANY,
         is_robust: bool = False,
     ) -> None:
-        """Call ``handler(payload, sender)`` for each such input message, as ``handle`` does.
+        """Calls ``handler(payload, sender)`` for each such input message, as ``handle`` does.
 
         The payload, the message code and the body, is not decoded. A handler that finds it wrong
         raises DecodeError; the message is counted then as one that ``handle`` cannot decode.
@@ -229,7 +229,7 @@ class Host(Hooks):
         periodic: bool = True,
         every_change: bool = True,
     ) -> None:
-        """Answer a query, and events on it, with what ``provider(query, sender)`` returns.
+        """Answers a query, and events on it, with what ``provider(query, sender)`` returns.
 
         Args:
             provider: Returns the present report, or the bytes of it with the message code. They
@@ -249,7 +249,7 @@ class Host(Hooks):
     def on_message(
         self, message_class: type[M], callback: Callable[[M, JausAddress], None]
     ) -> None:
-        """Call ``callback(message, sender)`` for each such message, asked for or not.
+        """Calls ``callback(message, sender)`` for each such message, asked for or not.
 
         Any number of callbacks may listen to one message, next to its handler.
         """
@@ -264,7 +264,7 @@ class Host(Hooks):
         is_robust: bool = False,
         counts_each: bool = True,
     ) -> None:
-        """Call ``callback(payload, sender)`` for each such message, as ``on_message`` does.
+        """Calls ``callback(payload, sender)`` for each such message, as ``on_message`` does.
 
         The payload, the message code and the body, is not decoded. A callback that finds it wrong
         raises DecodeError; the message is counted then as one that cannot be decoded.
@@ -282,7 +282,7 @@ class Host(Hooks):
     def watch_unwanted(
         self, message_class: type[Message], callback: Callable[[bytes, JausAddress], None]
     ) -> None:
-        """Call ``callback(payload, sender)`` for each such message that nothing else takes."""
+        """Calls ``callback(payload, sender)`` for each such message that nothing else takes."""
         with self.loop.lock:
             self._jaus_router.unwanted[message_class.CODE] = callback
 
@@ -294,7 +294,7 @@ class Host(Hooks):
         priority: Priority = Priority.STANDARD,
         acknowledge: bool = False,
     ) -> None:
-        """Send a message to a component or a wildcard; EncodeError where a value does not fit."""
+        """Sends a message to a component or a wildcard; EncodeError where a value does not fit."""
         self.transport.send(
             self.address, destination, message.encode(), priority=priority, acknowledge=acknowledge
         )
@@ -308,17 +308,17 @@ class Host(Hooks):
             self.transport.send(self.address, sender, payload)
 
     def command_handler(self, code: int) -> Handler | None:
-        """Return what acts on a message."""
+        """Returns what acts on a message."""
         return self._jaus_router.handler(code)
 
     def provision(self, query_code: int) -> Provision[Any, Any] | None:
-        """Return what answers a query."""
+        """Returns what answers a query."""
         return self._jaus_router.provision(query_code)
 
     def encoded_report(
         self, provision: Provision[Any, Any], query: Message, report: Message | bytes
     ) -> bytes | None:
-        """Return what a query asks for of a report as bytes, or None when that is impossible."""
+        """Returns what a query asks for of a report as bytes, or None when that is impossible."""
         try:
             if isinstance(report, bytes):
                 return asked_for_in(query, provision.report_class, report)
@@ -328,7 +328,7 @@ class Host(Hooks):
             return None
 
     def drops_of(self, sender: JausAddress) -> dict[str, int]:
-        """Return how many messages of a sender were dropped before they were acted on, by reason.
+        """Returns how many messages of a sender were dropped before they were acted on, by reason.
 
         Those that came out of order, were refused, could not be read or are not known, each with
         the name of the message. With the lock of the loop, as it changes while messages come.
@@ -340,7 +340,7 @@ class Host(Hooks):
         }
 
     def drops_before(self, message: str) -> list[tuple[JausAddress, str, int]]:
-        """Return the drops of ``drops_of`` for one kind of message: sender, reason and number."""
+        """Returns the drops of ``drops_of`` for one kind of message: sender, reason and number."""
         return [
             (sender, reason, count)
             for (sender, reason, kind), count in self._jaus_router.drops.items()
@@ -350,7 +350,7 @@ class Host(Hooks):
     # ---- user code --------------------------------------------------------------------------
 
     def call(self, function: Callable[..., Any], *arguments: object) -> Any:
-        """Call user code; an error is logged and counted, and None returned."""
+        """Calls user code; an error is logged and counted, and None returned."""
         return self._jaus_router.call(function, *arguments)
 
     def payload_caller(
@@ -358,15 +358,15 @@ class Host(Hooks):
         function: Callable[[bytes, JausAddress], object],
         on_bad: Callable[[JausAddress, DecodeError], None],
     ) -> Callable[[bytes, JausAddress], None]:
-        """Return what calls user code with encoded messages, and tells of those it cannot read."""
+        """Returns what calls user code with encoded messages, and tells of those it cannot read."""
         return self._jaus_router.payload_caller(function, on_bad)
 
     def attempt(self, function: Callable[..., Any], *arguments: object) -> tuple[bool, Any]:
-        """Call user code; tell whether it raised no error, and what it returned."""
+        """Calls user code; tells whether it raised no error, and what it returned."""
         return self._jaus_router.attempt(function, *arguments)
 
     def when_started(self, action: Callable[[], None]) -> None:
-        """Run an action now, or at the start of a component that does not run yet."""
+        """Runs an action now, or at the start of a component that does not run yet."""
         if self._jaus_running:
             action()
         else:
@@ -385,12 +385,12 @@ class Host(Hooks):
         self._jaus_enders.append(action)
 
     def shut_down(self) -> None:
-        """Run the hook and the actions of Shutdown; called by the Management service."""
+        """Runs the hook and the actions of Shutdown; called by the Management service."""
         for action in (self.on_shutdown, *self._jaus_enders):
             self.call(action)
 
     def core_version(self, name: str) -> tuple[int, int]:
-        """Return the version of a core service that the component provides, 1.1 if of none."""
+        """Returns the version of a core service that the component provides, 1.1 if of none."""
         return self._jaus_versions.get(name, VERSION_1_1)
 
     # ---- what services and clients decide ---------------------------------------------------
@@ -400,19 +400,19 @@ class Host(Hooks):
         raise NotImplementedError
 
     def permissions_changed(self) -> None:
-        """End the commands under way that are not allowed any more; called by the services."""
+        """Ends the commands under way that are not allowed any more; called by the services."""
         raise NotImplementedError
 
     def _jaus_stand_by(self, provider: JausAddress, on_silence: Callable[[], None] | None) -> None:
-        """Leave Ready for Standby, as a report that is needed there does not come."""
+        """Leaves Ready for Standby, as a report that is needed there does not come."""
         raise NotImplementedError
 
     def report_changed(self, report_class: type[Message]) -> None:
-        """Send the report to every-change events whose report differs from the last one sent."""
+        """Sends the report to every-change events whose report differs from the last one sent."""
         raise NotImplementedError
 
     def permit_control(self, permitted: bool) -> None:  # noqa: FBT001
-        """Let go of the components that this one controls, or take them back.
+        """Lets go of the components that this one controls, or takes them back.
 
         It happens in the next round of the loop: what hooks send to stop them comes before.
         """
@@ -426,7 +426,7 @@ class Host(Hooks):
     # ---- hooks with a default ---------------------------------------------------------------
 
     def host_time(self) -> datetime:
-        """Return the time in UTC that the component's clock runs by; ``clock`` has it by default.
+        """Returns the time in UTC that the component's clock runs by; ``clock`` has it by default.
 
         Override it for a component that lives in simulated time.
         """

@@ -41,7 +41,7 @@ class ListError(JausError):
 def chain(
     contents: Iterable[tuple[int, bytes, int]], *, circular: bool = False
 ) -> list[ListElement]:
-    """Return elements linked in the order given."""
+    """Returns elements linked in the order given."""
     known = list(contents)
     if not known:
         return []
@@ -75,7 +75,7 @@ class ElementList:
         return uid in self._elements
 
     def get(self, uid: int) -> ListElement | None:
-        """Return the element of a UID."""
+        """Returns the element of a UID."""
         return self._elements.get(uid)
 
     @property
@@ -89,7 +89,7 @@ class ElementList:
         return bool(self._elements) and next(reversed(self._elements.values())).next_uid != NO_UID
 
     def set(self, requested: Sequence[ListElement]) -> None:
-        """Add elements, or replace those of the same UID; neighbours are linked to them.
+        """Adds elements, or replaces those of the same UID; neighbours are linked to them.
 
         Raises:
             ListError: The list would not be valid, or is full; nothing is changed.
@@ -105,7 +105,7 @@ class ElementList:
         self._elements = _in_order(_linked({element.uid: element for element in chained}, new))
 
     def delete(self, uids: Sequence[int]) -> None:
-        """Delete elements, or all; the neighbours of a deleted element become neighbours.
+        """Deletes elements, or all; the neighbours of a deleted element become neighbours.
 
         Raises:
             ListError: There is no such element; nothing is changed.
@@ -123,7 +123,7 @@ class ElementList:
         self._elements = {element.uid: element for element in chain(kept, circular=circular)}
 
     def _check(self, requested: Sequence[ListElement], new: dict[int, ListElement]) -> None:
-        """Refuse what is wrong with single elements."""
+        """Refuses what is wrong with single elements."""
         if len(new) != len(requested):
             raise ListError(Reason.INVALID_ELEMENT_ID, "an element is given twice")
         for element in requested:
@@ -142,7 +142,7 @@ class ElementList:
 def _linked(
     kept: dict[int, ListElement], new: dict[int, ListElement]
 ) -> dict[int, tuple[int, int, ListElement]]:
-    """Return previous and next UID of all elements, with the neighbours of new ones updated."""
+    """Returns previous and next UID of all elements, with the neighbours of new ones updated."""
     previous = {
         list_element.uid: list_element.previous_uid
         for list_element in (*kept.values(), *new.values())
@@ -168,7 +168,7 @@ def _linked(
 
 
 def _in_order(links: dict[int, tuple[int, int, ListElement]]) -> dict[int, ListElement]:
-    """Walk along the links from the first element; refuses a list that is not valid."""
+    """Walks along the links from the first element; refuses a list that is not valid."""
     heads = [uid for uid, (previous, _, _) in links.items() if previous == NO_UID]
     if len(heads) != 1:
         raise ListError(Reason.INVALID_PREVIOUS_ELEMENT, f"{len(heads)} elements are the first")
@@ -216,7 +216,7 @@ class ListManagerService:
         self.drivers: list[Driver] = []
 
     def attach(self) -> None:
-        """Take the messages of ListManager."""
+        """Takes the messages of ListManager."""
         component = self._component
         component.handle(SetElement, self._set, when=Guard.CONTROLLED, counts_each=True)
         component.handle(DeleteElement, self._delete, when=Guard.CONTROLLED, counts_each=True)
@@ -323,7 +323,7 @@ class ListHolder(Host):
         """The controller has changed ``elements`` (AS5710, ListManager)."""
 
     def supports_element(self, element: ListElement) -> bool:
-        """Return whether the component's list may hold an element (AS5710, ListManager).
+        """Returns whether the component's list may hold an element (AS5710, ListManager).
 
         By default these are the messages that the component's list drivers execute, e.g.
         SetGlobalWaypoint for a GlobalWaypointListDriver; a ListManager alone takes none.

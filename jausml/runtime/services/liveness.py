@@ -21,7 +21,7 @@ class LivenessService:
     urns = frozenset([CORE + "Liveness", CORE + "Liveliness"])  # v1.0 spells it both ways
 
     def __init__(self, component: Host) -> None:
-        """Learn from settings and services of the component what it sends unasked."""
+        """Learns from settings and services of the component what it sends unasked."""
         self._component = component
         self._timer = Alarm(component.loop)
         settings, own = component.settings, component.address
@@ -33,13 +33,13 @@ class LivenessService:
         self._speaks_first = False
 
     def attach(self) -> None:
-        """Take the messages of Liveness."""
+        """Takes the messages of Liveness."""
         # The search for a Discovery server is heard as well.
         self._speaks_first = not self._component.settings.register_services
         self._component.provide(QueryHeartbeatPulse, ReportHeartbeatPulse, _pulse)
 
     def start(self) -> None:
-        """Begin to send unrequested heartbeats if any are wanted, or at least be heard once.
+        """Begins to send unrequested heartbeats if any are wanted, or at least be heard once.
 
         Peers learn where a component is from what it sends, and some never forget where it was
         (Junior): one that starts again elsewhere and says nothing would not be found.
@@ -50,7 +50,7 @@ class LivenessService:
             self._component.send(ReportHeartbeatPulse(), BROADCAST)
 
     def stop(self) -> None:
-        """Send no heartbeat any more."""
+        """Sends no heartbeat any more."""
         self._timer.cancel()
 
     def _beat(self) -> None:

@@ -71,7 +71,7 @@ class MachineStatesService:
         self._machines: list[_Times] = []
 
     def attach(self) -> None:
-        """Keep times from now on, and take the query unless the component answers it itself."""
+        """Keeps times from now on, and takes the query unless the component answers it itself."""
         self._is_provided = True
         self._component.when_started(self._take)
 
@@ -81,7 +81,7 @@ class MachineStatesService:
             component.provide(QueryMachineStates, ReportMachineStates, self._report)
 
     def watch(self, service: str, machine: str) -> Callable[[str], None] | None:
-        """Return what is to be told each state that a machine enters; None where nobody may ask."""
+        """Returns what is to be told each state that a machine enters; None if nobody may ask."""
         if not self._is_provided:
             return None
         times = _Times(service, machine, self._component.loop.now)
@@ -105,5 +105,5 @@ def _milliseconds(seconds: float) -> int:
 
 
 def _jaus_string(name: str) -> str:
-    """Return a name as a JAUS string can carry it: Latin-1, and not too long."""
+    """Returns a name as a JAUS string can carry it: Latin-1, and not too long."""
     return name.encode("latin-1", "replace").decode("latin-1")[:_LONGEST_NAME]

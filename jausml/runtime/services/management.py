@@ -65,7 +65,7 @@ class ManagementService:
         access.on_lost = self.stand_by
 
     def attach(self) -> None:
-        """Take the messages of Management."""
+        """Takes the messages of Management."""
         component = self._component
         component.handle(Resume, self._resume, when=Guard.CONTROLLED)
         component.handle(Standby, self._standby, when=Guard.CONTROLLED)
@@ -76,7 +76,7 @@ class ManagementService:
         component.provide(QueryStatus, ReportStatus, self._report_status)
 
     def watch_emergency(self, message_class: type[Message], take: Take) -> None:
-        """Give an action SetEmergency when an emergency has begun, ClearEmergency when it ended.
+        """Gives an action SetEmergency when an emergency has begun, ClearEmergency when it ended.
 
         That is not each such message: others may have set an emergency too, and a person at the
         robot may lift it. What is given is encoded, from whoever made the difference.
@@ -84,14 +84,14 @@ class ManagementService:
         self._watchers.setdefault(message_class.CODE, []).append(take)
 
     def _tell(self, sender: JausAddress, *, active: bool) -> None:
-        """Tell connections, then the hook, that an emergency has begun or ended."""
+        """Tells connections, then the hook, that an emergency has begun or ended."""
         message_class = SetEmergency if active else ClearEmergency
         for take in self._watchers.get(message_class.CODE, ()):
             take(message_class(emergency_code=message_class.EmergencyCode.STOP).encode(), sender)
         self._component.call(self._component.on_emergency, active)
 
     def initialize(self) -> None:
-        """Pass through Init to Standby."""
+        """Passes through Init to Standby."""
         self._emergencies.clear()
         self._enter(Status.INITIALIZE)
         self._component.call(self._component.on_initialize)
@@ -100,7 +100,7 @@ class ManagementService:
             self._enter(Status.STANDBY)
 
     def fail(self, reason: str) -> None:
-        """Enter Failure from any state and let go of the controller."""
+        """Enters Failure from any state and lets go of the controller."""
         # JAUS-DEVIATION: AS5710 ignores the internal event Failure in Emergency; a component that
         # is broken must not be in Standby again when the emergency is cleared.
         self._component.counters.count("component.failed", reason)
@@ -108,7 +108,7 @@ class ManagementService:
         self._access.drop(Reject.CONTROL_RELEASED)
 
     def shut_down(self, reject: Reject = Reject.CONTROL_RELEASED) -> None:
-        """Enter Shutdown and let go of the controller."""
+        """Enters Shutdown and lets go of the controller."""
         if self.status is Status.SHUTDOWN:
             return
         self._enter(Status.SHUTDOWN)
@@ -120,12 +120,12 @@ class ManagementService:
             self._enter(Status.READY)
 
     def stand_by(self) -> None:
-        """Leave Ready for Standby; no effect in another state."""
+        """Leaves Ready for Standby; no effect in another state."""
         if self.status is Status.READY:
             self._enter(Status.STANDBY)
 
     def withdraw(self) -> None:
-        """Leave Ready for Standby and tell the controller that there is no control to have."""
+        """Leaves Ready for Standby and tells the controller that there is no control to have."""
         self.stand_by()
         self._access.drop(Reject.NOT_AVAILABLE)
 
@@ -133,7 +133,7 @@ class ManagementService:
         self.stand_by()
 
     def _who_ends(self, _message: Message) -> Guard:
-        """Return who may send Shutdown and Reset now.
+        """Returns who may send Shutdown and Reset now.
 
         In the Emergency of v1.1 nobody may: it has no controller, and lasts until the last
         emergency is cleared.
@@ -166,7 +166,7 @@ class ManagementService:
             self.initialize()
 
     def _ignored(self, name: str, sender: JausAddress) -> None:
-        """Count what the controller demands and the standard has no transition for."""
+        """Counts what the controller demands and the standard has no transition for."""
         self._component.counters.count(name, f"of {sender} in {self.status.name}")
 
     def _set_emergency(self, message: SetEmergency, sender: JausAddress) -> None:
@@ -201,7 +201,7 @@ class ManagementService:
             self._tell(sender, active=False)
 
     def _leave_emergency(self) -> None:
-        """Go to Standby without a controller; in v1.0, back to what the emergency interrupted."""
+        """Goes to Standby without a controller; in v1.0, back to what the emergency interrupted."""
         status, controller, authority = self._interrupted
         # JAUS-DEVIATION: some definitions of v1.1 go back too, with the same controller; to stand
         # still is what those of the IOP say, and what is safe. For the same reason a component
@@ -215,7 +215,7 @@ class ManagementService:
             self._enter(status)
 
     def check_lift(self, clients: JausAddress) -> list[JausAddress]:
-        """Return whose emergencies somebody at the robot may lift.
+        """Returns whose emergencies somebody at the robot may lift.
 
         A stop needs no proof of who sends it, so that anybody can set an emergency, also in a name
         that nobody has. AS5710 lets the same name alone clear it. A person at the robot must have
@@ -241,7 +241,7 @@ class ManagementService:
         return meant
 
     def lift(self, clients: JausAddress) -> None:
-        """Lift the emergencies of clients who are not there any more; see ``check_lift``.
+        """Lifts the emergencies of clients who are not there any more; see ``check_lift``.
 
         When it was the last one, the component is in Standby without a controller, in v1.0 as
         well: nothing moves before somebody takes control and resumes it.

@@ -27,7 +27,7 @@ class TimeService:
         self._component = component
 
     def attach(self) -> None:
-        """Take the messages of Time."""
+        """Takes the messages of Time."""
         self._component.handle(SetTime, self._set_time, when=Guard.CONTROLLED)
         # Time changes always: only a rate makes sense.
         self._component.provide(QueryTime, ReportTime, self._report, every_change=False)
@@ -43,7 +43,7 @@ class TimeService:
         self._component.call(self._component.on_set_time, stated_time)
 
     def _time_meant(self, message: SetTime) -> datetime:
-        """Return the moment that a SetTime means; raises ValueError when it means none."""
+        """Returns the moment that a SetTime means; raises ValueError when it means none."""
         now = self._component.current_time
         stamp, date = message.time_stamp, message.date_stamp
         if stamp is None and date is None:
@@ -84,7 +84,7 @@ def _moment(year: int, month: int, day: int, clock: time) -> datetime:
 
 
 def _nearest(now: datetime, day: int, clock: time) -> datetime:
-    """Return the moment nearest to now that has the day of month and time of day.
+    """Returns the moment nearest to now that has the day of month and time of day.
 
     A TimeStamp has no month: near the end of one, its day may be of the next.
     """

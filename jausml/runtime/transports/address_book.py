@@ -93,7 +93,7 @@ class AddressBook:
         trusts: Callable[[Endpoint], bool] = lambda _endpoint: True,
         changed: Callable[[], None] = lambda: None,
     ) -> None:
-        """Know nobody yet.
+        """Knows nobody yet.
 
         An endpoint that is trusted needs no proof; changes of places, and doubts, are told.
         """
@@ -112,7 +112,7 @@ class AddressBook:
         return len(self.learnt)
 
     def configure(self, entries: Mapping[JausAddress, Endpoint]) -> None:
-        """Add configured endpoints; host names are resolved here, once.
+        """Adds configured endpoints; host names are resolved here, once.
 
         A name that cannot be resolved is counted as ``transport.unresolved_host`` and left out: the
         component can still be found by multicast.
@@ -121,12 +121,12 @@ class AddressBook:
             self._configured[address] = Entry(endpoint, -math.inf)
 
     def find(self, address: JausAddress) -> Endpoint | None:
-        """Return the endpoint of a component, if known."""
+        """Returns the endpoint of a component, if known."""
         entry = self.learnt.get(address) or self._configured.get(address)
         return None if entry is None else entry.endpoint
 
     def learn(self, address: JausAddress, endpoint: Endpoint, now: float) -> bool:
-        """Note that a component was heard from an endpoint; return whether it may be heard there.
+        """Notes that a component was heard from an endpoint; returns whether it may be heard there.
 
         What is refused is counted, as ``transport.source_refused``.
         """
@@ -154,23 +154,23 @@ class AddressBook:
         return True
 
     def prove(self, address: JausAddress, entry: Entry, now: float) -> None:
-        """Believe that a component is where it says."""
+        """Believes that a component is where it says."""
         self._drop_claim(address, entry)
         entry.heard = now
 
     def keep_place(self, owner: JausAddress, address: JausAddress | None) -> None:
-        """Give the controller of an owner a place of its own, instead of the one before."""
+        """Gives the controller of an owner a place of its own, instead of the one before."""
         if address is None:
             self._kept.pop(owner, None)
         else:
             self._kept[owner] = address
 
     def is_kept(self, address: JausAddress) -> bool:
-        """Return whether a component has a place of its own: it is configured or in control."""
+        """Returns whether a component has a place of its own: it is configured or in control."""
         return address in self._configured or address in self._kept.values()
 
     def _judge(self, address: JausAddress, entry: Entry, endpoint: Endpoint) -> None:
-        """Decide whether a component must prove that it is at an endpoint."""
+        """Decides whether a component must prove that it is at an endpoint."""
         self._drop_claim(address, entry)
         configured = self._configured.get(address)
         is_stated = configured is not None and configured.endpoint == endpoint
@@ -191,7 +191,7 @@ class AddressBook:
             del self._claims[host]
 
     def refuses(self, address: JausAddress, entry: Entry, endpoint: Endpoint, now: float) -> bool:
-        """Return whether a component may not be heard from an endpoint; it is counted then."""
+        """Returns whether a component may not be heard from an endpoint; it is counted then."""
         if entry.endpoint == endpoint or not self._stands(entry, now):
             return False
         detail = f"{address} at {endpoint}: it is heard from {entry.endpoint}"
@@ -199,11 +199,11 @@ class AddressBook:
         return True
 
     def _stands(self, entry: Entry, now: float) -> bool:
-        """Return whether an endpoint is fixed, and nobody else can have it yet."""
+        """Returns whether an endpoint is fixed, and nobody else can have it yet."""
         return self._fixed and entry.claim is None and now - entry.latest < self.lifetime
 
     def _make_room(self) -> None:
-        """Let a component give way when all places are taken."""
+        """Lets a component give way when all places are taken."""
         if len(self.learnt) < self._places:
             return
         own = {*self._configured, *self._kept.values()}
@@ -217,7 +217,7 @@ class AddressBook:
         self._counters.count("transport.address_book_full", f"forgot {forgotten}")
 
     def _claimant(self, own: set[JausAddress]) -> JausAddress | None:
-        """Return the oldest claim of the host that has most; None where nobody has any."""
+        """Returns the oldest claim of the host that has most; None where nobody has any."""
         for of_host in sorted(self._claims.values(), key=len, reverse=True):
             for address in of_host:
                 if address not in own:
@@ -225,7 +225,7 @@ class AddressBook:
         return None
 
     def _silent_longest(self, own: set[JausAddress]) -> JausAddress:
-        """Return who is silent longest of the host that has most places."""
+        """Returns who is silent longest of the host that has most places."""
         others = [address for address in self.learnt if address not in own]
         sizes = Counter(self.learnt[other].endpoint[0] for other in others)
         largest = max(sizes.values())
@@ -234,7 +234,7 @@ class AddressBook:
         )
 
     def suspect(self, address: JausAddress, since: float) -> None:
-        """Doubt an endpoint at once, because the component failed to acknowledge.
+        """Doubts an endpoint at once, because the component failed to acknowledge.
 
         Who was heard after the first packet without acknowledgement is there still.
         """
@@ -246,7 +246,7 @@ class AddressBook:
             entry.asked = max(entry.asked, _LONG_AGO)
 
     def doubt(self, address: JausAddress, now: float) -> Doubt:
-        """Return what to do about the age of a known endpoint when sending to it."""
+        """Returns what to do about the age of a known endpoint when sending to it."""
         entry = self.learnt.get(address) or self._configured.get(address)
         if entry is None or now - entry.heard < self.lifetime:
             return Doubt.NONE
@@ -262,7 +262,7 @@ class AddressBook:
 def resolve(
     entries: Mapping[JausAddress, Endpoint], counters: Counters
 ) -> dict[JausAddress, Endpoint]:
-    """Return entries with IPv4 addresses for host names.
+    """Returns entries with IPv4 addresses for host names.
 
     A name that cannot be resolved is counted as ``transport.unresolved_host`` and left out.
     """
@@ -297,7 +297,7 @@ class AllowedHosts:
         ]
 
     def admits(self, endpoint: Endpoint) -> bool:
-        """Return whether packets of an endpoint are taken; it is counted if they are not."""
+        """Returns whether packets of an endpoint are taken; it is counted if they are not."""
         if not self._networks:
             return True
         host = int.from_bytes(socket.inet_aton(endpoint[0]), "big")

@@ -81,7 +81,7 @@ OnResult = Callable[[bool], None]
 
 
 def report(loop: Loop, on_result: OnResult | None, *, success: bool) -> None:
-    """Tell a result in the next round of the loop."""
+    """Tells a result in the next round of the loop."""
     if on_result is not None:
         loop.call_soon(partial(on_result, success))
 
@@ -107,7 +107,7 @@ class _Latest(NamedTuple):
     sure: int | None  # of the latest that asks for acknowledgement, while that can be compared
 
     def followed_by(self, number: int, at: float, origin: object) -> _Latest:
-        """Return what is known when a message without acknowledgement came."""
+        """Returns what is known when a message without acknowledgement came."""
         is_near = self.sure is not None and _is_before(self.sure, number)
         return _Latest(number, at, origin, self.sure if is_near else None)
 
@@ -126,7 +126,7 @@ class Ordering:
         self._latest: dict[JausAddress, _Latest] = {}
 
     def is_late(self, sender: JausAddress) -> bool:
-        """Return whether the present message of a sender is late; remember it if it is not.
+        """Returns whether the present message of a sender is late; remembers it if it is not.
 
         One that asks for acknowledgement may be a stop that is repeated, so others do not make it
         late. A newer one of its own kind does. What was sent before a stop, with acknowledgement or
@@ -155,7 +155,7 @@ class Ordering:
         return False
 
     def minded(self, path: FastPath, sender: JausAddress) -> FastPath:
-        """Return a fast path on which the messages of a sender keep their order.
+        """Returns a fast path on which the messages of a sender keep their order.
 
         What takes it comes from where the latest message came from, and asks for no
         acknowledgement.
@@ -183,18 +183,18 @@ class Carrier(ABC, Generic[Origin]):
 
     @abstractmethod
     def transmit(self, packet: Packet) -> bool:
-        """Put a packet on the network; return whether that worked."""
+        """Puts a packet on the network; returns whether that worked."""
 
     @abstractmethod
     def answer(self, packet: Packet, origin: Origin) -> None:
-        """Send a packet back to where one came from."""
+        """Sends a packet back to where one came from."""
 
     def heard(self, destination: JausAddress) -> float:  # noqa: ARG002
-        """Return when a destination was heard last, on the loop's clock; never if nobody knows."""
+        """Returns when a destination was heard last, on the loop's clock; never if nobody knows."""
         return -math.inf
 
     def suspect(self, destination: JausAddress, since: float) -> None:
-        """Learn before the last repetition that a destination acknowledges nothing since a time."""
+        """Learns before the last repetition that a destination has acknowledged nothing lately."""
 
 
 class ReliableCarrier(Carrier[Origin]):
@@ -202,9 +202,9 @@ class ReliableCarrier(Carrier[Origin]):
 
     @abstractmethod
     def transmit_all(self, packets: list[Packet], on_result: OnResult | None) -> None:
-        """Send the packets of a message, and report whether that worked."""
+        """Sends the packets of a message, and reports whether that worked."""
 
     def transmit(self, packet: Packet) -> bool:
-        """Send a packet whose result nobody asks for."""
+        """Sends a packet whose result nobody asks for."""
         self.transmit_all([packet], None)
         return True

@@ -75,7 +75,7 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
         self._is_open = False
 
     def open(self) -> None:
-        """Listen on the port, or connect to the process of this host that owns it."""
+        """Listens on the port, or connects to the process of this host that owns it."""
         self._book = resolve(self._settings.address_book, self.counters)
         with self.loop.lock:
             self._is_open = True
@@ -83,7 +83,7 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
             self._share_port()
 
     def close(self) -> None:
-        """Close the connections; messages that wait are reported as lost."""
+        """Closes the connections; messages that wait are reported as lost."""
         with self.loop.lock:
             # While the connections are there: what was handed over is sent, or reported as lost.
             self._send_unsent()
@@ -125,7 +125,7 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
     # ---- sending ----------------------------------------------------------------------------
 
     def transmit_all(self, packets: list[Packet], on_result: OnResult | None) -> None:
-        """Send on the loop's thread, which alone uses the connections."""
+        """Sends on the loop's thread, which alone uses the connections."""
         self._unsent.append((packets, on_result))
         self.loop.call_soon(self._send_unsent)
 
@@ -150,11 +150,11 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
         report(self.loop, on_result, success=False)
 
     def answer(self, packet: Packet, origin: TcpConnection) -> None:
-        """Send a packet back over the connection that one came from."""
+        """Sends a packet back over the connection that one came from."""
         origin.write(octets_of(packet))
 
     def _way_to(self, destination: JausAddress) -> TcpConnection | None:
-        """Return the connection to a component, which may be on its way."""
+        """Returns the connection to a component, which may be on its way."""
         connection = self._routes.get(destination)
         if connection is None and destination in self._book:
             connection = self._connect(self._book[destination])
@@ -171,7 +171,7 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
     # ---- connections ------------------------------------------------------------------------
 
     def _connect(self, endpoint: Endpoint) -> TcpConnection | None:
-        """Return the connection to an endpoint, made on demand; None while it is down."""
+        """Returns the connection to an endpoint, made on demand; None while it is down."""
         # The book may name this process itself.
         if not self._is_open or endpoint == self.endpoint:
             return None
@@ -217,7 +217,7 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
                 self._adopt(sock, peer, connecting=False)
 
     def _pause_listening(self) -> None:
-        """Look for connections after a while: who waits would have this one called without end."""
+        """Looks for connections after a while: who waits would have this one called without end."""
         if self._listener is not None:
             self.loop.unregister(self._listener)
             self._rest.set(_REST_S, self._go_on_listening)
@@ -227,7 +227,7 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
             self.loop.register(self._listener, self._accept)
 
     def _has_room_for(self, peer: Endpoint) -> bool:
-        """Return whether there is room for a connection, for which another one may be closed.
+        """Returns whether there is room for a connection, for which another one may be closed.
 
         Those over which nothing has come go first. One that was made from here, or that a
         component with a place of its own uses, gives way to nobody.
@@ -304,7 +304,7 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
             self.counters.add("transport.not_for_us")
 
     def _learn(self, packet: Packet, connection: TcpConnection) -> bool:
-        """Note the way to the sender of a packet; return whether it may be heard by this one."""
+        """Notes the way to the sender of a packet; returns whether it may be heard by this one."""
         address = packet.source
         former = self._routes.get(address)
         if self._settings.fixed_sources and former not in (None, connection):
@@ -326,7 +326,7 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
         return True
 
     def _forget_route(self) -> None:
-        """Forget who is silent longest of the connection that most components came by."""
+        """Forgets who is silent longest of the connection that most components came by."""
         lent = [route for route in self._routes if not self.is_kept(route)]
         sizes = Counter(id(self._routes[address]) for address in lent)
         if len(lent) < self._settings.max_peers:
@@ -339,20 +339,20 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
     # ---- strangers --------------------------------------------------------------------------
 
     def place_of(self, address: JausAddress) -> tuple[str, str]:
-        """Return where a component is; see ``Transport.place_of``."""
+        """Returns where a component is; see ``Transport.place_of``."""
         way = self._routes.get(address)
         return ("", "") if way is None else _place(way.peer)
 
     def is_kept(self, address: JausAddress) -> bool:
-        """Return whether a component has a place of its own; see ``Transport.is_kept``."""
+        """Returns whether a component has a place of its own; see ``Transport.is_kept``."""
         return address in self._book or address in self._kept.values()
 
     def keep_place(self, owner: JausAddress, address: JausAddress | None) -> None:
-        """Keep the place of a controller; see ``Transport.keep_place``."""
+        """Keeps the place of a controller; see ``Transport.keep_place``."""
         self._kept[owner] = address
 
     def silence_of(self, address: JausAddress) -> float:
-        """Return how long a component was silent: a connected one is there."""
+        """Returns how long a component was silent: a connected one is there."""
         return 0.0 if address in self._routes else math.inf
 
     # ---- several processes on one host ------------------------------------------------------
@@ -362,7 +362,7 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
     # acknowledgement to everybody, which other stacks ignore, which components live in them.
 
     def _share_port(self) -> None:
-        """Try to own the port; until then stay connected to its owner."""
+        """Tries to own the port; until then stays connected to its owner."""
         try:
             self._listener = listen(self._well_known)
         except OSError as error:
@@ -393,7 +393,7 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
             connection.write(octets_of(present))
 
     def _relay(self, packet: Packet, origin: TcpConnection) -> bool:
-        """Pass a packet on for another process of this host; return whether it went somewhere."""
+        """Passes a packet on to another process of this host; returns whether it went there."""
         if self._listener is None or packet.destination in self._inbox.receivers:
             return False
         if packet.destination.is_wildcard:

@@ -85,7 +85,7 @@ class NodeManagerClient(Carrier[str]):
         return self._state is _State.ATTACHED
 
     def open(self) -> None:
-        """Create the socket and ask the manager for acceptance."""
+        """Creates the socket and asks the manager for acceptance."""
         if is_alive(self._path):
             raise OSError(f"{self._path}: another process runs component {self.address}")
         self._path.unlink(missing_ok=True)
@@ -101,7 +101,7 @@ class NodeManagerClient(Carrier[str]):
         self._attach()
 
     def close(self) -> None:
-        """Take leave of the manager and remove the socket."""
+        """Takes leave of the manager and removes the socket."""
         with self._lock:
             was_attached = self.is_attached
             self._send_waiting()
@@ -119,7 +119,7 @@ class NodeManagerClient(Carrier[str]):
         self.messenger.close()
 
     def check(self) -> None:
-        """Attach again when the manager ended, or another one took its place."""
+        """Attaches again when the manager ended, or another one took its place."""
         if self.is_attached and not (
             is_alive(self._manager) and _identity(self._manager) == self._identity
         ):
@@ -187,17 +187,17 @@ class NodeManagerClient(Carrier[str]):
     # ---- sending ----------------------------------------------------------------------------
 
     def answer(self, packet: Packet, origin: str) -> None:  # noqa: ARG002
-        """Send a packet back through the manager, which all of them come from."""
+        """Sends a packet back through the manager, which all of them come from."""
         self._put(packet.encode())
 
     def transmit(self, packet: Packet) -> bool:
-        """Give a packet to the manager, which finds its destination."""
+        """Gives a packet to the manager, which finds its destination."""
         if packet.destination.is_wildcard:
             packet = packet._replace(broadcast=Broadcast.GLOBAL)
         return self._put(packet.encode())
 
     def _put(self, datagram: bytes) -> bool:
-        """Send a datagram, or let it wait while the manager is busy or about to accept us."""
+        """Sends a datagram, or lets it wait while the manager is busy or about to accept us."""
         with self._lock:
             if self._state in (_State.CLOSED, _State.WAITING):
                 name = "node_manager.not_attached"
@@ -229,7 +229,7 @@ class NodeManagerClient(Carrier[str]):
         self._waiting_bytes = 0
 
     def _sendto(self, datagram: bytes) -> bool:
-        """Send to the manager; return False when it is busy."""
+        """Sends to the manager; returns False when it is busy."""
         if self._socket is None:
             return True
         try:
@@ -276,7 +276,7 @@ class NodeManagerClient(Carrier[str]):
 
 
 def _identity(path: Path) -> int:
-    """Return what tells two sockets of one name apart; 0 without one."""
+    """Returns what tells two sockets of one name apart; 0 without one."""
     try:
         return path.stat().st_ino
     except OSError:
@@ -298,7 +298,7 @@ class NodeManagerTransport(Transport):
     KIND = TransportKind.NODE_MANAGER
 
     def __init__(self, settings: TransportSettings, loop: Loop) -> None:
-        """Prepare a transport; ``open`` begins to look for the manager."""
+        """Prepares a transport; ``open`` begins to look for the manager."""
         super().__init__(settings, loop)
         self._folder = Path(settings.node_manager_directory or tempfile.gettempdir())
         self._clients: dict[JausAddress, NodeManagerClient] = {}
@@ -306,7 +306,7 @@ class NodeManagerTransport(Transport):
         self._is_open = False
 
     def open(self) -> None:
-        """Attach the components; those that come later are attached when they come.
+        """Attaches the components; those that come later are attached when they come.
 
         Raises:
             OSError: The folder of the local sockets cannot be used, or a component of the same
@@ -325,7 +325,7 @@ class NodeManagerTransport(Transport):
                 raise
 
     def close(self) -> None:
-        """Take leave of the manager; messages that wait are reported as lost."""
+        """Takes leave of the manager; messages that wait are reported as lost."""
         with self.loop.lock:
             self._is_open = False
             self._watch.cancel()
@@ -333,7 +333,7 @@ class NodeManagerTransport(Transport):
                 client.close()
 
     def is_attached(self, address: JausAddress) -> bool:
-        """Return whether the manager accepted a component."""
+        """Returns whether the manager accepted a component."""
         client = self._clients.get(address)
         return client is not None and client.is_attached
 
@@ -367,7 +367,7 @@ class NodeManagerTransport(Transport):
         self._watch.set(_WATCH_INTERVAL_S, self._look_after)
 
     def _look_after(self) -> None:
-        """Notice a manager that ended or restarted even when nobody sends."""
+        """Notices a manager that ended or restarted even when nobody sends."""
         for client in self._clients.values():
             client.check()
         self._plan_watch()

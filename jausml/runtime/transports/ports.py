@@ -37,20 +37,20 @@ class Holder(NamedTuple):
 
 
 def holders(protocol: str, port: int) -> list[Holder]:
-    """Return the other processes that hold a port, as far as this one may see them (Linux)."""
+    """Returns the other processes that hold a port, as far as this one may see them (Linux)."""
     inodes = set(_inodes(protocol, port))
     return sorted(set(_processes(inodes))) if inodes else []
 
 
 def advice(protocol: str, settings: TransportSettings) -> str:
-    """Return who holds the port of the settings, and how to share or change it."""
+    """Returns who holds the port of the settings, and how to share or change it."""
     share = "To share it with a node manager: --jaus-transport node-manager"
     text = who_holds(protocol, settings)
     return f"{text}. {share}; to use another port, as every peer then must: --jaus-port"
 
 
 def who_holds(protocol: str, settings: TransportSettings) -> str:
-    """Return who holds the port of the settings, as far as this process may see it."""
+    """Returns who holds the port of the settings, as far as this process may see it."""
     known = holders(protocol, settings.port)
     manager = manager_folder(settings)
     if known:
@@ -64,13 +64,13 @@ def who_holds(protocol: str, settings: TransportSettings) -> str:
 
 
 def manager_folder(settings: TransportSettings) -> Path | None:
-    """Return the folder of the local sockets of a node manager that runs on this host."""
+    """Returns the folder of the local sockets of a node manager that runs on this host."""
     folder = Path(settings.node_manager_directory or tempfile.gettempdir())
     return folder if is_alive(folder / MANAGER) else None
 
 
 def is_alive(path: Path) -> bool:
-    """Return whether a process has a local socket."""
+    """Returns whether a process has a local socket."""
     with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as probe:
         try:
             probe.connect(str(path))
@@ -125,7 +125,7 @@ _MOST_DATAGRAMS = 1 << 16
 
 
 def neighbour_ports(port: int) -> range:
-    """Return the ports that processes take which share a port and do not own it.
+    """Returns the ports that processes take which share a port and do not own it.
 
     They are known so that captures and firewalls can name them: 50,000 above, where no service
     can be registered (RFC 6335), 32 in number. For a port too high for that there are none.
@@ -138,7 +138,7 @@ class SharedPort:
     """The sockets of one process on the JUDP port of its host."""
 
     def __init__(self, settings: TransportSettings) -> None:
-        """Remember the settings; ``open`` creates the sockets."""
+        """Remembers the settings; ``open`` creates the sockets."""
         self._settings = settings
         self.well_known: Endpoint = (settings.interface, settings.port)
         self.group: Endpoint = (settings.multicast_group, settings.port)
@@ -162,7 +162,7 @@ class SharedPort:
         ]
 
     def open(self) -> None:
-        """Join the group and take the unicast port, or another one when it is taken."""
+        """Joins the group and takes the unicast port, or another one when it is taken."""
         try:
             self.multicast = self._multicast_socket()
             self._take(self._well_known_or_any_socket())
@@ -175,7 +175,7 @@ class SharedPort:
             ) from error
 
     def take_over(self) -> bool:
-        """Try to own the unicast port, which its owner may have left; return whether it worked.
+        """Tries to own the unicast port, which its owner may have left; returns whether it worked.
 
         The former socket stays open: peers know its port until they hear from the new one.
         """
@@ -188,7 +188,7 @@ class SharedPort:
         return True
 
     def close(self) -> None:
-        """Close all sockets."""
+        """Closes all sockets."""
         for sock in self.sockets:
             sock.close()
         self.multicast = self.unicast = self.former = None
@@ -282,12 +282,12 @@ def _emptied(sock: socket.socket) -> int:
 
 
 def forwarded_frame(sender: Endpoint, datagram: bytes) -> bytes:
-    """Return the frame that passes a datagram on and says where it came from."""
+    """Returns the frame that passes a datagram on and says where it came from."""
     return _FORWARDED + _ENDPOINT.pack(socket.inet_aton(sender[0]), sender[1]) + datagram
 
 
 def read_forwarded(frame: bytes) -> tuple[Endpoint, bytes] | None:
-    """Return the sender and the datagram of a forwarded frame; None if it is none."""
+    """Returns the sender and the datagram of a forwarded frame; None if it is none."""
     if not frame.startswith(_FORWARDED) or len(frame) < _FORWARDED_SIZE:
         return None
     host, port = _ENDPOINT.unpack_from(frame, len(_FORWARDED))
@@ -295,12 +295,12 @@ def read_forwarded(frame: bytes) -> tuple[Endpoint, bytes] | None:
 
 
 def present_frame(addresses: Collection[JausAddress]) -> bytes:
-    """Return the frame that tells the port's owner which components live here."""
+    """Returns the frame that tells the port's owner which components live here."""
     return _PRESENT + struct.pack(f"<{len(addresses)}I", *addresses)
 
 
 def read_present(frame: bytes) -> list[JausAddress] | None:
-    """Return the components of a present frame; None if it is none."""
+    """Returns the components of a present frame; None if it is none."""
     if not frame.startswith(_PRESENT):
         return None
     count = min((len(frame) - len(_PRESENT)) // 4, _MAX_PRESENT)

@@ -51,7 +51,7 @@ class StreamReader:
         return len(self._data)
 
     def feed(self, data: bytes) -> Iterator[Packet | None]:
-        """Yield the messages that are complete now; None for each that cannot be read.
+        """Yields the messages that are complete now; None for each that cannot be read.
 
         To be iterated to its end, or never fed again. It raises StreamError where the version is
         another one, or a message too small to be one.
@@ -104,7 +104,7 @@ class TcpConnection:
         on_packet: Callable[[Packet, TcpConnection], None],
         on_close: Callable[[TcpConnection], None],
     ) -> None:
-        """Take over a socket.
+        """Takes over a socket.
 
         Args:
             buffer: Bytes that may wait for a slow peer; one message more can wait.
@@ -146,7 +146,7 @@ class TcpConnection:
         return f"{self.peer[0]}:{self.peer[1]}"
 
     def write(self, data: bytes, on_result: OnResult | None = None) -> bool:
-        """Send messages without version byte, or let them wait; return False for a peer too slow.
+        """Sends messages without version byte, or lets them wait; False for a peer too slow.
 
         It is told once whether the system sent them to the peer.
         """
@@ -167,7 +167,7 @@ class TcpConnection:
         return True
 
     def close(self) -> None:
-        """End the connection; what still waits is reported as not sent."""
+        """Ends the connection; what still waits is reported as not sent."""
         if self.is_closed:
             return
         self.is_closed = True
@@ -222,13 +222,13 @@ class TcpConnection:
                 report(self._loop, on_result, success=True)
 
     def _guard(self) -> None:
-        """Give the peer its time again; a connection without anything to send has no limit."""
+        """Gives the peer its time again; a connection without anything to send has no limit."""
         self._watchdog.cancel()
         if self._waiting:
             self._watchdog.set(self._timeout, self._on_stalled)
 
     def _take_first(self, packet: Packet, connection: TcpConnection) -> None:
-        """Take the first message; those that follow go straight on."""
+        """Takes the first message; those that follow go straight on."""
         self.has_spoken = True
         self._on_packet = self._then
         self._then(packet, connection)
@@ -278,7 +278,7 @@ class TcpConnection:
 
 
 def connect(endpoint: Endpoint) -> socket.socket:
-    """Return a socket on its way to an endpoint; OSError where there is no way."""
+    """Returns a socket on its way to an endpoint; OSError where there is no way."""
     sock = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
     sock.settimeout(0)
     try:
@@ -293,7 +293,7 @@ def connect(endpoint: Endpoint) -> socket.socket:
 
 
 def affordable(wanted: int) -> int:
-    """Return how many connections the system allows this process, at most those that are wanted.
+    """Returns how many connections the system allows this process, at most those that are wanted.
 
     Fewer are told. The rest of the descriptors is for all else that the process has open.
     """
@@ -309,7 +309,7 @@ def affordable(wanted: int) -> int:
 
 
 def _keep_alive(sock: socket.socket) -> None:
-    """Notice a peer that vanished without a word, and send small messages at once."""
+    """Notices a peer that vanished without a word, and sends small messages at once."""
     sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     sock.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
     if sys.platform == "linux":

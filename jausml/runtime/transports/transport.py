@@ -34,14 +34,14 @@ class Transport(ABC):
 
     @abstractmethod
     def open(self) -> None:
-        """Begin to send and receive; OSError where the network cannot be used like this."""
+        """Begins to send and receive; OSError where the network cannot be used like this."""
 
     @abstractmethod
     def close(self) -> None:
-        """End; messages that wait are reported as lost."""
+        """Ends; messages that wait are reported as lost."""
 
     def attach(self, address: JausAddress, take: Take) -> None:
-        """Receive messages for a component of this process from now on.
+        """Receives messages for a component of this process from now on.
 
         Raises:
             ValueError: The address is not one component, or is attached already.
@@ -51,39 +51,39 @@ class Transport(ABC):
             self._attach(address, take)
 
     def detach(self, address: JausAddress) -> None:
-        """Stop to receive messages for a component; no effect when it is unknown."""
+        """Stops to receive messages for a component; no effect when it is unknown."""
         with self.loop.lock:
             self._detach(address)
 
     def double_of(self, address: JausAddress) -> Double | None:
-        """Return who else was heard with the address of a component, None when nobody was."""
+        """Returns who else was heard with the address of a component, None when nobody was."""
         with self.loop.lock:
             messenger = self._messenger_of(address)
             return None if messenger is None else messenger.inbox.double_of(address)
 
     def traffic(self, address: JausAddress) -> list[PeerTraffic]:
-        """Return what a component has exchanged with each other one, in packets."""
+        """Returns what a component has exchanged with each other one, in packets."""
         with self.loop.lock:
             messenger = self._messenger_of(address)
             known = [] if messenger is None else messenger.traffic()
             return [peer for peer in known if peer.own == address]
 
     def is_unheard(self, address: JausAddress) -> bool:  # noqa: ARG002
-        """Return whether a component would have been heard by now if messages reached it.
+        """Returns whether a component would have been heard by now if messages reached it.
 
         Only a transport that asks silent components for acknowledgement knows.
         """
         return False
 
     def answered(self, address: JausAddress, peer: JausAddress, start: bytes) -> None:
-        """Take the answer to a message that begins so for its acknowledgement."""
+        """Takes the answer to a message that begins so for its acknowledgement."""
         with self.loop.lock:
             messenger = self._messenger_of(address)
             if messenger is not None:
                 messenger.outbox.answered(address, peer, start)
 
     def withdraw(self, address: JausAddress, peer: JausAddress, start: bytes) -> None:
-        """Repeat messages that begin so to a component no more, and do not send those that wait.
+        """Repeats messages that begin so to a component no more, and does not send those that wait.
 
         They count as not acknowledged, which is told at once; they may have arrived all the same.
         """
@@ -95,7 +95,7 @@ class Transport(ABC):
     def datagram(
         self, source: JausAddress, destination: JausAddress, payload: bytes, priority: Priority
     ) -> tuple[bytes, Endpoint] | None:
-        """Return what another process may send for a component, and where, if one does.
+        """Returns what another process may send for a component, and where, if one does.
 
         It asks for acknowledgement, so that only newer ones that do make it late. Its number is 0.
         """
@@ -103,34 +103,34 @@ class Transport(ABC):
         return None
 
     def next_number(self, source: JausAddress, destination: JausAddress) -> int:  # noqa: ARG002
-        """Return the sequence number of the next packet from one component to another."""
+        """Returns the sequence number of the next packet from one component to another."""
         return 0
 
     # ---- strangers --------------------------------------------------------------------------
 
     def is_proved(self, address: JausAddress) -> bool:  # noqa: ARG002
-        """Return whether a component has proved where it is, or need not.
+        """Returns whether a component has proved where it is, or need not.
 
         Only UDP has addresses that can be forged.
         """
         return True
 
     def place_of(self, address: JausAddress) -> tuple[str, str]:  # noqa: ARG002
-        """Return the host and the endpoint of a component, as budgets share what there is."""
+        """Returns the host and the endpoint of a component, as budgets share what there is."""
         return "", ""
 
     def is_kept(self, address: JausAddress) -> bool:  # noqa: ARG002
-        """Return whether a component gives way to nobody: it is configured or in control."""
+        """Returns whether a component gives way to nobody: it is configured or in control."""
         return False
 
     def keep_place(self, owner: JausAddress, address: JausAddress | None) -> None:  # noqa: B027
-        """Let the controller of an owner give way to nobody, instead of the one before."""
+        """Lets the controller of an owner give way to nobody, instead of the one before."""
 
     def when_proved(self, listener: Callable[[JausAddress], None]) -> None:  # noqa: B027
-        """Call a listener on the loop's thread when a component has proved where it is."""
+        """Calls a listener on the loop's thread when a component has proved where it is."""
 
     def silence_of(self, address: JausAddress) -> float:  # noqa: ARG002
-        """Return for how many seconds nothing came from a component; infinite if nothing did."""
+        """Returns for how many seconds nothing came from a component; infinite if nothing did."""
         return math.inf
 
     # ---- messages ---------------------------------------------------------------------------
@@ -146,7 +146,7 @@ class Transport(ABC):
         on_result: OnResult | None = None,
         supersedes: bool = False,
     ) -> None:
-        """Send one message; callable from any thread, sends on it, never blocks.
+        """Sends one message; callable from any thread, sends on it, never blocks.
 
         Messages of several packets that are acknowledged go to one destination one after the
         other; messages of one packet do not wait for them. Failures of the network are counted
@@ -177,7 +177,7 @@ class Transport(ABC):
     def sender(
         self, source: JausAddress, destination: JausAddress, priority: Priority = Priority.STANDARD
     ) -> Callable[[bytes], None]:
-        """Return what sends payloads without acknowledgement, as ``send`` does.
+        """Returns what sends payloads without acknowledgement, as ``send`` does.
 
         It is prepared for one way, and costs less than ``send``; callable from any thread. It may
         be asked for before the transport is open.
@@ -186,15 +186,15 @@ class Transport(ABC):
 
     @abstractmethod
     def _attach(self, address: JausAddress, take: Take) -> None:
-        """Attach a component; see ``attach``, which holds the lock."""
+        """Attaches a component; see ``attach``, which holds the lock."""
 
     @abstractmethod
     def _detach(self, address: JausAddress) -> None:
-        """Detach a component; see ``detach``, which holds the lock."""
+        """Detaches a component; see ``detach``, which holds the lock."""
 
     @abstractmethod
     def _messenger_of(self, source: JausAddress) -> Messenger[Any] | None:
-        """Return the message layer of a component; None when it cannot send."""
+        """Returns the message layer of a component; None when it cannot send."""
 
 
 MOST_PEERS = 16

@@ -75,7 +75,7 @@ class Way:
     """A link in use: what is lost by now, and what is held."""
 
     def __init__(self, loop: Loop, random: Random, link: Link) -> None:
-        """Begin to let pass; what happens is drawn in the order in which it happens."""
+        """Begins to let pass; what happens is drawn in the order in which it happens."""
         self.link = link  # what it does; another one counts for what comes from then on
         self.is_cut = False
         self._loop = loop
@@ -85,7 +85,7 @@ class Way:
         self._hold = Alarm(loop)
 
     def carry(self, arrive: Callable[[], None]) -> bool:
-        """Let copies of something arrive in later turns; return whether it gets there."""
+        """Lets copies of something arrive in later turns; returns whether it gets there."""
         link = self.link
         # Draws only what the link asks for: a plain one leaves the chances of others as they are.
         if self.is_cut or (link.loss and self._loses(link)):
@@ -131,7 +131,7 @@ class Way:
             self._hold.set(LONGEST_HOLD, self._release)
 
     def _release(self) -> None:
-        """Let what was overtaken follow."""
+        """Lets what was overtaken follow."""
         self._hold.cancel()
         held, self._held = self._held, []
         for arrive in held:
@@ -163,7 +163,7 @@ class Network:
     def transport(
         self, settings: TransportSettings, out: Link, into: Link, draw: Callable[[int], int]
     ) -> VirtualTransport:
-        """Return the transport of one more process, open, which draws its sequence numbers."""
+        """Returns the transport of one more process, open, which draws its sequence numbers."""
         self._count += 1
         number = self._count
         endpoint = (f"10.{number >> 16}.{number >> 8 & 255}.{number & 255}", JUDP_PORT)
@@ -175,20 +175,20 @@ class Network:
         return transport
 
     def join(self, transport: VirtualTransport, endpoint: Endpoint) -> None:
-        """Let a process be reached."""
+        """Lets a process be reached."""
         self._stations[endpoint] = transport
 
     def leave(self, endpoint: Endpoint) -> None:
-        """Let a process be reached no more."""
+        """Lets a process be reached no more."""
         self._stations.pop(endpoint, None)
 
     def close(self) -> None:
-        """Close all transports."""
+        """Closes all transports."""
         for station in list(self._stations.values()):
             station.close()
 
     def send(self, datagram: bytes, station: Station, to: Endpoint) -> None:
-        """Let a datagram leave a process."""
+        """Lets a datagram leave a process."""
         key = _ends(datagram)
         station.sent[key] += 1
         if not station.out.carry(partial(self._cross, datagram, station, to)):
@@ -245,17 +245,17 @@ class Station:
         self._network = network
 
     def open(self, transport: VirtualTransport) -> None:
-        """Join the network."""
+        """Joins the network."""
         self.unicast = self
         self._network.join(transport, self.endpoint)
 
     def close(self) -> None:
-        """Leave the network."""
+        """Leaves the network."""
         self.unicast = None
         self._network.leave(self.endpoint)
 
     def sendto(self, datagram: bytes, endpoint: Endpoint, /) -> int:
-        """Send a datagram."""
+        """Sends a datagram."""
         self._network.send(datagram, self, endpoint)
         return len(datagram)
 
@@ -270,24 +270,24 @@ class VirtualTransport(DatagramTransport):
     def __init__(
         self, settings: TransportSettings, loop: Loop, station: Station, draw: Callable[[int], int]
     ) -> None:
-        """Prepare a transport; ``VirtualWorld.transport`` makes it and opens it."""
+        """Prepares a transport; ``VirtualWorld.transport`` makes it and opens it."""
         # There are no strangers in a world, so that nobody has to prove where it is.
         super().__init__(replace(settings, amplification_limit=0), loop, station, draw)
         self.station = station
 
     def open(self) -> None:
-        """Join the network."""
+        """Joins the network."""
         self.address_book.configure(self._settings.address_book)
         self.station.open(self)
 
     def close(self) -> None:
-        """Leave the network; messages that wait for acknowledgement are reported as lost."""
+        """Leaves the network; messages that wait for acknowledgement are reported as lost."""
         with self.loop.lock:
             self._sender.close()
             self._messenger.close()
 
     def receive_datagram(self, data: bytes, sender: Endpoint) -> None:
-        """Take a datagram; never raises."""
+        """Takes a datagram; never raises."""
         for packet in parse_datagram(data, self.counters):
             if not self._take_packet(packet, sender):
                 self.counters.add("transport.not_for_us")
@@ -318,11 +318,11 @@ class VirtualTransport(DatagramTransport):
         self.station.into.link = link
 
     def cut(self) -> None:
-        """Let nothing pass in either direction; what is under way to this process is lost too."""
+        """Lets nothing pass in either direction; what is under way to this process is lost too."""
         self.station.out.is_cut = self.station.into.is_cut = True
 
     def restore(self) -> None:
-        """Let all pass again as the links say."""
+        """Lets all pass again as the links say."""
         self.station.out.is_cut = self.station.into.is_cut = False
 
     @property

@@ -40,7 +40,7 @@ class VirtualWorld:
     """
 
     def __init__(self, seed: int = 1, start: datetime = START) -> None:
-        """Begin at 0 seconds.
+        """Begins at 0 seconds.
 
         Args:
             start: Time of day at 0 seconds, with its time zone.
@@ -70,7 +70,7 @@ class VirtualWorld:
         self.close()
 
     def close(self) -> None:
-        """End; components and bridges that should leave in good order are stopped before."""
+        """Ends; components and bridges that should leave in good order are stopped before."""
         self._network.close()
         self.loop.stop()
 
@@ -82,7 +82,7 @@ class VirtualWorld:
         into: Link | None = None,
         settings: TransportSettings | None = None,
     ) -> VirtualTransport:
-        """Return the transport of one more process, open; settings of sockets do not count."""
+        """Returns the transport of one more process, open; settings of sockets do not count."""
         self._transports += 1
         # A stream of its own: numbers of packets do not shift what happens by chance.
         numbers = Random(f"{self._seed} {self._transports}")
@@ -98,12 +98,12 @@ class VirtualWorld:
         namespace: str = "",
         link: Link | None = None,
     ) -> VirtualRosNode:
-        """Return a node for a bridge in a namespace, e.g. `/fleet`; empty means the root."""
+        """Returns a node for a bridge in a namespace, e.g. `/fleet`; empty means the root."""
         full = f"/{namespace.strip('/')}/{name}" if namespace.strip("/") else f"/{name}"
         return VirtualRosNode(self.ros, full, parameters or {}, link or Link())
 
     def watch(self, take: Watch) -> None:
-        """Tell of each datagram and each ROS message that arrives from now on."""
+        """Tells of each datagram and each ROS message that arrives from now on."""
         self._watchers.append(take)
 
     @property
@@ -114,23 +114,23 @@ class VirtualWorld:
     # ------------------------------------------------------------------ time
 
     def now(self) -> float:
-        """Return the seconds since the world began."""
+        """Returns the seconds since the world began."""
         return self._now
 
     def utc(self) -> datetime:
-        """Return the time of day in UTC."""
+        """Returns the time of day in UTC."""
         return HostClock(self.loop).utc()
 
     def call_at(self, when: float, callback: Callable[[], None]) -> Timer:
-        """Run a callback at a time in seconds."""
+        """Runs a callback at a time in seconds."""
         return self.loop.call_at(when, callback)
 
     def call_later(self, delay_s: float, callback: Callable[[], None]) -> Timer:
-        """Run a callback after a delay in seconds."""
+        """Runs a callback after a delay in seconds."""
         return self.loop.call_later(delay_s, callback)
 
     def run_for(self, seconds: float) -> None:
-        """Let so much time pass, with all that happens in it.
+        """Lets so much time pass, with all that happens in it.
 
         Args:
             seconds: How much, at least 0.
@@ -148,7 +148,7 @@ class VirtualWorld:
             self._now = end
 
     def run_until(self, condition: Callable[[], object], limit: float) -> None:
-        """Let time pass until a condition holds; it is asked after each turn of the loop.
+        """Lets time pass until a condition holds; it is asked after each turn of the loop.
 
         Args:
             limit: Longest time in seconds.
@@ -181,7 +181,7 @@ class VirtualWorld:
             self._is_running = False
 
     def _step(self, end: float, turns: _Turns) -> bool:
-        """Go to what happens next and let it happen; return False if it is after the end."""
+        """Goes to what happens next and lets it happen; returns False if it is after the end."""
         due = self.loop.next_due()
         if due is None or due > end:
             return False

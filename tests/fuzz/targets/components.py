@@ -228,7 +228,7 @@ class Robot(JausComponent):
 
 
 def _ignore(*_arguments: object) -> None:
-    """Take what the component has heard."""
+    """Takes what the component has heard."""
 
 
 @cache
@@ -279,7 +279,7 @@ def _steps(data: bytes) -> Iterator[tuple[int, bytes]]:
 
 
 def _check(robot: Robot, *, is_final: bool) -> None:
-    """Check that status, control and list fit together."""
+    """Checks that status, control and list fit together."""
     status, controller = robot.status, robot.controller
     assert status is not Status.INITIALIZE
     assert status is not Status.READY or controller is not None, "ready for nobody"

@@ -47,7 +47,7 @@ class ReceivePath:
     """A transport with two components, and the books that must balance."""
 
     def __init__(self) -> None:
-        """Start with nothing received."""
+        """Starts with nothing received."""
         self.now = 0.0
         self.inputs = 0
         self.messages = 0
@@ -66,7 +66,7 @@ class ReceivePath:
         self._latest = payload
 
     def feed(self, data: bytes) -> None:
-        """Take a datagram and balance the books."""
+        """Takes a datagram and balance the books."""
         origin, datagram = data[0] if data else 0, data[1:]
         sender, by_multicast = ORIGINS[origin % len(ORIGINS)]
         before, delivered = self.loop.counters.snapshot(), self.delivered
@@ -89,7 +89,7 @@ class ReceivePath:
             self.check_bounds()
 
     def check_bounds(self) -> None:
-        """Check that what is kept is bounded, and that no fragment got lost."""
+        """Checks that what is kept is bounded, and that no fragment got lost."""
         inbox = self.transport.inbox
         assert len(self.transport.address_book) <= 1024
         assert len(inbox.duplicates) <= 256 * SETTINGS.duplicate_history

@@ -17,19 +17,19 @@ PATH = StraightArcStraight.right_turn(PARAMETERS)
 
 
 def delayed(seconds: float) -> list[Sample]:
-    """Return a run with a one-way delay in each direction."""
+    """Returns a run with a one-way delay in each direction."""
     return Loop(PARAMETERS, PARAMETERS, delay=seconds).run()
 
 
 @pytest.fixture(scope="module")
 def jaus() -> list[Sample]:
-    """Return the run without a bridge: 0.2 ms each way."""
+    """Returns the run without a bridge: 0.2 ms each way."""
     return delayed(0.0002)
 
 
 @pytest.fixture(scope="module")
 def late() -> list[Sample]:
-    """Return the run with 100 ms each way."""
+    """Returns the run with 100 ms each way."""
     return delayed(0.1)
 
 

@@ -17,7 +17,7 @@ PARAMETERS = VehicleParameters()
 
 
 def settled(speed: float, angle: float, **changed: float) -> DynamicPlant:
-    """Return a plant after five seconds at a speed (m/s) and a tyre angle (rad)."""
+    """Returns a plant after five seconds at a speed (m/s) and a tyre angle (rad)."""
     plant = DynamicPlant(VehicleParameters(**changed), VehicleState(v=speed, delta=angle))
     plant.command(speed, angle)
     plant.advance(5.0)

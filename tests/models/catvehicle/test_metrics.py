@@ -24,7 +24,7 @@ NUMBERS = st.floats(allow_nan=False, allow_infinity=False)
 
 
 def straight_run(speed: float = 2.0, y: float = 0.0, late: float = 0.0) -> list[Sample]:
-    """Return a run along the x axis: metres per second, metres to the left, seconds late."""
+    """Returns a run along the x axis: metres per second, metres to the left, seconds late."""
     times = [0.1 * index for index in range(101)]
     return [Sample(t, speed * (t - late), y, 0.0, speed, 0.0, 0.0, speed) for t in times]
 

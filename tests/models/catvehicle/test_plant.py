@@ -11,7 +11,7 @@ PARAMETERS = VehicleParameters()
 
 
 def moving(speed: float, steering_angle: float, **changed: float) -> BicyclePlant:
-    """Return a plant at the origin that keeps a speed (m/s) and a tyre angle (rad)."""
+    """Returns a plant at the origin that keeps a speed (m/s) and a tyre angle (rad)."""
     plant = BicyclePlant(VehicleParameters(**changed), VehicleState(v=speed, delta=steering_angle))
     plant.command(speed, steering_angle)
     return plant

@@ -37,7 +37,7 @@ class Watch(EventSubscriber, PeerController, Component):
                 self._seen.set()
 
     def wait_for(self, activity):
-        """Print an activity when the winch has it, or end the process."""
+        """Prints an activity when the winch has it, or ends the process."""
         with self.loop.lock:
             self._seen.clear()
             self._wanted = activity

@@ -146,12 +146,12 @@ class World:
             take(payload, source)
 
     def settle(self) -> None:
-        """Let everything happen that is due now."""
+        """Lets everything happen that is due now."""
         while self.loop.run_once(0):
             pass
 
     def run(self, seconds: float, step: float = 0.01) -> None:
-        """Let time pass."""
+        """Lets time pass."""
         end = self.time + seconds
         self.settle()
         while self.time < end - 1e-9:
@@ -168,7 +168,7 @@ class World:
         component_type: int = 60001,
         **settings: Any,
     ) -> Any:
-        """Make a component that does not register; it is not started."""
+        """Makes a component that does not register; it is not started."""
         settings.setdefault("register_services", False)
         return kind(
             self,
@@ -180,11 +180,11 @@ class World:
         )
 
     def probe(self, address: str, *, strict: bool = True):
-        """Make a peer that does nothing by itself; a strict one understands all that it gets."""
+        """Makes a peer that does nothing by itself; a strict one understands all that it gets."""
         return Probe(self, JausAddress.parse(address), strict=strict)
 
     def count(self, code: int) -> int:
-        """Return how often a message was sent."""
+        """Returns how often a message was sent."""
         return sum(1 for _, _, sent in self.log if sent == code)
 
 
@@ -206,22 +206,22 @@ class Probe:
             assert not self._strict
 
     def send(self, message: Message, destination: Any) -> None:
-        """Send without waiting for an answer."""
+        """Sends without waiting for an answer."""
         self.send_bytes(message.encode(), destination)
 
     def send_bytes(self, payload: bytes, destination: Any) -> None:
-        """Send any bytes."""
+        """Sends any bytes."""
         target = getattr(destination, "address", destination)
         self._world.send(self.address, target, payload)
 
     def ask(self, message: Message, destination: Any) -> list[Message]:
-        """Send a message and return what comes back at once."""
+        """Sends a message and returns what comes back at once."""
         self.take()
         self.send(message, destination)
         return self.take()
 
     def take(self) -> list[Message]:
-        """Return and forget what was received."""
+        """Returns and forgets what was received."""
         self._world.settle()
         received, self._received = self._received, []
         return received

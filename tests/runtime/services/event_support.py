@@ -35,7 +35,7 @@ def statuses(client, inbox, **named):
 
 
 def kill(world, component):
-    """End a component as a crash does: without a word."""
+    """Ends a component as a crash does: without a word."""
     world.detach(component.address)
     component._jaus_events.stop()
     component._jaus_running = False

@@ -23,7 +23,7 @@ CORE_NAMES = ("Transport", "Events", "AccessControl", "Management", "Time", "Liv
 
 
 def core_services(version: tuple[int, int], *names: str) -> tuple[ServiceIdentity, ...]:
-    """Return core services of one version."""
+    """Returns core services of one version."""
     return tuple(ServiceIdentity(f"urn:jaus:jss:core:{name}", *version) for name in names)
 
 
@@ -114,7 +114,7 @@ class Stage:
         self.component.start()
 
     def do(self, step: Step) -> None:
-        """Do one step and let everything settle that follows from it."""
+        """Does one step and lets everything settle that follows from it."""
         if callable(step):
             step(self)
         else:
@@ -123,13 +123,13 @@ class Stage:
         self.world.settle()
 
     def heard(self) -> dict[str, list[Message]]:
-        """Return and forget what the peers heard; the silent ones are left out."""
+        """Returns and forgets what the peers heard; the silent ones are left out."""
         heard = {name: peer.take() for name, peer in self.peers.items()}
         return {name: messages for name, messages in heard.items() if messages}
 
 
 def play(world: Any, row: Row, kind: Any = None) -> Stage:
-    """Play a row and check all that it says; return the stage for more checks."""
+    """Plays a row and checks all that it says; returns the stage for more checks."""
     stage = Stage(world, row, kind)
     for step in row.given:
         stage.do(step)
@@ -155,7 +155,7 @@ def play(world: Any, row: Row, kind: Any = None) -> Stage:
 
 
 def rows(*table: Row) -> Any:
-    """Parametrise a test with the rows of a table, each under its own name."""
+    """Parametrises a test with the rows of a table, each under its own name."""
     assert len({row.name for row in table}) == len(table)
     return pytest.mark.parametrize("row", table, ids=[row.name for row in table])
 
@@ -166,7 +166,7 @@ def unavailable(stage: Stage) -> None:
 
 
 def after(seconds: float, steps: int = 8) -> Callable[[Stage], None]:
-    """Let time pass, in so many steps."""
+    """Lets time pass, in so many steps."""
     return lambda stage: stage.world.run(seconds, step=seconds / steps)
 
 

@@ -36,7 +36,7 @@ def target(world, **settings):
 
 
 def kill(world, component):
-    """End a component as a crash does: without a word."""
+    """Ends a component as a crash does: without a word."""
     component._jaus_access._timer.cancel()
     world.detach(component.address)
 

@@ -16,7 +16,7 @@ STEPS_EACH = 4  # a command every 20 ms
 
 
 def drive(network, seconds):
-    """Send 50 commands a second while the session is ready; return how many there were."""
+    """Sends 50 commands a second while the session is ready; returns how many there were."""
     session = network.operator.control(VEHICLE, authority=127)
     count = 0
     for number in range(round(seconds / STEP)):

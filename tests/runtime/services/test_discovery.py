@@ -59,7 +59,7 @@ def query_pairs(*pairs):
 
 
 def found(report):
-    """Flatten a ReportServices."""
+    """Flattens a ReportServices."""
     assert isinstance(report, ReportServices)
     return {
         (node.node_rec.node_id, component.component_rec.component_id): [

@@ -62,7 +62,7 @@ def update(event_id, query, *, rate=None, request_id=8):
 
 
 def created(client, server, query, *, rate=None):
-    """Create an event and return its id."""
+    """Creates an event and returns its id."""
     confirm = client.ask(create(query, rate=rate), server)[0]
     assert isinstance(confirm, ConfirmEventRequest)
     return confirm.event_id

@@ -207,7 +207,7 @@ REQUEST = st.lists(st.tuples(UIDS, UIDS, UIDS), min_size=1, max_size=4)
 
 
 def assert_valid(tested):
-    """Check the five rules of a valid list (AS5710, ListManager)."""
+    """Checks the five rules of a valid list (AS5710, ListManager)."""
     links = {element.uid: (element.previous_uid, element.next_uid) for element in tested}
     if not links:
         return

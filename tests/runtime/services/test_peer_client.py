@@ -24,7 +24,7 @@ def provider(world, address, *urns):
 
 
 def kill(world, component):
-    """Let a component vanish as a process that is killed."""
+    """Lets a component vanish as a process that is killed."""
     world.detach(component.address)
     world.lost = lambda source, *_: source == component.address
 

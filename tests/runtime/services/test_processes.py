@@ -35,7 +35,7 @@ QUICK = ComponentSettings(
 
 @pytest.fixture
 def robot(start, free_port):
-    """Start robots on the port."""
+    """Starts robots on the port."""
     return lambda *arguments: start(SCRIPT, "--jaus-port", free_port, *arguments)
 
 

@@ -278,7 +278,7 @@ def member(world, **settings):
 
 
 def asked_at(world, address, query=QueryIdentification):
-    """Return the times at which a component asks everyone, for 10 minutes."""
+    """Returns the times at which a component asks everyone, for 10 minutes."""
     times = []
     start = world.time
     while world.time < start + 600.0:

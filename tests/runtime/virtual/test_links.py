@@ -12,7 +12,7 @@ PERIOD = 0.01
 
 
 def pass_all(world, link, count=MANY, period=PERIOD):
-    """Let numbered things pass, one in each period; return (number, delay) in order of arrival."""
+    """Lets numbered things pass, one in each period; returns (number, delay) as they arrive."""
     way = Way(world.loop, world.random, link)
     arrived = []
 

@@ -43,7 +43,7 @@ def component(transport, address, name="tested", services=CORE, **settings):
 
 
 def attached(world, transport, address):
-    """Attach an address alone; return what arrives for it, as (time, payload)."""
+    """Attaches an address alone; returns what arrives for it, as (time, payload)."""
     got = []
     transport.attach(address, lambda payload, _: got.append((world.now(), payload)))
     return got

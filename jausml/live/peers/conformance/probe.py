@@ -50,12 +50,12 @@ class RawEndpoint:
     """
 
     def __init__(self, settings: TransportSettings) -> None:
-        """Open the sockets; an OSError says that the interface or the group cannot be used."""
+        """Opens the sockets; an OSError says that the interface or the group cannot be used."""
         self._port = SharedPort(settings)
         self._port.open()
 
     def close(self) -> None:
-        """Close the sockets."""
+        """Closes the sockets."""
         self._port.close()
 
     @property
@@ -69,20 +69,20 @@ class RawEndpoint:
         return self._port.well_known
 
     def now(self) -> float:
-        """Return monotonic seconds."""
+        """Returns monotonic seconds."""
         return time.monotonic()
 
     def utc(self) -> datetime:
-        """Return the time of day of this host."""
+        """Returns the time of day of this host."""
         return datetime.now(timezone.utc)
 
     def put(self, datagram: bytes, endpoint: Endpoint) -> None:
-        """Send one datagram."""
+        """Sends one datagram."""
         if self._port.unicast is not None:
             self._port.unicast.sendto(datagram, endpoint)
 
     def receive(self, deadline: float) -> ReceivedDatagram | None:
-        """Return the next datagram of another process, or None at a monotonic time in seconds.
+        """Returns the next datagram of another process, or None at a monotonic time in seconds.
 
         What has arrived by then is still returned.
         """

@@ -56,15 +56,15 @@ class SimulatedClock:
         self._followers: list[Callable[[], None]] = []
 
     def now(self) -> float:
-        """Return the seconds that have passed."""
+        """Returns the seconds that have passed."""
         return self._progress
 
     def call_later(self, delay_s: float, callback: Callable[[], None]) -> Timer:
-        """Run a callback after a delay in simulated seconds."""
+        """Runs a callback after a delay in simulated seconds."""
         return self.call_at(due_after(self._progress, delay_s), callback)
 
     def call_at(self, when: float, callback: Callable[[], None]) -> Timer:
-        """Run a callback at a time of this clock, when the simulation says that it is there."""
+        """Runs a callback at a time of this clock, when the simulation says that it is there."""
         timer = Timer(callback, lambda: None)
         while self._timers and self._timers[0][2].callback is None:
             heapq.heappop(self._timers)
@@ -73,11 +73,11 @@ class SimulatedClock:
         return timer
 
     def follow_ratio(self, changed: Callable[[], None]) -> None:
-        """Call a function when the simulation has become clearly faster or slower."""
+        """Calls a function when the simulation has become clearly faster or slower."""
         self._followers.append(changed)
 
     def advance_to(self, seconds: float) -> None:
-        """Take the time that the simulation says, and run what is due."""
+        """Takes the time that the simulation says, and runs what is due."""
         real, former = self._loop.now(), self.heard
         step = 0.0 if former is None else seconds - self._latest
         self.heard, self._latest = real, seconds
@@ -90,7 +90,7 @@ class SimulatedClock:
         self._run_due()
 
     def _measure(self, real: float, former: float | None) -> None:
-        """Tell the ratio of two windows on end that agree: one alone may hold part of a pause."""
+        """Tells the ratio of two windows on end that agree: one alone may hold part of a pause."""
         began, progress = self._window
         if former is None or real - former > _GAP:
             self._window = real, self._progress

@@ -71,7 +71,7 @@ class Account:
         return self.came + self.lost
 
     def look(self, numbers: Numbers) -> None:
-        """Count the packets that came since the last look, by numbers in the order of arrival."""
+        """Counts the packets that came since the last look, by numbers in the order of arrival."""
         # From the newest back to those that are counted, as the memory is long.
         fresh = list(islice(reversed(numbers), len(numbers) - self._counted))
         for number in reversed(fresh):
@@ -79,7 +79,7 @@ class Account:
         self._counted += len(fresh)
 
     def compare(self, numbers: Numbers, others: Numbers) -> None:
-        """Learn from the latest packet to a wildcard whether what was lost is exact.
+        """Learns from the latest packet to a wildcard whether what was lost is exact.
 
         Nothing is learnt where no packet came near it in time.
         """
@@ -100,7 +100,7 @@ class Account:
             self.is_exact = abs(_step(near, number)) > SPAN
 
     def note_repetition(self) -> None:
-        """Learn that the newest of the numbers that are remembered is one that was counted before.
+        """Learns that the newest of the numbers that are remembered is one that was counted before.
 
         A sender repeats for longer than duplicates are known while it hears no acknowledgement.
         """
@@ -108,7 +108,7 @@ class Account:
         self.repeated += 1
 
     def forget(self, amount: int) -> None:
-        """Learn that so many of the numbers that were counted are remembered no more."""
+        """Learns that so many of the numbers that were counted are remembered no more."""
         self._counted -= amount
 
     def _take(self, number: int) -> None:
@@ -144,7 +144,7 @@ class Account:
         self._began = min(self._began + step, SPAN)
 
     def _doubt(self, number: int) -> None:
-        """Take one that came before, or is far away: the sender began anew if more follow it."""
+        """Takes one that came before, or is far away: the sender began anew if more follow it."""
         if self._doubted and not 0 < (number - self._doubted[-1] & 0xFFFF) <= _EARLY:
             # It does not follow the one before, so that neither is part of a new life.
             self.repeated += len(self._doubted)
@@ -218,7 +218,7 @@ class DuplicateWindow:
         return sum(map(len, self.seen.values()))
 
     def is_duplicate(self, packet: Packet, now: float) -> bool:
-        """Return whether the packet was seen before, maybe with other flags, and remember it."""
+        """Returns whether the packet was seen before, maybe with other flags, and remembers it."""
         source, destination = packet.source, packet.destination
         # A sender may number what goes to a wildcard by a count of its own.
         pair = pair_of(source, 0 if destination.is_wildcard else destination)
@@ -232,7 +232,7 @@ class DuplicateWindow:
         return self._is_known(pair, numbers, packet, now)
 
     def accounts(self) -> Iterator[tuple[JausAddress, JausAddress, Account]]:
-        """Yield who sent to which component, and the account of it up to now.
+        """Yields who sent to which component, and the account of it up to now.
 
         The one silent longest is first.
         The account of a pair ends when the pair is forgotten.
@@ -281,14 +281,14 @@ class DuplicateWindow:
         payload: bytes,
         now: float,
     ) -> None:
-        """Remember a packet that is new, whose number is none of ``numbers``."""
+        """Remembers a packet that is new, whose number is none of ``numbers``."""
         if len(numbers) >= self.capacity:
             # Many at once, so that not each packet has to make room.
             self._forget(pair, numbers, list(islice(numbers, len(numbers) - self.history + 1)))
         numbers[sequence] = now, hash(payload) ^ destination
 
     def _forget(self, pair: int, numbers: Numbers, sequences: list[int]) -> None:
-        """Forget numbers when they are counted."""
+        """Forgets numbers when they are counted."""
         entry = self._accounts.get(pair)
         if entry is not None:
             entry[2].look(numbers)

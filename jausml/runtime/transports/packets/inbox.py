@@ -36,12 +36,12 @@ class FlaglessMessages:
     """
 
     def __init__(self, seconds: float) -> None:
-        """Doubt the short packets of a source for so many seconds after a full one."""
+        """Doubts the short packets of a source for so many seconds after a full one."""
         self._seconds = seconds
         self._fragmenting: OrderedDict[JausAddress, float] = OrderedDict()
 
     def whole(self, packet: Packet, now: float) -> Packet | None:
-        """Return the message that a packet with a payload is, or None if it may be a fragment."""
+        """Returns the message that a packet with a payload is, or None if it may be a fragment."""
         if (packet.priority, packet.broadcast, packet.acknowledge, packet.data_flags) != (
             Priority.SAFETY_CRITICAL,
             Broadcast.RESERVED,
@@ -82,7 +82,7 @@ class Inbox(Generic[Origin]):
         carrier: Carrier[Origin],
         quirks: Quirks,
     ) -> None:
-        """Start with no components.
+        """Starts with no components.
 
         Who was acknowledged, which number and by whom is told; the answer is whether a packet
         waited.
@@ -111,7 +111,7 @@ class Inbox(Generic[Origin]):
         where."""
 
     def attach(self, address: JausAddress, take: Take) -> None:
-        """Receive messages for a component from now on."""
+        """Receives messages for a component from now on."""
         if not address.is_concrete:
             raise ValueError(f"{address} does not name one component")
         if address in self.receivers:
@@ -120,16 +120,16 @@ class Inbox(Generic[Origin]):
         self._loop.revision.changed()
 
     def detach(self, address: JausAddress) -> None:
-        """Stop to receive messages for a component; no effect when it is unknown."""
+        """Stops to receive messages for a component; no effect when it is unknown."""
         self.receivers = {known: take for known, take in self.receivers.items() if known != address}
         self._loop.revision.changed()
 
     def close(self) -> None:
-        """Stop to watch for incomplete messages."""
+        """Stops to watch for incomplete messages."""
         self._expiry.cancel()
 
     def refuses(self, packet: Packet, origin: Origin) -> bool:
-        """Return whether the source of a packet cannot be true; it is counted then."""
+        """Returns whether the source of a packet cannot be true; it is counted then."""
         source = packet.source
         if source.is_concrete and source not in self.receivers:
             return False
@@ -140,11 +140,11 @@ class Inbox(Generic[Origin]):
         return True
 
     def double_of(self, address: JausAddress) -> Double | None:
-        """Return who else was heard with the address of a component of this process."""
+        """Returns who else was heard with the address of a component of this process."""
         return self._doubles.get(address)
 
     def _note_double(self, source: JausAddress, origin: Origin) -> None:
-        """Tell once, as an error, that somebody else has the address of a component here."""
+        """Tells once, as an error, that somebody else has the address of a component here."""
         known = self._doubles.get(source)
         place = ":".join(map(str, origin)) if isinstance(origin, tuple) else str(origin)
         first = HostClock(self._loop).utc() if known is None else known.first_heard
@@ -155,7 +155,7 @@ class Inbox(Generic[Origin]):
         self._counters.count("transport.own_source", place, level=logging.DEBUG)
 
     def take(self, packet: Packet, origin: Origin, now: float) -> bool:
-        """Take a packet of another process; return False when it is for nobody here."""
+        """Takes a packet of another process; returns False when it is for nobody here."""
         receivers = self.receivers_of(packet)
         if not receivers:
             return False
@@ -174,7 +174,7 @@ class Inbox(Generic[Origin]):
         return True
 
     def receivers_of(self, packet: Packet) -> Receivers:
-        """Return the components of this process that a packet is meant for."""
+        """Returns the components of this process that a packet is meant for."""
         destination, source = packet.destination, packet.source
         take = self.receivers.get(destination)
         if take is not None:
@@ -188,7 +188,7 @@ class Inbox(Generic[Origin]):
         ]
 
     def deliver(self, packet: Packet, receivers: Receivers) -> None:
-        """Hand a whole message to components."""
+        """Hands a whole message to components."""
         # What goes to a wildcard may be numbered apart from the rest.
         self.arrival.number = None if packet.destination.is_wildcard else packet.sequence
         self.arrival.is_sure = bool(packet.acknowledge)
@@ -230,7 +230,7 @@ class Inbox(Generic[Origin]):
     def _on_marked_payload(
         self, packet: Packet, receivers: Receivers, origin: Origin, now: float
     ) -> None:
-        """Take what is marked as an acknowledgement and yet must be a message of Junior."""
+        """Takes what is marked as an acknowledgement and yet must be a message of Junior."""
         message = None
         if len(packet.payload) >= MESSAGE_CODE_SIZE:
             message = self._flagless.whole(packet, now)
@@ -244,7 +244,7 @@ class Inbox(Generic[Origin]):
             self._accept(message, receivers, now)
 
     def _plan_expiry(self) -> None:
-        """Watch for incomplete messages, if there are any."""
+        """Watches for incomplete messages, if there are any."""
         if self.reassembly.size and not self._expiry.is_set:
             self._expiry.set(self._timeout / 2, self._expire_fragments)
 

@@ -41,7 +41,7 @@ class Bursts:
         self._levels: dict[JausAddress, tuple[float, float]] = {}
 
     def fits(self, destination: JausAddress, count: int, now: float) -> bool:
-        """Return whether a destination can take packets now, and assume that it gets them if so."""
+        """Returns whether a destination can take packets now; it is taken to get them if so."""
         level, since = self._levels.get(destination, (0.0, now))
         # The receiver has taken some of it meanwhile, at its own pace.
         level = max(0.0, level - (now - since) * PER_SECOND) + count
@@ -78,7 +78,7 @@ class Messenger(Generic[Origin]):
         quirks: Quirks,
         draw: Callable[[int], int] | None = None,
     ) -> None:
-        """Start with no components and nothing to wait for.
+        """Starts with no components and nothing to wait for.
 
         Args:
             carrier: Puts packets on the network. Messages are repeated until acknowledged unless
@@ -101,7 +101,7 @@ class Messenger(Generic[Origin]):
         self.inbox: Inbox[Origin] = Inbox(settings, loop, self.outbox.acknowledged, carrier, quirks)
 
     def close(self) -> None:
-        """Report what waits for acknowledgement as lost."""
+        """Reports what waits for acknowledgement as lost."""
         self.inbox.close()
         self.outbox.close()
 
@@ -115,7 +115,7 @@ class Messenger(Generic[Origin]):
         on_result: OnResult | None,
         supersedes: bool = False,  # noqa: FBT001, FBT002 - as above
     ) -> None:
-        """Send one message; see ``Transport.send``."""
+        """Sends one message; see ``Transport.send``."""
         if not source.is_concrete:
             raise ValueError(f"{source} does not name one component")
         if len(payload) < MESSAGE_CODE_SIZE:
@@ -158,7 +158,7 @@ class Messenger(Generic[Origin]):
             self._warn_of_size(packets[0], count)
 
     def traffic(self) -> list[PeerTraffic]:
-        """Return what components of this process and others have exchanged, by pair.
+        """Returns what components of this process and others have exchanged, by pair.
 
         Those whose other one was heard last are last.
         To be called with the lock of the loop.
@@ -195,7 +195,7 @@ class Messenger(Generic[Origin]):
         return list(traffic_by_pair.values())
 
     def _send_here(self, packet: Packet, on_result: OnResult | None) -> None:
-        """Deliver to components of this process, in the next round of the loop."""
+        """Delivers to components of this process, in the next round of the loop."""
         self._loop.call_soon(partial(self._arrive_here, packet, on_result))
 
     def _arrive_here(self, packet: Packet, on_result: OnResult | None) -> None:
@@ -204,7 +204,7 @@ class Messenger(Generic[Origin]):
         report(self._loop, on_result, success=bool(receivers))
 
     def _can_take(self, destination: JausAddress, count: int) -> bool:
-        """Return whether a destination can take so many packets in one go and in a row."""
+        """Returns whether a destination can take so many packets in one go and in a row."""
         if count == 1:
             return True
         # It has to wait behind the one under way, which lanes do for acknowledged messages alone.

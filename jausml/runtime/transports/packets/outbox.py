@@ -58,7 +58,7 @@ class Outbox:
     def __init__(
         self, settings: TransportSettings, loop: Loop, carrier: Carrier[Any], quirks: Quirks
     ) -> None:
-        """Start with nothing to wait for; the carrier may search for a destination in the end."""
+        """Starts with nothing to wait for; the carrier may search for a destination in the end."""
         self._timeout = settings.acknowledge_timeout
         self._retries = settings.acknowledge_retries
         self._patience = PATIENCE * (self._retries + 1) * self._timeout
@@ -80,7 +80,7 @@ class Outbox:
         return len(self._messages)
 
     def has_large(self, destination: JausAddress) -> bool:
-        """Return whether a message of several packets is under way to a destination."""
+        """Returns whether a message of several packets is under way to a destination."""
         lane = self._lanes.get(destination)
         return lane is not None and lane.has_large
 
@@ -92,7 +92,7 @@ class Outbox:
         best_effort: bool = False,
         supersedes: bool = False,
     ) -> None:
-        """Send the packets of one message, which ask for acknowledgement, when it is their turn.
+        """Sends the packets of one message, which ask for acknowledgement, when it is their turn.
 
         Args:
             on_result: Told once whether all packets were acknowledged.
@@ -117,7 +117,7 @@ class Outbox:
         self._transmit(ready)
 
     def acknowledged(self, component: int, sequence: int, by: int) -> bool:
-        """Take an acknowledgement; return whether a packet waited for it."""
+        """Takes an acknowledgement; returns whether a packet waited for it."""
         with self._lock:
             flights = self._flights
             # What went to a wildcard is acknowledged by a component, whose key it does not have.
@@ -144,7 +144,7 @@ class Outbox:
         return True
 
     def answered(self, source: JausAddress, peer: JausAddress, start: bytes) -> None:
-        """Learn that a message that begins so was answered; no effect when it does not wait."""
+        """Learns that a message that begins so was answered; no effect when it does not wait."""
         with self._lock:
             for flight in self._flights.values():
                 packet = flight.packet
@@ -156,7 +156,7 @@ class Outbox:
                     flight.is_answered = True
 
     def withdraw(self, source: JausAddress, peer: JausAddress, start: bytes) -> None:
-        """Give up messages that begin so: none is repeated, and those that wait are not sent."""
+        """Gives up messages that begin so: none is repeated, and those that wait are not sent."""
         now = self._loop.now()
         withdrawn: list[tuple[Message, Flight | None]] = []
         ready: list[Packet] = []
@@ -177,7 +177,7 @@ class Outbox:
         self._transmit(ready)
 
     def close(self) -> None:
-        """Give up everything; the results are reported."""
+        """Gives up everything; the results are reported."""
         with self._lock:
             abandoned = list(self._messages)
             self._flights.clear()
@@ -220,7 +220,7 @@ class Outbox:
         return lane
 
     def _take_off(self, lane: Lane, destination: JausAddress) -> list[Packet]:
-        """Return the packets that are to be transmitted now."""
+        """Returns the packets that are to be transmitted now."""
         now = self._loop.now()
         if lane.has_large:
             self._give_up_late(lane, destination, now)
@@ -252,7 +252,7 @@ class Outbox:
         self._size -= message.size
 
     def _expire(self) -> None:
-        """Repeat or give up what is due; the next flight that will be has the timer then.
+        """Repeats or gives up what is due; the next flight that will be has the timer then.
 
         One timer serves all: each flight waits for the same time, from when it was sent last.
         """
@@ -302,7 +302,7 @@ class Outbox:
         self._transmit(ready)
 
     def _end_answered(self, flight: Flight) -> None:
-        """Be done with a message whose answer came, and no acknowledgement in its time."""
+        """Is done with a message whose answer came, and no acknowledgement in its time."""
         self._land(flight)
         self._forget(flight.message, self._lanes[flight.packet.destination])
         outcome = self._outcome_of(flight.message)
@@ -316,13 +316,13 @@ class Outbox:
         self._outcome_of(message).unacknowledged += 1
 
     def _end_unacknowledged(self, message: Message, flight: Flight | None, now: float) -> None:
-        """Report a message that was given up; one that was under way is watched."""
+        """Reports a message that was given up; one that was under way is watched."""
         if flight is None or not self._watch(message, flight, now):
             self._count_unacknowledged(message)
         report(self._loop, message.on_result, success=False)
 
     def _watch(self, message: Message, flight: Flight, now: float) -> bool:
-        """Wait on for the acknowledgement of a message that was given up, if it may come."""
+        """Waits on for the acknowledgement of a message that was given up, if it may come."""
         with self._lock:
             if message.is_large or message is not flight.message or not self._is_alive(flight, now):
                 return False
@@ -355,7 +355,7 @@ class Outbox:
             self._count_unacknowledged(message)
 
     def _is_alive(self, flight: Flight, now: float) -> bool:
-        """Return whether the destination was heard in the time that a packet may take."""
+        """Returns whether the destination was heard in the time that a packet may take."""
         destination = flight.packet.destination
         heard, lane = self._carrier.heard(destination), self._lanes.get(destination)
         if lane is not None:  # where nothing waits it may have made room for others since
@@ -363,7 +363,7 @@ class Outbox:
         return heard >= now - self._patience
 
     def _give_up(self, flight: Flight) -> list[Message]:
-        """Forget a message, and what waits behind it if its destination is silent."""
+        """Forgets a message, and what waits behind it if its destination is silent."""
         message = flight.message
         lane = self._lanes[flight.packet.destination]
         self._abandon(message, lane)
@@ -374,7 +374,7 @@ class Outbox:
         return [message, *waiting]
 
     def _abandon(self, message: Message, lane: Lane) -> None:
-        """Forget a message with what is under way of it."""
+        """Forgets a message with what is under way of it."""
         for packet in message.packets[: message.sent]:
             flight = self._flights.get(key_of(packet))
             # Numbers come again: the key may be that of a newer message.
@@ -394,6 +394,6 @@ class Outbox:
         return known
 
     def _transmit(self, packets: list[Packet]) -> None:
-        """Put packets on the network; without the lock, since the loop may be waiting for it."""
+        """Puts packets on the network; without the lock, since the loop may be waiting for it."""
         for packet in packets:
             self._carrier.transmit(packet)

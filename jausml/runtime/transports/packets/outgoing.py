@@ -35,7 +35,7 @@ class Packetizer:
     """
 
     def __init__(self, fragment_size: int, draw: Callable[[int], int] | None = None) -> None:
-        """Start with no numbers used.
+        """Starts with no numbers used.
 
         Args:
             fragment_size: Payload of one packet in bytes that is not to be exceeded without need.
@@ -50,7 +50,7 @@ class Packetizer:
         that of `itertools.count`."""
 
     def refusal(self, destination: JausAddress, size: int) -> str:
-        """Return the counter of what forbids to send so many bytes, if anything does."""
+        """Returns the counter of what forbids to send so many bytes, if anything does."""
         if destination.is_wildcard:
             # Peers do not reassemble broadcasts (Junior refuses to send them).
             return "transport.broadcast_too_large" if size > MAX_FRAGMENT_SIZE else ""
@@ -61,7 +61,7 @@ class Packetizer:
         return ""
 
     def count(self, destination: JausAddress, size: int) -> int:
-        """Return how many packets a message of so many bytes takes."""
+        """Returns how many packets a message of so many bytes takes."""
         if size <= self._fragment_size:
             return 1
         return -(-size // self._step(destination, size))
@@ -74,7 +74,7 @@ class Packetizer:
         priority: Priority,
         acknowledge: AckNak,
     ) -> list[Packet]:
-        """Return the packets of a message with their sequence numbers."""
+        """Returns the packets of a message with their sequence numbers."""
         step, count = self._step(destination, len(payload)), self.count(destination, len(payload))
         first, none = self.reserve(source, destination, count), Broadcast.NONE
         places = [DataFlags.SINGLE]
@@ -104,7 +104,7 @@ class Packetizer:
         return max(self._fragment_size, min(MAX_FRAGMENT_SIZE, needed))
 
     def reserve(self, source: JausAddress, destination: JausAddress, amount: int) -> int:
-        """Take consecutive sequence numbers of a pair and return the first."""
+        """Takes consecutive sequence numbers of a pair and returns the first."""
         numbers = self.numbers(source, destination)
         while True:
             taken = list(islice(numbers, amount))
@@ -112,7 +112,7 @@ class Packetizer:
                 return taken[0] & 0xFFFF
 
     def numbers(self, source: JausAddress, destination: JausAddress) -> Iterator[int]:
-        """Return the sequence numbers of a pair, to be taken modulo 65536 one by one.
+        """Returns the sequence numbers of a pair, to be taken modulo 65536 one by one.
 
         Each is taken in one step of the interpreter, which needs no lock.
         """
@@ -129,14 +129,14 @@ class Packetizer:
         return known.following
 
     def next_number(self, source: JausAddress, destination: JausAddress) -> int:
-        """Return the number that the next packet of a pair will have, and do not take it."""
+        """Returns the number that the next packet of a pair will have, and does not take it."""
         self.numbers(source, destination)
         # Pairs beyond the limit are counted with the wildcards.
         known = self._numbers.get((source, destination)) or self._numbers[source, 0]
         return known.first + known.used & 0xFFFF
 
     def sent(self, source: JausAddress) -> dict[JausAddress, int]:
-        """Return how many packets a component has sent to each destination but wildcards."""
+        """Returns how many packets a component has sent to each destination but wildcards."""
         return {
             address_of(destination): numbers.used
             for (sender, destination), numbers in list(self._numbers.items())
@@ -192,7 +192,7 @@ Key = tuple[int, int, int]
 
 
 def key_of(packet: Packet) -> Key:
-    """Return what a packet is known by."""
+    """Returns what a packet is known by."""
     destination = packet.destination
     return packet.source, 0 if destination.is_wildcard else destination, packet.sequence
 
@@ -250,7 +250,7 @@ class Lane:
         return bool(self._large)
 
     def add(self, message: Message) -> None:
-        """Let a message wait for its turn, which may be now."""
+        """Lets a message wait for its turn, which may be now."""
         if message.is_large:
             self._large.append(message)
         elif message.is_urgent:
@@ -259,7 +259,7 @@ class Lane:
             self._singles.append(message)
 
     def ready(self) -> list[tuple[Message, Packet]]:
-        """Return the packets whose turn it is; they are under way from now on."""
+        """Returns the packets whose turn it is; they are under way from now on."""
         ready: list[tuple[Message, Packet]] = []
         singles = self._singles
         # Urgent ones stand in front, and wait for nobody.
@@ -274,7 +274,7 @@ class Lane:
         return ready
 
     def arrived(self, message: Message) -> None:
-        """Learn from a message that is done; packets fewer than the window say nothing."""
+        """Learns from a message that is done; packets fewer than the window say nothing."""
         if not message.is_best_effort or len(message.packets) < self._window:
             return
         if message.is_repeated:
@@ -282,14 +282,14 @@ class Lane:
         self._window = min(2 * self._window, self._widest)
 
     def give_up_late(self, now: float) -> list[Message]:
-        """Forget the messages whose turn would be now, but which is too late, and return them."""
+        """Forgets the messages whose turn would be now, but which is too late, and returns them."""
         late: list[Message] = []
         while self._large and not self._large[0].sent and self._large[0].latest < now:
             late.append(self._large.popleft())
         return late
 
     def remove(self, message: Message) -> None:
-        """Forget a message, since it is done, given up or withdrawn."""
+        """Forgets a message, since it is done, given up or withdrawn."""
         if message.is_large:
             self._large.remove(message)
         elif message.sent:

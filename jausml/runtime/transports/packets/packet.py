@@ -78,7 +78,7 @@ class Packet(NamedTuple):
         return self.priority | self.broadcast << 2 | self.acknowledge << 4 | self.data_flags << 6
 
     def encode(self) -> bytes:
-        """Return the datagram of this message alone; ValueError where a field does not fit."""
+        """Returns the datagram of this message alone; ValueError where a field does not fit."""
         if len(self.payload) > MAX_PAYLOAD:
             raise ValueError(f"{len(self.payload)} bytes of payload do not fit one datagram")
         if not (0 <= self.sequence <= 0xFFFF and 0 <= self.message_type <= 0x3F):
@@ -117,7 +117,7 @@ _OTHER_VERSIONS = (
 
 
 def parse_datagram(data: bytes, counters: Counters) -> list[Packet]:
-    """Return the messages of a datagram in their order; never raises.
+    """Returns the messages of a datagram in their order; never raises.
 
     What cannot be read is counted: ``judp.version_1`` and ``judp.reference_architecture``, older
     protocols; ``judp.bad_version``; ``judp.acknowledgement_of_other_version``, which is taken all
@@ -155,12 +155,12 @@ def parse_datagram(data: bytes, counters: Counters) -> list[Packet]:
 
 
 def message_size(data: bytes | bytearray, offset: int) -> int:
-    """Return the size that the message at an offset states, of which three bytes are there."""
+    """Returns the size that the message at an offset states, of which three bytes are there."""
     return data[offset + 1] | data[offset + 2] << 8
 
 
 def parse_message(data: bytes, offset: int, size: int, counters: Counters) -> Packet | None:
-    """Return one message of at least 14 bytes without the version of its datagram; never raises.
+    """Returns one message of at least 14 bytes without the version of its datagram; never raises.
 
     What cannot be read is counted: ``transport.bad_message_type``, reserved by the standard;
     ``transport.compressed``; ``transport.bad_size``.
@@ -189,7 +189,7 @@ def parse_message(data: bytes, offset: int, size: int, counters: Counters) -> Pa
 
 
 def _compression(data: bytes, offset: int, size: int) -> tuple[str, int]:
-    """Return why a message cannot be read, if so, and the bytes to skip before its fields.
+    """Returns why a message cannot be read, if so, and the bytes to skip before its fields.
 
     The standard has the header compression flags in bits 6-7 and, when they are set, two more
     bytes before the fields. Requests and confirmations (1 and 2) carry an uncompressed message:
@@ -212,14 +212,14 @@ def _compression(data: bytes, offset: int, size: int) -> tuple[str, int]:
 
 
 def _is_plausible(data: bytes, offset: int) -> bool:
-    """Return whether the addresses of a message, read at an offset, can be addresses."""
+    """Returns whether the addresses of a message, read at an offset, can be addresses."""
     _, destination, source = _FIELDS.unpack_from(data, offset + _FIELDS_OFFSET)
     to = address_of(destination)
     return address_of(source).is_concrete and bool(to.subsystem and to.node and to.component)
 
 
 def _is_acknowledgement(data: bytes) -> bool:
-    """Return whether a datagram is an acknowledgement, whatever version it states, if any."""
+    """Returns whether a datagram is an acknowledgement, whatever version it states, if any."""
     start = len(data) - EMPTY_MESSAGE_SIZE
     # With one byte of version in front, or without any.
     if start not in (0, 1) or data[start]:

@@ -63,7 +63,7 @@ class _Stream:
 
     @classmethod
     def of(cls, line: _Line) -> _Stream:
-        """Return a stream with what came in order so far."""
+        """Returns a stream with what came in order so far."""
         stream, flags = cls(), line.flags
         for number, payload in enumerate(line.parts, line.start):
             stream.add(flags, number & 0xFFFF, payload, line.updated)
@@ -74,7 +74,7 @@ class _Stream:
         return len(self.fragments)
 
     def add(self, flags: int, number: int, payload: bytes, now: float) -> _Run:
-        """Keep a fragment and return the run that it belongs to now."""
+        """Keeps a fragment and returns the run that it belongs to now."""
         by_start, by_end, place = self.by_start, self.by_end, flags & PLACE_MASK
         self.fragments[number] = payload
         self.size += len(payload) + _FRAGMENT_OVERHEAD
@@ -99,13 +99,13 @@ class _Stream:
         return run
 
     def run_of(self, number: int) -> _Run:
-        """Return the run that a kept fragment belongs to."""
+        """Returns the run that a kept fragment belongs to."""
         while number not in self.by_start:
             number = number - 1 & 0xFFFF
         return self.by_start[number]
 
     def remove(self, run: _Run) -> list[bytes]:
-        """Forget a run and return its fragments in order."""
+        """Forgets a run and returns its fragments in order."""
         del self.by_start[run.start], self.by_end[run.end]
         count = (run.end - run.start & 0xFFFF) + 1
         take = self.fragments.pop
@@ -126,7 +126,7 @@ class Reassembly:
     """
 
     def __init__(self, timeout: float, limit: int, counters: Counters) -> None:
-        """Discard what makes no progress for so many seconds, or is of too many bytes."""
+        """Discards what makes no progress for so many seconds, or is of too many bytes."""
         self._timeout = timeout
         self.limit = limit
         self._counters = counters
@@ -137,7 +137,7 @@ class Reassembly:
         self.size = 0
 
     def note_whole(self, count: int) -> None:
-        """Count a message of so many fragments that was put together elsewhere."""
+        """Counts a message of so many fragments that was put together elsewhere."""
         self._taken.count += count
         self._assembled.count += count
         self._finished.count += 1
@@ -146,7 +146,7 @@ class Reassembly:
         return sum(map(len, self._held.values()))
 
     def add(self, packet: Packet, now: float) -> Packet | None:
-        """Take a fragment and return the whole message that it completes, if it does.
+        """Takes a fragment and returns the whole message that it completes, if it does.
 
         The message has the sequence number, priority and destination of its first packet.
         """
@@ -159,7 +159,7 @@ class Reassembly:
         return Packet(packet.destination, packet.source, payload, sequence, *said)
 
     def _put(self, way: Way, flags: int, sequence: int, payload: bytes, now: float) -> Whole | None:
-        """Take a fragment.
+        """Takes a fragment.
 
         Nearly all come in their order: those of a message are in a line then, which ends with it.
         """
@@ -218,7 +218,7 @@ class Reassembly:
         return b"".join(parts), start, flags
 
     def expire(self, now: float) -> None:
-        """Discard what has not grown for the timeout."""
+        """Discards what has not grown for the timeout."""
         for way, held in list(self._held.items()):
             if isinstance(held, _Line):
                 if now - held.updated >= self._timeout:
@@ -239,7 +239,7 @@ class Reassembly:
         )
 
     def _discard_stale(self, way: Way, stream: _Stream, sequence: int) -> None:
-        """Discard what a source left behind that restarted, and uses its numbers again."""
+        """Discards what a source left behind that restarted, and uses its numbers again."""
         count = len(self._remove(stream, stream.run_of(sequence)))
         self._counters.add("transport.fragments_discarded", count)
         self._counters.count(

@@ -55,7 +55,7 @@ class DatagramTransport(Transport):
     def sender(
         self, source: JausAddress, destination: JausAddress, priority: Priority = Priority.STANDARD
     ) -> Callable[[bytes], None]:
-        """Return what sends one payload after the other; see ``Transport.sender``."""
+        """Returns what sends one payload after the other; see ``Transport.sender``."""
         messenger = self._messenger
 
         def send(payload: bytes) -> None:
@@ -80,7 +80,7 @@ class DatagramTransport(Transport):
         self._messenger.packetizer.counting = counting
 
     def is_unheard(self, address: JausAddress) -> bool:
-        """Return whether a component is silent that was asked; see ``Transport.is_unheard``."""
+        """Returns whether a component is silent that was asked; see ``Transport.is_unheard``."""
         with self.loop.lock:
             if address in self.inbox.receivers:
                 return False
@@ -93,34 +93,34 @@ class DatagramTransport(Transport):
             return self.loop.now() - heard > longest
 
     def is_proved(self, address: JausAddress) -> bool:
-        """Return whether a component is where it says; see ``Transport.is_proved``."""
+        """Returns whether a component is where it says; see ``Transport.is_proved``."""
         entry = self.address_book.learnt.get(address)
         return entry is None or entry.claim is None
 
     def place_of(self, address: JausAddress) -> tuple[str, str]:
-        """Return where a component is; see ``Transport.place_of``."""
+        """Returns where a component is; see ``Transport.place_of``."""
         host, port = self.address_book.find(address) or ("", 0)
         return host, f"{host}:{port}"
 
     def is_kept(self, address: JausAddress) -> bool:
-        """Return whether a component has a place of its own; see ``Transport.is_kept``."""
+        """Returns whether a component has a place of its own; see ``Transport.is_kept``."""
         return self.address_book.is_kept(address)
 
     def keep_place(self, owner: JausAddress, address: JausAddress | None) -> None:
-        """Keep the place of a controller; see ``Transport.keep_place``."""
+        """Keeps the place of a controller; see ``Transport.keep_place``."""
         self.address_book.keep_place(owner, address)
 
     def when_proved(self, listener: Callable[[JausAddress], None]) -> None:
-        """Tell of proofs; see ``Transport.when_proved``."""
+        """Tells of proofs; see ``Transport.when_proved``."""
         self._sender.prover.listeners.append(listener)
 
     def silence_of(self, address: JausAddress) -> float:
-        """Return how long a component was silent; see ``Transport.silence_of``."""
+        """Returns how long a component was silent; see ``Transport.silence_of``."""
         entry = self.address_book.learnt.get(address)
         return math.inf if entry is None else self.loop.now() - entry.latest
 
     def _trusts(self, endpoint: Endpoint) -> bool:
-        """Return whether an endpoint needs no proof.
+        """Returns whether an endpoint needs no proof.
 
         The kernel drops what comes from outside in the name of this host.
         """
@@ -142,7 +142,7 @@ class DatagramTransport(Transport):
         return self._messenger
 
     def _take_packet(self, packet: Packet, sender: Endpoint) -> bool:
-        """Take a packet that has arrived; return False when it is for nobody of this process."""
+        """Takes a packet that has arrived; returns False when it is for nobody of this process."""
         # Before anything is learnt: a false source must take no place in the book.
         if self.inbox.refuses(packet, sender):
             return True
@@ -155,7 +155,7 @@ class DatagramTransport(Transport):
         return self.inbox.take(packet, sender, now)
 
     def _take_unproved(self, packet: Packet, sender: Endpoint, entry: Entry, now: float) -> bool:
-        """Take a packet of a component that has not proved where it is: one may be the proof."""
+        """Takes a packet of a component that has not proved where it is: one may be the proof."""
         asker = next((address for address, _ in self.inbox.receivers_of(packet)), None)
         is_answer = packet.acknowledge >= AckNak.NAK
         # Before the prover hears of it: the answer may be the proof, and saves a question.

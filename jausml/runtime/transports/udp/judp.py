@@ -58,11 +58,11 @@ class KernelDrops:
         self._known: dict[socket.socket, int] = {}
 
     def watch(self, sock: socket.socket) -> None:
-        """Count the drops of a socket from now on."""
+        """Counts the drops of a socket from now on."""
         self._known.setdefault(sock, 0)
 
     def look(self) -> None:
-        """Count what was dropped since the last time; sockets that do not tell are forgotten."""
+        """Counts what was dropped since the last time; sockets that do not tell are forgotten."""
         for sock, known in list(self._known.items()):
             try:
                 memory_info = sock.getsockopt(socket.SOL_SOCKET, _SO_MEMINFO, _MEMINFO.size)
@@ -90,7 +90,7 @@ _PAUSE_S = 0.0002  # after which what comes has likely come alone
 def reader(
     receive: Receiver, loop: Loop, take: Callable[[bytes, Endpoint], None]
 ) -> Callable[[], None]:
-    """Return what reads the datagrams that have arrived at a socket, a few at a time."""
+    """Returns what reads the datagrams that have arrived at a socket, a few at a time."""
     counters = loop.counters
     received = counters.tally("judp.received")
     most, latest = 1, loop.now()
@@ -142,7 +142,7 @@ class JudpTransport(DatagramTransport):
         self._manager_watch = Alarm(loop)
 
     def open(self) -> None:
-        """Open the sockets and begin to receive."""
+        """Opens the sockets and begins to receive."""
         self.address_book.configure(self._settings.address_book)
         with self.loop.lock:
             self._port.open()
@@ -156,7 +156,7 @@ class JudpTransport(DatagramTransport):
             )
 
     def close(self) -> None:
-        """Close the sockets; messages that wait for acknowledgement are reported as lost."""
+        """Closes the sockets; messages that wait for acknowledgement are reported as lost."""
         with self.loop.lock:
             for timer in (self._takeover, self._manager_watch, self._drops_watch):
                 timer.cancel()
@@ -183,7 +183,7 @@ class JudpTransport(DatagramTransport):
     def datagram(
         self, source: JausAddress, destination: JausAddress, payload: bytes, priority: Priority
     ) -> tuple[bytes, Endpoint] | None:
-        """Return what another process may send instead; see ``Transport.datagram``."""
+        """Returns what another process may send instead; see ``Transport.datagram``."""
         with self.loop.lock:
             endpoint = self.address_book.find(destination)
         # A message of several packets is more than one datagram, which is all that is handed over.
@@ -194,7 +194,7 @@ class JudpTransport(DatagramTransport):
         return packet.encode(), endpoint
 
     def next_number(self, source: JausAddress, destination: JausAddress) -> int:
-        """Return the number of the next packet; see ``Transport.next_number``."""
+        """Returns the number of the next packet; see ``Transport.next_number``."""
         return self._messenger.packetizer.next_number(source, destination)
 
     def _attach(self, address: JausAddress, take: Take) -> None:
@@ -206,7 +206,7 @@ class JudpTransport(DatagramTransport):
             self.loop.register(sock, self._reader(sock, by_multicast=sock is self._port.multicast))
 
     def receive_by(self, make: Callable[[socket.socket, bool], Receiver] | None) -> None:
-        """Receive by what is made of a socket and whether it is the group's, or by the sockets."""
+        """Receives by what is made of a socket and whether it is the group's, or by the sockets."""
         with self.loop.lock:
             self._receive_by = make
             for sock in (self._port.multicast, self._port.unicast):
@@ -224,7 +224,7 @@ class JudpTransport(DatagramTransport):
     def receive_datagram(
         self, data: bytes, sender: Endpoint, *, by_multicast: bool = False
     ) -> None:
-        """Take a datagram, maybe of the group, as if read on the loop's thread; never raises."""
+        """Takes a datagram, maybe of the group, as if read on the loop's thread; never raises."""
         if sender in self._port.endpoints:
             self.counters.add("judp.own_multicast")
             return
@@ -241,7 +241,7 @@ class JudpTransport(DatagramTransport):
             self._on_packet(packet, sender, may_forward=not by_multicast)
 
     def _note_version(self, packet: Packet, data: bytes) -> None:
-        """Learn of a known peer that its acknowledgements, of which this is one, lack a version."""
+        """Learns that acknowledgements of a known peer, of which this is one, lack a version."""
         if packet.source in self.address_book.learnt:
             how = f"version {data[0]}" if len(data) > EMPTY_MESSAGE_SIZE else "no version"
             self.quirks.learn(packet.source, Quirk.OTHER_VERSION, how)
@@ -251,7 +251,7 @@ class JudpTransport(DatagramTransport):
             self._on_stray(packet, sender, may_forward=may_forward)
 
     def _on_stray(self, packet: Packet, sender: Endpoint, *, may_forward: bool) -> None:
-        """Pass a packet that is not for this process to a neighbour that shares the port."""
+        """Passes a packet that is not for this process to a neighbour that shares the port."""
         endpoint = self.address_book.find(packet.destination)
         if (
             may_forward
@@ -265,7 +265,7 @@ class JudpTransport(DatagramTransport):
             self.counters.add("transport.not_for_us")
 
     def _on_neighbour(self, frame: bytes, sender: Endpoint) -> None:
-        """Take a frame from another process of this host that shares the port."""
+        """Takes a frame from another process of this host that shares the port."""
         # Only the owner of the port passes on: anybody else could forge the origin.
         forwarded = read_forwarded(frame) if sender == self._port.well_known else None
         present = read_present(frame)
@@ -285,7 +285,7 @@ class JudpTransport(DatagramTransport):
             self.counters.count("judp.bad_version", f"{frame[:32].hex()} from {sender}")
 
     def _share_port(self) -> None:
-        """Try to own the port; until then tell its owner again and again who lives here."""
+        """Tries to own the port; until then tells its owner again and again who lives here."""
         if not self._port.is_owner and self._port.take_over():
             # The core rests on the socket and on the own endpoints, which are others now.
             self.loop.revision.changed()
@@ -296,7 +296,7 @@ class JudpTransport(DatagramTransport):
             self._takeover.set(self._settings.takeover_interval, self._share_port)
 
     def _watch_for_manager(self) -> None:
-        """Warn of a node manager that started later, and cannot have the port.
+        """Warns of a node manager that started later, and cannot have the port.
 
         Node managers want the standard port; Junior's goes on without a network if it is taken.
         """
@@ -315,7 +315,7 @@ class JudpTransport(DatagramTransport):
         )
 
     def _watch_for_drops(self) -> None:
-        """Count each second what the kernel has dropped."""
+        """Counts each second what the kernel has dropped."""
         self._drops.look()
         self._drops_watch.set(_DROPS_INTERVAL_S, self._watch_for_drops)
 

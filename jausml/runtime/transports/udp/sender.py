@@ -50,7 +50,7 @@ class Prover:
     def __init__(
         self, book: AddressBook, loop: Loop, limit: int, put: Callable[[bytes, Endpoint], bool]
     ) -> None:
-        """Send to an endpoint without proof at most `limit` bytes for each byte from it."""
+        """Sends to an endpoint without proof at most `limit` bytes for each byte from it."""
         self._book = book
         self._loop = loop
         self._limit = limit
@@ -61,7 +61,7 @@ class Prover:
         self.listeners: list[Callable[[JausAddress], None]] = []
 
     def heard(self, entry: Entry, packet: Packet, asker: JausAddress | None) -> None:
-        """Note that a packet came without proof; who is meant here, if anybody, asks for one."""
+        """Notes that a packet came without proof; who is meant here, if anybody, asks for one."""
         claim = entry.claim
         if claim is None:
             return
@@ -72,7 +72,7 @@ class Prover:
         self._ask(packet.source, entry, claim)
 
     def send(self, destination: JausAddress, entry: Entry, datagram: bytes) -> bool:
-        """Send a datagram to a component without proof, or let it wait; tell whether it may go."""
+        """Sends a datagram to a component without proof, or keeps it; tells whether it may go."""
         claim = entry.claim
         if claim is None:
             # Proved since the caller looked.
@@ -90,7 +90,7 @@ class Prover:
         return is_held
 
     def acknowledged(self, by: int, number: int) -> bool:
-        """Take an acknowledgement that no packet waits for; tell whether it is a proof."""
+        """Takes an acknowledgement that no packet waits for; tells whether it is a proof."""
         entry = self._book.learnt.get(by)
         claim = None if entry is None else entry.claim
         if entry is None or claim is None or claim.number is None:
@@ -110,7 +110,7 @@ class Prover:
         return True
 
     def _ask(self, destination: JausAddress, entry: Entry, claim: Claim) -> None:
-        """Ask a component, unless it was asked a moment ago or its credit is used up."""
+        """Asks a component, unless it was asked a moment ago or its credit is used up."""
         now = self._loop.now()
         with self._lock:
             if (
@@ -133,7 +133,7 @@ class Prover:
             )
 
     def _take(self, claim: Claim, size: int, *, kept: int = 0) -> bool:
-        """Take bytes from the credit of a claim, of which some are kept; tell whether they fit."""
+        """Takes bytes from the credit of a claim, of which some stay; tells whether they fit."""
         if claim.sent + size + kept > self._limit * claim.received:
             return False
         claim.sent += size
@@ -144,7 +144,7 @@ class Exit(Protocol):
     """What datagrams leave through: a socket, as a rule."""
 
     def sendto(self, datagram: bytes, endpoint: Endpoint, /) -> int:
-        """Send a datagram; raises OSError when it cannot go."""
+        """Sends a datagram; raises OSError when it cannot go."""
 
 
 class Port(Protocol):
@@ -159,7 +159,7 @@ class Port(Protocol):
         """Where datagrams go that are for everybody."""
 
     def close(self) -> None:
-        """Send no more."""
+        """Sends no more."""
 
 
 class Sender(Carrier[Endpoint]):
@@ -174,12 +174,12 @@ class Sender(Carrier[Endpoint]):
         self._sent = loop.counters.tally("judp.sent")
 
     def close(self) -> None:
-        """Close the sockets when no other thread is sending."""
+        """Closes the sockets when no other thread is sending."""
         with self._socket_lock:
             self._port.close()
 
     def transmit(self, packet: Packet) -> bool:
-        """Put a packet on the network, where its destination is or may be."""
+        """Puts a packet on the network, where its destination is or may be."""
         destination = packet.destination
         entry = self._book.learnt.get(destination)
         # Heard lately means proved as well: without proof it counts as never heard.
@@ -206,7 +206,7 @@ class Sender(Carrier[Endpoint]):
         return sent
 
     def answer(self, packet: Packet, origin: Endpoint) -> None:
-        """Send a packet back to the endpoint that one came from."""
+        """Sends a packet back to the endpoint that one came from."""
         entry = self._book.learnt.get(packet.destination)
         # An answer is bounded too: the question may have come in a forged name.
         if entry is not None and entry.claim is not None:
@@ -215,16 +215,16 @@ class Sender(Carrier[Endpoint]):
             self.put(packet.encode(), origin)
 
     def heard(self, destination: JausAddress) -> float:
-        """Return when a destination was heard last, whatever it said."""
+        """Returns when a destination was heard last, whatever it said."""
         entry = self._book.learnt.get(destination)
         return -math.inf if entry is None else entry.latest
 
     def suspect(self, destination: JausAddress, since: float) -> None:
-        """Search for a destination that fails to acknowledge, from its next packet on."""
+        """Searches for a destination that fails to acknowledge, from its next packet on."""
         self._book.suspect(destination, since)
 
     def put(self, datagram: bytes, endpoint: Endpoint) -> bool:
-        """Send a datagram from the unicast socket; return whether the system took it."""
+        """Sends a datagram from the unicast socket; returns whether the system took it."""
         try:
             # `close` waits for it: a closed descriptor may be that of another file a moment later.
             with self._socket_lock:
@@ -246,7 +246,7 @@ class Sender(Carrier[Endpoint]):
         longest: int,
         inbox: Inbox[Endpoint],
     ) -> Outlet:
-        """Return how a core sends single packets that need no acknowledgement."""
+        """Returns how a core sends single packets that need no acknowledgement."""
         learnt, counters = self._book.learnt, self._loop.counters
 
         def place() -> tuple[int, Endpoint, float] | None:
