@@ -41,13 +41,13 @@ from {package}.{package} import {class_name}
 CLIENTS = '''
 
 def services(minor):
-    """Return the core services of a component."""
+    """Returns the core services of a component."""
     names = ("Transport", "Events", "AccessControl", "Management")
     return tuple(ServiceIdentity(f"urn:jaus:jss:core:{name}", 1, minor) for name in names)
 
 
 def client(transport, address, name):
-    """Return a client that runs."""
+    """Returns a client that runs."""
     made = JausComponent(transport, address, name=name, services=services(1))
     made.start()
     return made

@@ -153,3 +153,26 @@ def test_variables_are_called_by_what_they_are(folder):
 )
 def test_a_hidden_noun_is_found(code, name):
     assert {hidden for _, hidden in hiding(ast.parse(code))} == {name}
+
+
+ORDER = re.compile(
+    r'^ +"""(?:Add|Ask|Call|Drop|End|Give|Let|Make|Remove|Return|Run|Send|Start|Take|Tell|Yield) ',
+    re.MULTILINE,
+)
+"""How a docstring would order what its function is to do. Help of commands does, for users."""
+
+
+@pytest.mark.parametrize("folder", ["jausml", "generators", "tools", "benchmarks"])
+def test_docstrings_say_what_functions_do(folder):
+    orders = [
+        f"{path.relative_to(ROOT)}: {order[0].strip()}"
+        for path in sorted((ROOT / folder).rglob("*.py"))
+        if not path.is_relative_to(ROOT / "jausml" / "cli")
+        for order in ORDER.finditer(path.read_text(encoding="utf-8"))
+    ]
+    assert orders == []
+
+
+def test_an_order_is_found():
+    assert ORDER.search('def f():\n    """Return it."""\n')
+    assert not ORDER.search('def f():\n    """Returns it."""\n')
