@@ -89,7 +89,7 @@ class MachineView:
     @property
     def docstring(self) -> str:
         """Docstring of the method that returns the states."""
-        text = f"Return the states of {self.name} of {self.service}, and what happens in them."
+        text = f"Returns the states of {self.name} of {self.service}, and what happens in them."
         return docstring(text, _BODY)
 
     @property

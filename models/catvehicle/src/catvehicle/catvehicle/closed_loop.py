@@ -55,7 +55,7 @@ class Loop:
     duration: float = 20.0
 
     def run(self) -> list[Sample]:
-        """Return the log of the run: the true state every 10 ms."""
+        """Returns the log of the run: the true state every 10 ms."""
         return _Run(self).samples
 
 

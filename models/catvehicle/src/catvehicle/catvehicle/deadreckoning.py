@@ -18,7 +18,7 @@ class DeadReckoning:
     """Integrates the pose of the rear axle with the bicycle model from timestamped reports."""
 
     def __init__(self, parameters: VehicleParameters, pose: Pose | None = None) -> None:
-        """Start at `pose` (the origin by default); the first report sets the clock."""
+        """Starts at `pose` (the origin by default); the first report sets the clock."""
         self._parameters = parameters
         self._pose = pose or Pose()
         self._last: tuple[float, float, float] | None = None
@@ -34,7 +34,7 @@ class DeadReckoning:
         return None if self._last is None else self._last[0]
 
     def update(self, time: float, speed: float, steering_angle: float) -> Pose:
-        """Take one report and return the pose at its time.
+        """Takes one report and returns the pose at its time.
 
         Between two reports speed and tyre angle are taken to change linearly; their means are used.
         A report that is not newer than the last one (a duplicate, or overtaken on the way) changes

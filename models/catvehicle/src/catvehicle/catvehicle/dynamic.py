@@ -35,7 +35,7 @@ class Slip(NamedTuple):
     yaw_rate: float = 0.0
 
     def moved(self, rate: Slip, dt: float) -> Slip:
-        """Return the slip after `dt` seconds of a rate of change (per second)."""
+        """Returns the slip after `dt` seconds of a rate of change (per second)."""
         return Slip(self.sideways + rate.sideways * dt, self.yaw_rate + rate.yaw_rate * dt)
 
 
@@ -43,7 +43,7 @@ class DynamicPlant(BicyclePlant):
     """A bicycle whose axles take side force in proportion to their slip angle."""
 
     def __init__(self, parameters: VehicleParameters, state: VehicleState | None = None) -> None:
-        """Start at `state` without slip, by default at rest in the origin."""
+        """Starts at `state` without slip, by default at rest in the origin."""
         super().__init__(parameters, state)
         self._slip = Slip(0.0, self._yaw_rate(self._state.v, self._state.delta))
 
@@ -60,7 +60,7 @@ class DynamicPlant(BicyclePlant):
         return moved(start, rate, dt)
 
     def _rates(self, state: VehicleState, slip: Slip) -> tuple[VehicleState, Slip]:
-        """Return the rates of state and slip, per second."""
+        """Returns the rates of state and slip, per second."""
         cosine, sine = math.cos(state.psi), math.sin(state.psi)
         rate = replace(
             self._derivative(state),

@@ -114,7 +114,7 @@ def _draw_path(axes: Axes, samples: Sequence[Sample], path: StraightArcStraight)
 
 
 def _span(prescribed: Sequence[float], driven: Sequence[float]) -> tuple[float, float]:
-    """Return the limits of an axis (m): the path's and some air, wider if the run leaves them."""
+    """Returns the limits of an axis (m): the path's and some air, wider if the run leaves them."""
     low, high = min(prescribed) - _AIR, max(prescribed) + _AIR
     return min(low, min(driven) - 1.0), max(high, max(driven) + 1.0)
 

@@ -56,14 +56,14 @@ class AngleSignal:
     """The tyre angle between its reports, which name no time and come at their own phase."""
 
     def __init__(self, parameters: VehicleParameters) -> None:
-        """Begin with straight tyres."""
+        """Begins with straight tyres."""
         self._period = 1.0 / parameters.report_rate
         self._rate_limit = parameters.steering_rate_limit
         self._time = -math.inf
         self._angle = self._rate = 0.0
 
     def take(self, angle: float, received: float) -> None:
-        """Take a report: the angle (rad) and when it came (s); what came late says no rate."""
+        """Takes a report: the angle (rad) and when it came (s); what came late says no rate."""
         passed = received - self._time
         if 0.5 * self._period <= passed <= 2.0 * self._period:
             rate = (angle - self._angle) / passed
@@ -73,7 +73,7 @@ class AngleSignal:
         self._time, self._angle = received, angle
 
     def at(self, time: float) -> float:
-        """Return the angle (rad) at a time (s): it goes on as it changed, for a period at most."""
+        """Returns the angle (rad) at a time (s): it goes on as it changed, for a period at most."""
         return self._angle + self._rate * min(max(time - self._time, 0.0), self._period)
 
 
@@ -87,18 +87,18 @@ class SteeringLogic:
     """
 
     def __init__(self, parameters: VehicleParameters) -> None:
-        """Start in the origin, before the first report."""
+        """Starts in the origin, before the first report."""
         path = StraightArcStraight.right_turn(parameters)
         self._controller = SteeringController(parameters, path)
         self._dead_reckoning = DeadReckoning(parameters)
         self._angle = AngleSignal(parameters)
 
     def take_angle(self, angle: float, received: float) -> None:
-        """Keep a tyre angle (rad) that came at a time (s on the controller's clock)."""
+        """Keeps a tyre angle (rad) that came at a time (s on the controller's clock)."""
         self._angle.take(angle, received)
 
     def take_speed(self, report: SpeedReport) -> SteeringStep:
-        """Take a speed report; return the step that answers it."""
+        """Takes a speed report; returns the step that answers it."""
         angle = self._angle.at(report.received)
         pose = self._dead_reckoning.update(report.stamp_ms / 1000, report.speed, angle)
         command = self._controller.command(pose, report.speed)
@@ -109,7 +109,7 @@ class SpeedLogic:
     """Keeps the ride comfortable: the operator's cruise speed or less for each pose."""
 
     def __init__(self, parameters: VehicleParameters) -> None:
-        """Start without an operator, who alone lets the vehicle move."""
+        """Starts without an operator, who alone lets the vehicle move."""
         self._path = StraightArcStraight.right_turn(parameters)
         self._controller = VelocityController(parameters)
         self._cruise_speed = 0.0
@@ -117,19 +117,19 @@ class SpeedLogic:
         self._commanded_angle = 0.0
 
     def take_cruise_speed(self, speed: float) -> None:
-        """Keep the speed that the operator allows, m/s; negative ones are standstill."""
+        """Keeps the speed that the operator allows, m/s; negative ones are standstill."""
         self._cruise_speed = max(speed, 0.0)
 
     def take_measured_angle(self, angle: float) -> None:
-        """Keep the tyre angle that the vehicle reports, rad."""
+        """Keeps the tyre angle that the vehicle reports, rad."""
         self._measured_angle = angle
 
     def take_commanded_angle(self, angle: float) -> None:
-        """Keep the tyre angle that the steering asks for, rad."""
+        """Keeps the tyre angle that the steering asks for, rad."""
         self._commanded_angle = angle
 
     def command(self, x: float, y: float) -> float:
-        """Return the speed to ask for (m/s) at a position of the rear axle (m)."""
+        """Returns the speed to ask for (m/s) at a position of the rear axle (m)."""
         comfortable = self._controller.command(
             self._measured_angle, self._commanded_angle, self._path.remaining(x, y)
         )

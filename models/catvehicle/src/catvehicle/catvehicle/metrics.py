@@ -57,7 +57,7 @@ class LogWriter:
     """Writes samples to a CSV file as they come; use it in a `with` statement."""
 
     def __init__(self, path: Path) -> None:
-        """Open the file anew and write the header.
+        """Opens the file anew and writes the header.
 
         Raises:
             OSError: The file cannot be written.
@@ -76,7 +76,7 @@ class LogWriter:
         self._file.close()
 
     def __enter__(self) -> LogWriter:
-        """Return the writer itself."""
+        """Returns the writer itself."""
         return self
 
     def __exit__(
@@ -85,12 +85,12 @@ class LogWriter:
         exception: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
-        """Close the file, whatever happened."""
+        """Closes the file, whatever happened."""
         self.close()
 
 
 def write_log(path: Path, samples: Iterable[Sample]) -> None:
-    """Write a whole log.
+    """Writes a whole log.
 
     Raises:
         OSError: The file cannot be written.
@@ -101,7 +101,7 @@ def write_log(path: Path, samples: Iterable[Sample]) -> None:
 
 
 def read_log(path: Path) -> list[Sample]:
-    """Read a log.
+    """Reads a log.
 
     Raises:
         OSError: The file cannot be read.
@@ -134,7 +134,7 @@ class PathError:
 
 
 def path_error(samples: Sequence[Sample], path: StraightArcStraight) -> PathError:
-    """Return the cross-track error of the rear axle over a run; samples weigh equally.
+    """Returns the cross-track error of the rear axle over a run; samples weigh equally.
 
     Raises:
         ValueError: There are no samples.
@@ -160,7 +160,7 @@ class Comfort:
 
 
 def comfort(samples: Sequence[Sample], parameters: VehicleParameters) -> Comfort:
-    """Judge a run against the safe region of `parameters`.
+    """Judges a run against the safe region of `parameters`.
 
     Raises:
         ValueError: There are no samples.
@@ -175,12 +175,12 @@ def comfort(samples: Sequence[Sample], parameters: VehicleParameters) -> Comfort
 
 
 def total_variation(values: Iterable[float]) -> float:
-    """Return the sum of the absolute changes of a signal, its activity, in its own unit."""
+    """Returns the sum of the absolute changes of a signal, its activity, in its own unit."""
     return math.fsum(abs(later - earlier) for earlier, later in pairwise(values))
 
 
 def root_mean_square(values: Sequence[float]) -> float:
-    """Return the root mean square of the values, in their unit; 0 for none."""
+    """Returns the root mean square of the values, in their unit; 0 for none."""
     if not values:
         return 0.0
     return math.sqrt(math.fsum(value * value for value in values) / len(values))
@@ -229,7 +229,7 @@ class Gap:
 
 
 def gap(first: Sequence[Sample], second: Sequence[Sample]) -> Gap:
-    """Compare two runs at the times of the first; the second is interpolated to them.
+    """Compares two runs at the times of the first; the second is interpolated to them.
 
     Times that only one run covers are left out.
 
@@ -252,7 +252,7 @@ def gap(first: Sequence[Sample], second: Sequence[Sample]) -> Gap:
 
 
 def position_distance(one: Sample, two: Sample) -> float:
-    """Return the distance between the positions of two samples, m."""
+    """Returns the distance between the positions of two samples, m."""
     return math.hypot(one.x - two.x, one.y - two.y)
 
 
@@ -262,7 +262,7 @@ def closeness(
     tau: float,
     distance: Callable[[Sample, Sample], float] = position_distance,
 ) -> float:
-    """Return the smallest eps for which the runs are (tau, eps)-close.
+    """Returns the smallest eps for which the runs are (tau, eps)-close.
 
     Every sample of each run then has a sample of the other within `tau` seconds in time and eps in
     value, both
@@ -297,7 +297,7 @@ def _one_sided(
 
 
 def aligned(first: Sequence[Sample], second: Sequence[Sample]) -> list[tuple[Sample, Sample]]:
-    """Return the samples of one run with those of another, interpolated to the same times.
+    """Returns the samples of one run with those of another, interpolated to the same times.
 
     Times that only one run covers are left out.
 
@@ -335,7 +335,7 @@ class Table:
         self._numeric = [True] * len(headings)
 
     def add(self, *cells: str | float) -> None:
-        """Add a row; an int or float is shown with four significant digits at most.
+        """Adds a row; an int or float is shown with four significant digits at most.
 
         Raises:
             ValueError: The number of cells is not the number of columns.
@@ -347,7 +347,7 @@ class Table:
             self._numeric[column] = self._numeric[column] and not isinstance(cell, str)
 
     def render(self) -> str:
-        """Return the table, one line per row, without trailing blanks or a final newline."""
+        """Returns the table, one line per row, without trailing blanks or a final newline."""
         widths = [max(map(len, column)) for column in zip(*self._rows, strict=True)]
         heading, *rows = [self._line(row, widths) for row in self._rows]
         return "\n".join([heading, "  ".join("-" * width for width in widths), *rows])

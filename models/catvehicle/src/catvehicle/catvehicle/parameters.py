@@ -207,7 +207,7 @@ class VehicleParameters:
     )
 
     def __post_init__(self) -> None:
-        """Refuse values with which the equations have no meaning."""
+        """Refuses values with which the equations have no meaning."""
         for entry in fields(self):
             value = getattr(self, entry.name)
             if not _acceptable(entry.name, value):
@@ -216,7 +216,7 @@ class VehicleParameters:
                 )
 
     def describe(self) -> tuple[ParameterRow, ...]:
-        """Return a row (name, value, unit, source, meaning) per parameter, as declared."""
+        """Returns a row (name, value, unit, source, meaning) per parameter, as declared."""
         rows = []
         for entry in fields(self):
             value = getattr(self, entry.name)

@@ -22,7 +22,7 @@ class Pose:
     psi: float = 0.0
 
     def ahead(self, distance: float) -> Pose:
-        """Return the pose `distance` metres ahead; one wheelbase ahead lies the front axle."""
+        """Returns the pose `distance` metres ahead; one wheelbase ahead lies the front axle."""
         return Pose(
             self.x + distance * math.cos(self.psi), self.y + distance * math.sin(self.psi), self.psi
         )
@@ -46,7 +46,7 @@ class PathPoint:
 
 
 def wrap_angle(angle: float) -> float:
-    """Return the angle (rad) within [-pi, pi]."""
+    """Returns the angle (rad) within [-pi, pi]."""
     return math.remainder(angle, math.tau)
 
 
@@ -74,7 +74,7 @@ class _Arc:
     turn: float
 
     def at(self, run: float) -> Pose:
-        """Return the pose `run` metres along the arc."""
+        """Returns the pose `run` metres along the arc."""
         side = math.copysign(1.0, self.turn)
         psi = self.start.psi + side * run / self.radius
         return Pose(
@@ -143,7 +143,7 @@ class StraightArcStraight:
 
     @classmethod
     def right_turn(cls, parameters: VehicleParameters) -> StraightArcStraight:
-        """Return the path of the scenario: heading 0, a right turn, heading -90 degrees."""
+        """Returns the path of the scenario: heading 0, a right turn, heading -90 degrees."""
         straight = parameters.straight_length
         return cls(straight, parameters.turn_radius, -math.pi / 2, straight)
 
@@ -153,7 +153,7 @@ class StraightArcStraight:
         return self._last.first_station + self.departure
 
     def at(self, station: float) -> Pose:
-        """Return point (m) and heading (rad) of the path `station` metres from its start."""
+        """Returns point (m) and heading (rad) of the path `station` metres from its start."""
         if station < self._arc.first_station:
             return self._first.start.ahead(station)
         if station < self._last.first_station:
@@ -161,7 +161,7 @@ class StraightArcStraight:
         return self._last.start.ahead(station - self._last.first_station)
 
     def nearest(self, x: float, y: float) -> PathPoint:
-        """Return the path point nearest to the position (m).
+        """Returns the path point nearest to the position (m).
 
         The straights go on beyond the path's ends, so that behind the end the cross-track error is
         still the distance across the path and the station still grows.
@@ -174,14 +174,14 @@ class StraightArcStraight:
         return min(candidates, key=lambda point: abs(point.cross_track_error))
 
     def cross_track_error(self, x: float, y: float) -> float:
-        """Return the signed distance (m) from path to position; positive left of the path."""
+        """Returns the signed distance (m) from path to position; positive left of the path."""
         return self.nearest(x, y).cross_track_error
 
     def remaining(self, x: float, y: float) -> float:
-        """Return the length (m) from the nearest path point to the end; negative behind it."""
+        """Returns the length (m) from the nearest path point to the end; negative behind it."""
         return self.length - self.nearest(x, y).station
 
     def points(self, spacing: float) -> list[Pose]:
-        """Return poses from start to end, equally spaced by `spacing` metres at most."""
+        """Returns poses from start to end, equally spaced by `spacing` metres at most."""
         count = max(1, math.ceil(self.length / spacing))
         return [self.at(self.length * index / count) for index in range(count + 1)]

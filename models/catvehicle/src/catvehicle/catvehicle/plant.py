@@ -55,7 +55,7 @@ class BicyclePlant:
     """
 
     def __init__(self, parameters: VehicleParameters, state: VehicleState | None = None) -> None:
-        """Start at `state`, by default at rest in the origin, commanded to keep still."""
+        """Starts at `state`, by default at rest in the origin, commanded to keep still."""
         self._parameters = parameters
         self._state = state or VehicleState()
         self._speed_command = 0.0
@@ -82,7 +82,7 @@ class BicyclePlant:
         return self._yaw_rate(self._state.v, self._state.delta)
 
     def command(self, speed: float, steering_angle: float) -> None:
-        """Ask for a speed (m/s) and a tyre angle (rad, negative right); both are saturated.
+        """Asks for a speed (m/s) and a tyre angle (rad, negative right); both are saturated.
 
         Raises:
             ValueError: A value is not finite; the earlier command holds.
@@ -130,7 +130,7 @@ class BicyclePlant:
         return moved(start, rate, dt)
 
     def _derivative(self, state: VehicleState) -> VehicleState:
-        """Return the rate of every state (per second), in the same order."""
+        """Returns the rate of every state (per second), in the same order."""
         parameters = self._parameters
         speed_gap = self._speed_command - state.v
         speed_lag = parameters.speed_lag_up if speed_gap > 0.0 else parameters.speed_lag_down
@@ -152,7 +152,7 @@ class BicyclePlant:
 
 
 def moved(state: VehicleState, rate: VehicleState, dt: float) -> VehicleState:
-    """Return the state after `dt` seconds of a rate of change (per second)."""
+    """Returns the state after `dt` seconds of a rate of change (per second)."""
     return VehicleState(
         state.x + rate.x * dt,
         state.y + rate.y * dt,

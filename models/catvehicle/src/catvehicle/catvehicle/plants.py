@@ -27,7 +27,7 @@ is, and a dynamic bicycle whose tyres slip."""
 
 
 def plant_of(name: str, parameters: VehicleParameters) -> BicyclePlant:
-    """Return a plant at rest in the origin.
+    """Returns a plant at rest in the origin.
 
     Raises:
         ValueError: No plant has the name.
@@ -42,7 +42,7 @@ def plant_of(name: str, parameters: VehicleParameters) -> BicyclePlant:
 
 
 def plant_from_environment(parameters: VehicleParameters) -> BicyclePlant:
-    """Return the plant that the environment names.
+    """Returns the plant that the environment names.
 
     Raises:
         ValueError: It names none.
@@ -51,7 +51,7 @@ def plant_from_environment(parameters: VehicleParameters) -> BicyclePlant:
 
 
 def delay_from_environment() -> float:
-    """Return the seconds that a command waits.
+    """Returns the seconds that a command waits.
 
     Raises:
         ValueError: The environment says no such number.

@@ -36,7 +36,7 @@ off a drive ends is for the path error to judge."""
 
 
 def is_at_goal(path: StraightArcStraight, x: float, y: float) -> bool:
-    """Return whether a position (m, ROS axes) is at the end of a path."""
+    """Returns whether a position (m, ROS axes) is at the end of a path."""
     nearest = path.nearest(x, y)
     return abs(path.length - nearest.station) < SHORT and abs(nearest.cross_track_error) < ASIDE
 
@@ -48,7 +48,7 @@ class Progress:
     """
 
     def __init__(self, path: StraightArcStraight) -> None:
-        """Begin before the first report.
+        """Begins before the first report.
 
         Args:
             path: Its end is the goal.
@@ -61,11 +61,11 @@ class Progress:
         self._moved = self._arrived = self._is_stuck = False
 
     def take_estimate(self, x: float, y: float) -> None:
-        """Keep the position that the controller has integrated."""
+        """Keeps the position that the controller has integrated."""
         self._estimate = x, y
 
     def take_position(self, x: float, y: float, sensed: float) -> list[str]:
-        """Take a report; return the lines that are to be said.
+        """Takes a report; returns the lines that are to be said.
 
         Args:
             x: True position forward, m.
@@ -87,7 +87,7 @@ class Progress:
         return lines
 
     def _standing(self, x: float, y: float, seconds: float) -> list[str]:
-        """Return what is to be said of a vehicle that has been at a place for some seconds."""
+        """Returns what is to be said of a vehicle that has been at a place for some seconds."""
         if seconds >= REST and is_at_goal(self._path, x, -y):
             self._arrived = True
             return [f"arrived at x {x:.2f} m, y {y:.2f} m"]

@@ -33,7 +33,7 @@ class RealTimePlant:
         plant: BicyclePlant | None = None,
         record: Callable[[Sample], None] | None = None,
     ) -> None:
-        """Start now.
+        """Starts now.
 
         Args:
             parameters: The dead-man time is used, and the rest for the default plant.
@@ -51,7 +51,7 @@ class RealTimePlant:
         self._recorded = 0
 
     def state(self) -> VehicleState:
-        """Return the state now."""
+        """Returns the state now."""
         now = self._clock()
         if self._deadline <= now:
             self._advance_to(max(self._deadline, self._time))
@@ -71,18 +71,18 @@ class RealTimePlant:
         return self._plant.yaw_rate
 
     def command_speed(self, speed: float) -> None:
-        """Ask for a speed, m/s; it holds for the dead-man time."""
+        """Asks for a speed, m/s; it holds for the dead-man time."""
         self.state()
         self._plant.command(speed, self._plant.steering_command)
         self._deadline = self._time + self._parameters.deadman_timeout
 
     def command_steering(self, angle: float) -> None:
-        """Ask for a tyre angle, rad; negative is right."""
+        """Asks for a tyre angle, rad; negative is right."""
         self.state()
         self._plant.command(self._plant.speed_command, angle)
 
     def stop(self) -> None:
-        """Ask for standstill."""
+        """Asks for standstill."""
         self.state()
         self._plant.command(0.0, self._plant.steering_command)
         self._deadline = math.inf
@@ -93,7 +93,7 @@ class RealTimePlant:
         self._plant.place(pose)
 
     def sample(self) -> Sample:
-        """Return the present state as a row of a log; time counts from the start."""
+        """Returns the present state as a row of a log; time counts from the start."""
         self.state()
         return self._sample(self._time - self._start)
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 def hoffmann_angle(
     pose: Pose, speed: float, path: StraightArcStraight, parameters: VehicleParameters
 ) -> float:
-    """Return the tyre angle (rad) that leads the front axle back to the path.
+    """Returns the tyre angle (rad) that leads the front axle back to the path.
 
     delta = (psi_path - psi) - atan2(k e, v), where e is the cross-track error of the front axle,
     positive left of the path. Law: G. Hoffmann et al., "Autonomous Automobile Trajectory Tracking
@@ -57,5 +57,5 @@ class SteeringController:
     path: StraightArcStraight
 
     def command(self, pose: Pose, speed: float) -> float:
-        """Return the tyre angle (rad) for a pose of the rear axle (m, rad) and a speed (m/s)."""
+        """Returns the tyre angle (rad) for a pose of the rear axle (m, rad) and a speed (m/s)."""
         return hoffmann_angle(pose, speed, self.path, self.parameters)

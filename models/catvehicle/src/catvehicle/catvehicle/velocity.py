@@ -14,12 +14,12 @@ if TYPE_CHECKING:
 
 
 def lateral_acceleration(speed: float, steering_angle: float, wheelbase: float) -> float:
-    """Return v^2 |tan delta| / L, the size of the lateral acceleration (m/s^2) at the rear axle."""
+    """Returns v^2 |tan delta| / L, the size of the lateral acceleration (m/s^2) at the rear axle."""
     return speed * speed * abs(math.tan(steering_angle)) / wheelbase
 
 
 def safe_speed(steering_angle: float, parameters: VehicleParameters) -> float:
-    """Return the speed (m/s) at which the tyre angle (rad) meets the lateral acceleration limit.
+    """Returns the speed (m/s) at which the tyre angle (rad) meets the lateral acceleration limit.
 
     v_safe = sqrt(a_max L / |tan delta|); infinite with straight tyres.
     """
@@ -40,7 +40,7 @@ class VelocityController:
     parameters: VehicleParameters
 
     def command(self, measured_angle: float, commanded_angle: float, remaining: float) -> float:
-        """Return the speed to ask for, m/s.
+        """Returns the speed to ask for, m/s.
 
         Args:
             measured_angle: Tyre angle reported by the vehicle, rad.
