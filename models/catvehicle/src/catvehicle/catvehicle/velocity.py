@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def lateral_acceleration(speed: float, steering_angle: float, wheelbase: float) -> float:
-    """Returns v^2 |tan delta| / L, the size of the lateral acceleration (m/s^2) at the rear axle."""
+    """Returns v^2 |tan delta| / L, the lateral acceleration (m/s^2) at the rear axle, unsigned."""
     return speed * speed * abs(math.tan(steering_angle)) / wheelbase
 
 
