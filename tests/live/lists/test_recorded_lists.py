@@ -61,6 +61,8 @@ def explanation(recorded, counter):
 
 
 def test_a_goal_that_is_refused_and_one_that_is_aborted(system, operator, recorder, listener):
+    # What was dropped is seen by what the counts were before.
+    wait_for(lambda: list(listener), "diagnostics", PATIENCE)
     order(system, "refuse")
     wait_for(lambda: facts(system, "refuse"), "refusal", PATIENCE)
     operator.give(1, 2)
