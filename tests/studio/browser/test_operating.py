@@ -6,6 +6,7 @@ import signal
 import struct
 import sys
 import zlib
+from contextlib import contextmanager
 
 import pytest
 from appearance import broken, misplaced
@@ -174,29 +175,39 @@ def test_a_hidden_page_lets_the_stick_go(operator, vehicle):
     until(lambda: stopped(vehicle))
 
 
-def test_a_page_that_stands_still_is_stopped(operator, vehicle):
-    """Its thread does nothing for longer than its leases: the server sends what it cannot."""
+def test_a_page_that_stands_still_is_stopped(operator, vehicle, chromium):
+    """It does nothing for longer than its leases: the server sends what it cannot."""
     hold(operator)
     until(lambda: driving(vehicle))
-    stand_still(operator, 2000 * LEASE)
-    assert stopped(vehicle)
-    until(lambda: vehicle.status == "STANDBY")
+    with halted_tabs(chromium):
+        until(lambda: stopped(vehicle))
+        until(lambda: vehicle.status == "STANDBY")
 
 
 def test_a_tab_that_is_killed_stops_and_releases(operator, vehicle, chromium):
     hold(operator)
     until(lambda: driving(vehicle))
-    kill_tabs(chromium)
+    signal_tabs(chromium, signal.SIGKILL)
     until(lambda: stopped(vehicle))
     until(lambda: vehicle.status == "STANDBY" and vehicle.controller is None)
 
 
-def kill_tabs(browser):
-    """Ends the processes of all tabs of a browser: nothing of a page runs any more."""
+def signal_tabs(browser, number):
+    """Sends a signal to the processes of all tabs of a browser: nothing of a page is left out."""
     told = browser.new_browser_cdp_session().send("SystemInfo.getProcessInfo")["processInfo"]
     for process in told:
         if process["type"] == "renderer":
-            os.kill(process["id"], signal.SIGKILL)
+            os.kill(process["id"], number)
+
+
+@contextmanager
+def halted_tabs(browser):
+    """Halts all pages of a browser meanwhile."""
+    signal_tabs(browser, signal.SIGSTOP)
+    try:
+        yield
+    finally:
+        signal_tabs(browser, signal.SIGCONT)
 
 
 @pytest.mark.slow
@@ -294,11 +305,11 @@ def test_a_plan_shows_where_it_is(operator, vehicle):
 
 
 @pytest.mark.slow
-def test_an_alarm_stands_until_a_reason_is_said(operator, vehicle):
+def test_an_alarm_stands_until_a_reason_is_said(operator, vehicle, chromium):
     hold(operator)
     until(lambda: driving(vehicle))
-    stand_still(operator, 1500)
-    until(lambda: stopped(vehicle))
+    with halted_tabs(chromium):
+        until(lambda: stopped(vehicle))
     text = "stopped: the page said nothing for 1 s"
     alarm = (
         operator.get_by_role("region", name="Alarms").get_by_role("listitem").filter(has_text=text)
@@ -308,13 +319,6 @@ def test_an_alarm_stands_until_a_reason_is_said(operator, vehicle):
     alarm.get_by_role("button", name="Silence").click()
     expect(alarm).to_have_count(0)
     expect(operator.get_by_role("region", name="Journal")).to_contain_text("because 'a test'")
-
-
-def stand_still(page, milliseconds):
-    """Has the thread of a page do nothing else."""
-    page.evaluate(
-        "time => { const end = Date.now() + time; while (Date.now() < end); }", milliseconds
-    )
 
 
 @pytest.mark.slow
