@@ -40,8 +40,10 @@ def proved(path: Path, names: Sequence[str] = ()) -> list[MapResult]:
     return results
 
 
-def test_the_maps_of_the_example():
-    proved(EXAMPLE)
+# An angle to an orientation and back; the other maps are of one number, or beside such.
+@pytest.mark.parametrize("name", ["local_pose", "dead_reckoning"])
+def test_maps_of_the_example(name):
+    proved(EXAMPLE, [name])
 
 
 # Numbers that others change, and one direction alone; lists, variants, joins and quantities are
