@@ -2,8 +2,8 @@
 # takproto 3.0.1: an event of Cursor on Target that becomes TAK protocol loses what has no field.
 #
 # A message of the protocol has fields for some elements below `detail` (contact, __group, status,
-# track, ...). An element that has more than these fields is to stay XML, in `xmlDetail`, as any
-# other element does. `xml2proto` takes the fields and drops the rest, without a word:
+# track, ...), and `xmlDetail` for whatever else stands there. Of an element that has more than its
+# fields, `xml2proto` takes the fields and drops the rest, without a word:
 # - the phone of a contact, the slope of a track, whether somebody is ready, the role of a team;
 # - elements within such an element;
 # - a status without a battery disappears as a whole.
