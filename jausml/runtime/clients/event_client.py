@@ -74,7 +74,13 @@ class EventClient:
             self._by_request[provider, self._free_request(provider, stream)] = stream
             self._streams[provider, payload] = stream
         subscription = EventSubscription(
-            stream, on_report, rate, silence_timeout, on_silence, takes_payloads=payloads
+            stream,
+            report_class,
+            on_report,
+            rate,
+            silence_timeout,
+            on_silence,
+            takes_payloads=payloads,
         )
 
         def ask(timeout: float) -> None:
@@ -89,7 +95,7 @@ class EventClient:
             )
 
         subscription.ask = ask
-        stream.join(subscription, report_class)
+        stream.join(subscription)
         return subscription
 
     def stop(self) -> None:
