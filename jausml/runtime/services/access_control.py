@@ -123,8 +123,10 @@ class AccessControlService:
         component.handle(ReleaseControl, self._release)
         component.handle(SetAuthority, self._set_authority, when=Guard.CONTROLLED)
         component.provide(QueryControl, ReportControl, self._report_control)
-        component.provide(QueryAuthority, ReportAuthority, self._report_authority)
-        component.provide(QueryTimeout, ReportTimeout, self._report_timeout)
+        component.provide(
+            QueryAuthority, ReportAuthority, lambda *_: ReportAuthority(self.authority)
+        )
+        component.provide(QueryTimeout, ReportTimeout, lambda *_: ReportTimeout(self._timeout))
 
     @property
     def available(self) -> bool:
@@ -253,21 +255,8 @@ class AccessControlService:
     def _report_control(self, _query: Message, _sender: JausAddress) -> ReportControl:
         client = self.controller
         if client is None:
-            return ReportControl(
-                subsystem_id=0, node_id=0, component_id=0, authority_code=self.authority
-            )
-        return ReportControl(
-            subsystem_id=client.subsystem,
-            node_id=client.node,
-            component_id=client.component,
-            authority_code=self.authority,
-        )
-
-    def _report_authority(self, _query: Message, _sender: JausAddress) -> ReportAuthority:
-        return ReportAuthority(authority_code=self.authority)
-
-    def _report_timeout(self, _query: Message, _sender: JausAddress) -> ReportTimeout:
-        return ReportTimeout(timeout=self._timeout)
+            return ReportControl(authority_code=self.authority)
+        return ReportControl(client.subsystem, client.node, client.component, self.authority)
 
 
 def _nothing() -> None:

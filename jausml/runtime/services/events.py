@@ -14,6 +14,7 @@ from ..base.loop import Timer
 from ..messages import (
     CancelEvent,
     ConfirmEventRequest,
+    CreateCommandEvent,
     CreateEvent,
     Event,
     QueryEvents,
@@ -112,9 +113,12 @@ class EventsService:
             QueryEvents, ReportEvents, self._report_events, periodic=False, every_change=False
         )
         if self._is_1_1:
-            self._commands.attach()
+            component.handle(CreateCommandEvent, self._commands.create)
             component.provide(
-                QueryEventTimeout, ReportEventTimeout, self._report_timeout, every_change=False
+                QueryEventTimeout,
+                ReportEventTimeout,
+                lambda *_: ReportEventTimeout(timeout=self._timeout),
+                every_change=False,
             )
 
     def report_changed(self, report_class: type[Message]) -> None:
@@ -190,12 +194,12 @@ class EventsService:
             query = provision.query_class.decode(payload)
         except DecodeError as error:
             raise RequestError(RejectCode.INVALID_EVENT_SETUP, f"bad query: {error}") from error
-        rate = self._nearest_rate(message.requested_periodic_rate) if periodic else 0.0
+        settings, rate = self._settings, 0.0
+        if periodic:
+            rate = max(message.requested_periodic_rate, settings.event_rate_min)
+            rate = min(rate, settings.event_rate_max)
         all_of_it = asks_for_all(query, provision.report_class)
         return _Setup(provision, query, payload, periodic, rate, all_of_it)
-
-    def _nearest_rate(self, rate: float) -> float:
-        return min(max(rate, self._settings.event_rate_min), self._settings.event_rate_max)
 
     def _find(self, client: JausAddress, payload: bytes) -> _Event | None:
         for event in self._events.values():
@@ -430,11 +434,6 @@ class EventsService:
                 if _selects(query, event)
             ]
         )
-
-    def _report_timeout(
-        self, _query: QueryEventTimeout, _sender: JausAddress
-    ) -> ReportEventTimeout:
-        return ReportEventTimeout(timeout=self._timeout)
 
 
 def _selects(query: QueryEvents, event: _Event) -> bool:
