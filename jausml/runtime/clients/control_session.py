@@ -123,11 +123,9 @@ class ControlClient:
             control.stop()
 
     def _forget(self, control: ControlledTarget) -> None:
-        """Drops a control without sessions."""
         self._controls.pop(control.target, None)
 
     def _of(self, target: JausAddress) -> tuple[ControlledTarget, ...]:
-        """Returns the control of a target, or none."""
         control = self._controls.get(target)
         return () if control is None else (control,)
 

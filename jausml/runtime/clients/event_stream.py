@@ -263,7 +263,6 @@ class EventStream:
             self._timer.set(self._settings.refused_retry, self._create)
 
     def _take_answer(self) -> None:
-        """Lets the answer to CreateEvent end its repetition."""
         start = _CREATE + bytes([self.request_id])
         self.component.transport.answered(self.component.address, self.provider, start)
 

@@ -87,8 +87,6 @@ NO_COMMANDS = frozenset(
 
 @dataclass(slots=True, eq=False)
 class _Command:
-    """One command of one client, under way."""
-
     event_id: int
     client: JausAddress
     message: Message

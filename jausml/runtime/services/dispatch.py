@@ -56,7 +56,6 @@ class Handler:
 
 
 def _name_of(function: Callable[..., Any]) -> str:
-    """Returns the name of a function for the log."""
     while isinstance(function, partial):
         function = function.func
     return str(getattr(function, "__qualname__", repr(function)))

@@ -44,8 +44,6 @@ UNKNOWN_EVENT = RejectCode.ERROR_INVALID_EVENT_ID_FOR_UPDATE_EVENT_REQUEST
 
 @dataclass(frozen=True, slots=True)
 class _Setup:
-    """What a client asks for."""
-
     provision: Provision[Any, Any]
     query: Message
     payload: bytes
@@ -56,8 +54,6 @@ class _Setup:
 
 @dataclass(slots=True, eq=False)
 class _Event:
-    """One event of one client."""
-
     event_id: int
     client: JausAddress
     request_id: int
@@ -402,7 +398,6 @@ class EventsService:
         self._end(event)
 
     def _end(self, event: _Event) -> None:
-        """Ends an event and tells its client."""
         self._remove(event)
         self._confirm(event.client, event.request_id, event.event_id)
 

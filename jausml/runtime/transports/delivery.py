@@ -99,8 +99,6 @@ def _is_before(number: int, other: int) -> bool:
 
 
 class _Latest(NamedTuple):
-    """The latest message of a source."""
-
     number: int
     at: float
     origin: object

@@ -209,7 +209,6 @@ class Shaping:
 
     @property
     def _due(self) -> float:
-        """When the next message may pass."""
         return self._passed + self._shape.interval
 
     def _arrange(self) -> None:

@@ -209,7 +209,6 @@ class ToTopics(Connection[SourceT, TargetT]):
         return True
 
     def _note_refused(self, error: Exception) -> None:
-        """Counts a message that ROS does not publish."""
         self.drop(NOT_PUBLISHED, repr(error), error)
 
     def losses(self) -> dict[str, int]:
@@ -227,7 +226,6 @@ class ToTopics(Connection[SourceT, TargetT]):
         return [*self._peers.describe(), *named]
 
     def _state_of(self, peer: JausAddress) -> str:  # noqa: ARG002
-        """How it stands with a peer, for diagnostics."""
         return "source"
 
 
