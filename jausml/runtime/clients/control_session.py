@@ -131,7 +131,7 @@ class ControlClient:
 
     def _released(self, target: JausAddress) -> None:
         for control in self._of(target):
-            control.released()
+            control.returned()
 
     def _confirmed(self, message: ConfirmControl, sender: JausAddress) -> None:
         for control in self._of(sender):

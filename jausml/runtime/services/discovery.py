@@ -100,9 +100,7 @@ def _nodes(addresses: Iterable[JausAddress], catalog: Catalog) -> list[ReportSer
         ReportServices.NodeSeq(
             node_rec=ReportServices.NodeRec(node_id=node),
             component_list=[
-                ReportServices.ComponentSeq(
-                    component_rec=component_record(address), service_list=_records(catalog[address])
-                )
+                ReportServices.ComponentSeq(component_record(address), _records(catalog[address]))
                 for address in members
             ],
         )

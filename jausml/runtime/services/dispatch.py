@@ -16,7 +16,6 @@ from .definitions import Guard
 
 _MOST_DROPS = 1024
 LONGEST_CALL = 0.5  # seconds after which the log tells that user code blocks
-M = TypeVar("M", bound=Message)
 Q = TypeVar("Q", bound=Message)
 R = TypeVar("R", bound=Message)
 Action = Callable[[Any, "JausAddress"], object]  # takes a decoded message and its sender

@@ -10,7 +10,6 @@ from typing import Any, TypeVar
 from ..base.address import JausAddress
 from ..base.budgets import Held, fair_rates, who_gives_way
 from ..base.clocks import Alarm, Timing
-from ..base.loop import Timer
 from ..messages import (
     CancelEvent,
     ConfirmEventRequest,
@@ -59,12 +58,12 @@ class _Event:
     request_id: int
     setup: _Setup
     send: Callable[[bytes], None]
+    timer: Alarm
+    expiry: Alarm
     rate: float = 0.0
     sequence: int = 0
     last_report: bytes | None = None
     due: float = 0.0
-    timer: Timer | None = None
-    expiry: Timer | None = None
 
 
 _EVENT = struct.Struct("<HBBI")
@@ -211,7 +210,8 @@ class EventsService:
 
     def _add(self, client: JausAddress, request_id: int, setup: _Setup) -> _Event:
         send = self._component.transport.sender(self._component.address, client)
-        event = _Event(self._ids.take(client), client, request_id, setup, send)
+        timers = Alarm(self._clock), Alarm(self._loop)
+        event = _Event(self._ids.take(client), client, request_id, setup, send, *timers)
         self._events[event.event_id] = event
         # Reports to a forged address hurt whoever is there.
         if not self._component.transport.is_proved(client):
@@ -221,15 +221,17 @@ class EventsService:
     def _apply(self, event: _Event, setup: _Setup, *, report: bool) -> None:
         """Confirms the request, then reports and (re)starts the timers."""
         # A renewal keeps the rhythm that it has.
-        rephase = event.timer is None or setup != event.setup
+        rephase = not event.timer.is_set or setup != event.setup
         event.setup = setup
         event.rate = self._first_rate(event)
         self._index()
-        self._restart_expiry(event)
+        if self._timeout:
+            # The timeout of Events is in minutes (AS5710).
+            event.expiry.set(60.0 * self._timeout, lambda: self._expire(event))
         # Before the first report, whose id the client must know.
         self._confirm(event.client, event.request_id, event.event_id, setup.rate)
         if rephase:
-            self._stop_timer(event)
+            event.timer.cancel()
             if setup.periodic:
                 event.due = self._clock.now()
                 self._schedule(event)
@@ -239,9 +241,8 @@ class EventsService:
     def _remove(self, event: _Event) -> None:
         del self._events[event.event_id]
         self._ids.give_back(event.event_id)
-        self._stop_timer(event)
-        if event.expiry is not None:
-            event.expiry.cancel()
+        event.timer.cancel()
+        event.expiry.cancel()
         self._index()
 
     def _index(self) -> None:
@@ -288,7 +289,6 @@ class EventsService:
         for event in self._events.values():
             if event.client == client and event.setup.periodic:
                 event.rate = self._first_rate(event)
-                self._stop_timer(event)
                 event.due = self._clock.now()
                 self._schedule(event)
         self._plan_shares()
@@ -337,7 +337,7 @@ class EventsService:
         """Sets the timer one period on; periods that were missed are skipped, not made up for."""
         period = 1.0 / event.rate
         event.due = max(event.due + period, self._clock.now())
-        event.timer = self._clock.call_at(event.due, lambda: self._tick(event))
+        event.timer.set_at(event.due, lambda: self._tick(event))
 
     def _tick(self, event: _Event) -> None:
         # The next one first: the provider is user code, and may end the event.
@@ -385,14 +385,6 @@ class EventsService:
 
     # ---- expiry -----------------------------------------------------------------------------
 
-    def _restart_expiry(self, event: _Event) -> None:
-        if event.expiry is not None:
-            event.expiry.cancel()
-        if self._timeout:
-            # The timeout of Events is in minutes (AS5710).
-            delay = 60.0 * self._timeout
-            event.expiry = self._loop.call_later(delay, lambda: self._expire(event))
-
     def _expire(self, event: _Event) -> None:
         self._component.counters.add("events.expired")
         self._end(event)
@@ -400,12 +392,6 @@ class EventsService:
     def _end(self, event: _Event) -> None:
         self._remove(event)
         self._confirm(event.client, event.request_id, event.event_id)
-
-    @staticmethod
-    def _stop_timer(event: _Event) -> None:
-        if event.timer is not None:
-            event.timer.cancel()
-            event.timer = None
 
     # ---- answers ----------------------------------------------------------------------------
 

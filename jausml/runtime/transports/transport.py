@@ -59,7 +59,7 @@ class Transport(ABC):
         """Returns who else was heard with the address of a component, None when nobody was."""
         with self.loop.lock:
             messenger = self._messenger_of(address)
-            return None if messenger is None else messenger.inbox.double_of(address)
+            return None if messenger is None else messenger.inbox.doubles.get(address)
 
     def traffic(self, address: JausAddress) -> list[PeerTraffic]:
         """Returns what a component has exchanged with each other one, in packets."""
@@ -188,9 +188,10 @@ class Transport(ABC):
     def _attach(self, address: JausAddress, take: Take) -> None:
         """Attaches a component; see ``attach``, which holds the lock."""
 
-    @abstractmethod
     def _detach(self, address: JausAddress) -> None:
-        """Detaches a component; see ``detach``, which holds the lock."""
+        messenger = self._messenger_of(address)
+        if messenger is not None:
+            messenger.inbox.detach(address)
 
     @abstractmethod
     def _messenger_of(self, source: JausAddress) -> Messenger[Any] | None:

@@ -390,7 +390,7 @@ def test_latency_of_messages_with_a_time_stamp(world, setting):
 def test_percentiles_are_of_the_latest_messages():
     latency = Latency(lambda _data, _origin: None, time.perf_counter)
     for number in range(3 * WINDOW):
-        latency._handling.append(number * 1000)
+        latency._handling.append(number / 1e6)
     assert latency.describe() == [
         ("in the bridge p50 (us)", f"{2 * WINDOW + (WINDOW - 1) // 2}.0"),
         ("in the bridge p99 (us)", f"{2 * WINDOW + (WINDOW - 1) * 99 // 100}.0"),

@@ -173,7 +173,7 @@ def test_age_by_a_stamp_goes_before_that_of_the_publication():
 
 def test_age_of_jaus_messages():
     ros = Ros()
-    age = jaus_age(SetTime, ros)
+    age = jaus_age(SetTime, ros.now)
     now = ros.now()
     sent = time_to_timestamp(Time(now.sec - 3, 500_000_000))
     stamped = SetTime(
@@ -188,7 +188,9 @@ def test_age_of_jaus_messages():
     assert age(stamped.encode(), PEER) == 2.5
     assert age(SetTime().encode(), PEER) is None
     assert age(b"", PEER) is None
-    assert jaus_age(ReportEventTimeout, ros)(ReportEventTimeout(timeout=1).encode(), PEER) is None
+    assert (
+        jaus_age(ReportEventTimeout, ros.now)(ReportEventTimeout(timeout=1).encode(), PEER) is None
+    )
 
 
 def test_what_waits_longer_than_it_may_is_too_old(world, setting):

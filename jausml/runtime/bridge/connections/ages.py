@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Callable, Mapping
-from typing import Any, TypeAlias
+from typing import Any
 
 from ...base.loop import Timer
 from ...base.standstill import Watch
@@ -14,13 +14,9 @@ from ..ends.ends import Ends
 from ..ends.ros_side import RosSide
 from ..light_message import is_light
 from ..messages import cdr
-from ..reports.diagnostics import TOO_OLD, Statistics
+from ..reports.diagnostics import TOO_OLD, Age, Statistics
 
 Drop = Callable[[str, str], None]
-
-
-Age: TypeAlias = Callable[[bytes, Any], "float | None"]
-"""Returns the seconds since a message with its origin was made; None when nothing tells them."""
 
 _STAMPS = {cdr.LITTLE: struct.Struct("<iI"), cdr.BIG: struct.Struct(">iI")}
 _STAMPED = {("header", "std_msgs/Header"), ("stamp", "builtin_interfaces/Time")}
@@ -45,15 +41,15 @@ def ros_age(ros_type: type[Any], ros: RosSide, wall: Callable[[], int]) -> Age:
     return age
 
 
-def jaus_age(message_type: type[Message], ros: RosSide) -> Age:
-    """Returns what tells the age of a JAUS message by its TimeStamp and the ROS clock."""
+def jaus_age(message_type: type[Message], clock: Callable[[], Time]) -> Age:
+    """Returns what tells the age of a JAUS message by its TimeStamp and a clock."""
 
     def age(data: bytes, _origin: object) -> float | None:
         try:
             stamp = getattr(message_type.decode(data), "time_stamp", None)
             if stamp is None:
                 return None
-            now = ros.now()
+            now = clock()
             sent = timestamp_to_time(stamp, near=now)
         except (DecodeError, ConversionError):
             return None  # whoever translates the message says what is wrong with it

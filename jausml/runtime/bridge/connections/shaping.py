@@ -13,8 +13,7 @@ from typing import Any, NamedTuple
 from ...base.clocks import Alarm
 from ..ends import parameters
 from ..ends.ends import Ends
-from ..reports.diagnostics import TOO_OLD, Statistics
-from .ages import Age
+from ..reports.diagnostics import TOO_OLD, Age, Statistics
 
 Take = Callable[[bytes, Any], None]
 Drop = Callable[[str, str], None]
@@ -139,19 +138,13 @@ class Shaping:
         self._skipped, self._is_usable, self._passed = 0, False, -math.inf
         shape, declare = self._shape, ends.ros.parameter
         self._shape = Shape(
-            declare(parameters.MAX_RATE.of(shape.max_rate, name), self._set_max_rate),
-            declare(parameters.DECIMATION.of(shape.decimation, name), self._set_decimation),
-            declare(parameters.AGE_LIMIT.of(shape.age_limit, name), self._set_age_limit),
+            declare(parameters.MAX_RATE.of(shape.max_rate, name), self._setting("max_rate")),
+            declare(parameters.DECIMATION.of(shape.decimation, name), self._setting("decimation")),
+            declare(parameters.AGE_LIMIT.of(shape.age_limit, name), self._setting("age_limit")),
         )
 
-    def _set_max_rate(self, hertz: float) -> None:
-        self._change(replace(self._shape, max_rate=hertz))
-
-    def _set_decimation(self, number: int) -> None:
-        self._change(replace(self._shape, decimation=number))
-
-    def _set_age_limit(self, seconds: float) -> None:
-        self._change(replace(self._shape, age_limit=seconds))
+    def _setting(self, name: str) -> Callable[[Any], None]:
+        return lambda value: self._change(replace(self._shape, **{name: value}))
 
     def _change(self, shape: Shape) -> None:
         with self._ends.loop.lock:
