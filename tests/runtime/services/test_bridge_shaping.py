@@ -14,8 +14,7 @@ from jausml.language.semantics.connections import limits
 from jausml.runtime import Guard, Shape
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.bridge.bridge import Bridge
-from jausml.runtime.bridge.connections.ages import jaus_age, ros_age
-from jausml.runtime.bridge.connections.shaping import Shaping
+from jausml.runtime.bridge.connections.shaping import Shaping, jaus_age, ros_age
 from jausml.runtime.bridge.connections.to_reports import TopicsToReport
 from jausml.runtime.bridge.ends import parameters
 from jausml.runtime.bridge.ends.topics import Qos, Topic

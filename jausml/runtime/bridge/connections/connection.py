@@ -21,9 +21,8 @@ from ..light_message import is_light
 from ..messages.compiled import compiled_of
 from ..reports.diagnostics import Age, Latency
 from ..reports.states import StopReason
-from .ages import Backlog
 from .reporting import Reporting
-from .shaping import Shape, Shaping
+from .shaping import Backlog, Shape, Shaping
 from .translations import (
     Form,
     Joined,

@@ -12,8 +12,8 @@ from ..ends import parameters
 from ..ends.ends import Ends, SharedFeed
 from ..ends.topics import Topic, TopicFault
 from ..reports.diagnostics import FILTERED, LOST_IN_QUEUE, MISSED, TOO_OLD, Age
-from .ages import ros_age
 from .connection import Connection, Take
+from .shaping import ros_age
 from .translations import Form, NamedPlaces, ros_decoder, uses_ros_classes
 
 SourceT = TypeVar("SourceT")

@@ -19,9 +19,8 @@ from ..ends.ros_side import RosPublisher
 from ..ends.topics import Topic, TopicFault
 from ..reports.diagnostics import FILTERED, UNHEARD, Age
 from ..reports.states import Standing, StopReason
-from .ages import jaus_age
 from .connection import Connection, Take
-from .shaping import RateCap
+from .shaping import RateCap, jaus_age
 from .translations import Form, Transcode, ros_encoder
 
 SourceT = TypeVar("SourceT", bound="Message")
