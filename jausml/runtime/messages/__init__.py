@@ -7,17 +7,6 @@ are those of the standard. Record classes are attributes of their message, e.g.
 those of this project's own MachineStates in `machine_states`.
 """
 
-from .access_control import ConfirmControl as ConfirmControl
-from .access_control import QueryAuthority as QueryAuthority
-from .access_control import QueryControl as QueryControl
-from .access_control import QueryTimeout as QueryTimeout
-from .access_control import RejectControl as RejectControl
-from .access_control import ReleaseControl as ReleaseControl
-from .access_control import ReportAuthority as ReportAuthority
-from .access_control import ReportControl as ReportControl
-from .access_control import ReportTimeout as ReportTimeout
-from .access_control import RequestControl as RequestControl
-from .access_control import SetAuthority as SetAuthority
 from .discovery import QueryConfiguration as QueryConfiguration
 from .discovery import QueryIdentification as QueryIdentification
 from .discovery import QueryServiceList as QueryServiceList
@@ -61,14 +50,25 @@ from .list_manager import ReportElementCount as ReportElementCount
 from .list_manager import ReportElementList as ReportElementList
 from .list_manager import SetElement as SetElement
 from .management import ClearEmergency as ClearEmergency
+from .management import ConfirmControl as ConfirmControl
+from .management import QueryAuthority as QueryAuthority
+from .management import QueryControl as QueryControl
 from .management import QueryHeartbeatPulse as QueryHeartbeatPulse
 from .management import QueryStatus as QueryStatus
 from .management import QueryTime as QueryTime
+from .management import QueryTimeout as QueryTimeout
+from .management import RejectControl as RejectControl
+from .management import ReleaseControl as ReleaseControl
+from .management import ReportAuthority as ReportAuthority
+from .management import ReportControl as ReportControl
 from .management import ReportHeartbeatPulse as ReportHeartbeatPulse
 from .management import ReportStatus as ReportStatus
 from .management import ReportTime as ReportTime
+from .management import ReportTimeout as ReportTimeout
+from .management import RequestControl as RequestControl
 from .management import Reset as Reset
 from .management import Resume as Resume
+from .management import SetAuthority as SetAuthority
 from .management import SetEmergency as SetEmergency
 from .management import SetTime as SetTime
 from .management import Shutdown as Shutdown
