@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Set
+from dataclasses import dataclass
 
 from ..base.address import JausAddress
 from ..base.clocks import Alarm
@@ -31,14 +32,12 @@ MAX_REQUESTERS = 256
 """Requesters that are counted at a time; a flood of false ones must not fill the memory."""
 
 
+@dataclass(slots=True)
 class _Count:
-    __slots__ = ("code", "number", "since", "waiting")
-
-    def __init__(self, loop: Loop) -> None:
-        self.code = -1
-        self.since = 0.0
-        self.number = 0
-        self.waiting = Alarm(loop)
+    waiting: Alarm
+    code: int = -1
+    since: float = 0.0
+    number: int = 0
 
 
 class Refusals:
@@ -80,7 +79,7 @@ class Refusals:
             self._counts = {a: c for a, c in lately if c.waiting.is_set or now < c.since + PERIOD}
             if len(self._counts) >= MAX_REQUESTERS:
                 return None
-        count = self._counts[requester] = _Count(self._loop)
+        count = self._counts[requester] = _Count(Alarm(self._loop))
         return count
 
 
