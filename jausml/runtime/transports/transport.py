@@ -13,8 +13,8 @@ from ..base.counters import LOGGER, Counters
 from ..base.loop import Loop
 from ..base.quirks import Learnt, Quirks
 from ..base.settings import Endpoint, TransportSettings
-from .delivery import Arrival, Double, OnResult, PeerTraffic, Take, report
-from .packets.messenger import Messenger
+from .delivery import Arrival, Double, OnResult, Take, report
+from .packets.messenger import Messenger, PeerTraffic
 from .packets.packet import Priority
 
 
@@ -224,21 +224,21 @@ class PeerAccount(NamedTuple):
 
     def counts(self) -> dict[str, int]:
         """Returns the counts by the names that people see."""
-        traffic = self.traffic
+        account, outcome = self.traffic.account, self.traffic.outcome
         return {
-            "sent by it": traffic.came + traffic.lost,
-            "came": traffic.came,
-            "lost on the way, at most": traffic.lost,
-            "came late": traffic.late,
-            "came twice": traffic.doubled,
-            "came again": traffic.repeated,
-            "began anew": traffic.restarts,
+            "sent by it": account.came + account.lost,
+            "came": account.came,
+            "lost on the way, at most": account.lost,
+            "came late": account.late,
+            "came twice": account.doubled,
+            "came again": account.repeated,
+            "began anew": account.restarts,
             **{f"dropped: {reason}": count for reason, count in sorted(self.drops.items())},
-            "sent to it": traffic.sent,
-            "acknowledged": traffic.acknowledged,
-            "acknowledged late": traffic.acknowledged_late,
-            "answered, not acknowledged": traffic.answered,
-            "not acknowledged": traffic.unacknowledged,
+            "sent to it": self.traffic.sent,
+            "acknowledged": outcome.acknowledged,
+            "acknowledged late": outcome.late,
+            "answered, not acknowledged": outcome.answered,
+            "not acknowledged": outcome.unacknowledged,
         }
 
     def facts(self) -> list[tuple[str, str]]:
@@ -247,7 +247,7 @@ class PeerAccount(NamedTuple):
         quirks = [
             (quirk.quirk.does, f"{quirk.how}: {quirk.quirk.instead}") for quirk in self.quirks
         ]
-        numbered = ("numbered", _EXACT if self.traffic.is_exact else _NOT_KNOWN)
+        numbered = ("numbered", _EXACT if self.traffic.account.is_exact else _NOT_KNOWN)
         return [*counts, numbered, *quirks]
 
     def __str__(self) -> str:
