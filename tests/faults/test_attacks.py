@@ -147,7 +147,7 @@ def test_events_of_invented_ids(robot, start, stranger, attack):
     attacker = stranger(host, acknowledges=acknowledges)
     for number, address in enumerate(IDENTITIES):
         attacker.send(address, event(1092.0), number)
-    wait_for(lambda: len(robot.transport.address_book) > 200, "arrival of the attack")
+    wait_for(lambda: len(robot.transport.address_book.learnt) > 200, "arrival of the attack")
     late = start(LATE, HOSTS[LATE], Operator)
     late.watch()
     wait_for(lambda: late.reports, "first report of the late one", 30)

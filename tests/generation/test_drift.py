@@ -227,7 +227,7 @@ def test_paths_outside_are_not_read(workspace):
     assert drift([artifact], workspace.out, Manifest()) == []
 
 
-FACE = '__all__ = ["Guard", "Scope"]\n\nfrom .component.base import Guard, Scope\n'
+FACE = 'from .component.base import Guard as Guard, Scope\n\n__all__ = ["Scope"]\n'
 MODULES = {"__init__": FACE, "component/__init__": "", "component/base": "class Guard: ...\n"}
 
 

@@ -242,8 +242,7 @@ def test_a_package_passes_on_what_is_kept_alone():
     text = copied(module, {"": "", "wire": "", "wire.message": "", "wire.codec": ""})
     names = [node.names for node in ast.parse(text).body if isinstance(node, ast.ImportFrom)]
     assert {alias.name for group in names for alias in group}.isdisjoint({"Octet"})
-    assert '"Octet"' not in text
-    assert '"Message"' in text
+    assert "Message as Message" in text
     assert copied(module, runtime_modules()) == module.text
 
 

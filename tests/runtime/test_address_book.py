@@ -87,7 +87,7 @@ def test_a_flood_of_sources_forgets_the_silent_and_keeps_the_configured(book, co
     for subsystem in range(1, 3000):
         book.learn(JausAddress(subsystem, 2, 2), THERE, float(subsystem))
         book.learn(talker, HERE, float(subsystem))
-    assert len(book) == 1024
+    assert len(book.learnt) == 1024
     assert book.find(talker) == HERE
     assert book.find(ROBOT) == HERE
     assert book.find(JausAddress(1, 2, 2)) is None

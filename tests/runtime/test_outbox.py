@@ -477,7 +477,7 @@ def test_an_acknowledgement_that_comes_behind_the_answer_counts_as_ever(line):
     line.pass_time(0.11)
     assert line.quirks.of(PEER) == ()
     (traffic,) = traffic_to(line, PEER)
-    assert (traffic.acknowledged, traffic.answered) == (1, 0)
+    assert (traffic.outcome.acknowledged, traffic.outcome.answered) == (1, 0)
 
 
 def test_an_answer_ends_no_large_message_and_nothing_of_others(line):
@@ -521,5 +521,5 @@ def test_who_begins_its_numbers_anew_more_than_once_is_known_for_it(line):
             line.messenger.inbox.take(packet, "here", line.clock.time)
             line.pass_time(0.1)
         (traffic,) = [account for account in line.messenger.traffic() if account.peer == PEER]
-        assert (traffic.came, traffic.restarts) == (10 * (life + 1), life)
+        assert (traffic.account.came, traffic.account.restarts) == (10 * (life + 1), life)
         assert line.quirks.has(PEER, Quirk.NUMBERS_ANEW) is (life > 1)

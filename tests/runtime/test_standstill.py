@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from jausml.runtime.base.loop import Loop
-from jausml.runtime.bridge.connections.ages import Backlog
+from jausml.runtime.bridge.connections.shaping import Backlog
 from jausml.runtime.bridge.reports.diagnostics import TOO_OLD, Statistics
 from jausml.runtime.virtual import VirtualWorld
 

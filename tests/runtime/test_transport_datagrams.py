@@ -172,6 +172,6 @@ class TestBadDatagrams:
                 damaged[noise % len(damaged)] ^= noise
             quiet.receive_datagram(data, sender, by_multicast=by_multicast)
             quiet.receive_datagram(bytes(damaged), sender, by_multicast=by_multicast)
-        assert len(quiet.address_book) <= 1024
+        assert len(quiet.address_book.learnt) <= 1024
         assert len(quiet.inbox.duplicates) <= 256 * 16
         assert quiet.inbox.reassembly.size <= 4 << 16

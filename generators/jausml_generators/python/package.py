@@ -46,13 +46,14 @@ def runtime_names() -> Mapping[str, Origin]:
     The face is read from the file that is copied: nothing that generates imports the runtime.
     """
     face = Path(jausml.__file__).parent / "runtime" / "__init__.py"
-    lists = [
-        node.value
+    names = [
+        alias.name
         for node in ast.parse(face.read_text("utf-8")).body
-        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__"
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
     ]
     return {
-        **offered(FACE, *ast.literal_eval(lists[0])),
+        **offered(FACE, *names),
         "conversions": Origin(FACE, "conversions"),
         "arithmetic": Origin(CONVERSIONS, "arithmetic"),
         "octets": Origin(f"{FACE}.bridge.messages", "octets"),

@@ -16,7 +16,6 @@ from pathlib import Path
 
 import jausml
 from jausml.generation.artifact import CANNOT_PARSE
-from jausml.generation.python import layout
 from jausml_generators.python.package import FACE
 
 _FOLDER = Path(jausml.__file__).parent / "runtime"
@@ -110,17 +109,10 @@ def copied(module: Module, kept: Mapping[str, str]) -> str:
     origins = module.passes_on
     gone = {name for name, origin in origins.items() if _origin(origin, name) not in kept}
     lines = module.text.splitlines(keepends=True)
-    for node in ast.walk(ast.parse(module.text)) if gone else ():
-        text = ""
-        if isinstance(node, ast.ImportFrom) and not gone.isdisjoint(a.name for a in node.names):
-            names = [alias.name for alias in node.names if alias.name not in gone]
-            if names:
-                source = "." * node.level + str(node.module)
-                text = layout(f"from {source} import {', '.join(names)}\n")
-        elif not isinstance(node, ast.Constant) or node.value not in gone:
-            continue
-        first, last = node.lineno - 1, node.end_lineno or node.lineno
-        lines[first:last] = [text, *[""] * (last - first - 1)]
+    for node in ast.parse(module.text).body:
+        # It passes on each name by a line of its own.
+        if isinstance(node, ast.ImportFrom) and node.names[0].name in gone:
+            lines[node.lineno - 1] = ""
     return "".join(lines)
 
 

@@ -90,6 +90,7 @@ Symbol = Module | Class | Function | Value | External | Unknown
 class _Alias:
     module: str
     name: str
+    is_passed_on: bool = False  # whether its module offers the name, as by `import A as A`
 
 
 @dataclass
@@ -187,7 +188,7 @@ class Modules:
         return [name for name, symbol in symbols.items() if symbol is not UNKNOWN]
 
     def offered(self, module: Module) -> set[str]:
-        """Returns the names that a module defines or lists in `__all__`, not its own imports."""
+        """Returns the names that a module defines or passes on, not its own imports."""
         symbols = self._scope(module).symbols
         listed = symbols.get("__all__")
         values = ast.walk(listed.value) if isinstance(listed, Value) and listed.value else ()
@@ -196,7 +197,8 @@ class Modules:
             *(
                 name
                 for name, symbol in symbols.items()
-                if not isinstance(symbol, (_Alias, Unknown))
+                if not isinstance(symbol, Unknown)
+                and (not isinstance(symbol, _Alias) or symbol.is_passed_on)
             ),
         }
 
@@ -326,7 +328,8 @@ def _symbol(name: str, binding: Binding, module: Module, owner: Class | None) ->
             return _Alias(binding.alias.name if binding.alias.asname else name, "")
         case ast.ImportFrom() as node if binding.alias:
             source = absolute(node, module.name, is_package=module.is_package)
-            return _Alias(source, binding.alias.name)
+            passes_on = binding.alias.name == binding.alias.asname
+            return _Alias(source, binding.alias.name, passes_on)
     return UNKNOWN
 
 

@@ -73,7 +73,7 @@ class QueryClient:
         """Returns how often each peer began its numbers anew: as often it was another process."""
         component = self._component
         peers = component.transport.traffic(component.address)
-        return {peer.peer: peer.restarts for peer in peers}
+        return {peer.peer: peer.account.restarts for peer in peers}
 
     @property
     def transport(self) -> Transport:

@@ -49,8 +49,6 @@ class Cancellable(Protocol):
 class Watch:
     """Somebody who is to know of a standstill; see `Standstill.watch`."""
 
-    __slots__ = ("_standstill", "began", "caught_up", "limit")
-
     def __init__(
         self,
         standstill: Standstill,
@@ -85,18 +83,6 @@ class Standstill:
         due: When the next beat is so late that somebody is to know, by the loop; whoever
             reads later than that calls ``end`` first.
     """
-
-    __slots__ = (
-        "_beat",
-        "_behind",
-        "_limit",
-        "_loop",
-        "_relayed",
-        "_turned",
-        "_turns",
-        "_watches",
-        "due",
-    )
 
     def __init__(self, loop: Waiting) -> None:
         self.due = self._limit = math.inf

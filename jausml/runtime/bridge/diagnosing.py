@@ -14,7 +14,7 @@ from ..base.address import JausAddress
 from ..base.clocks import Alarm
 from ..base.loop import Loop
 from ..conversions import Time
-from ..transports.delivery import PeerTraffic
+from ..transports.packets.messenger import PeerTraffic
 from ..transports.transport import Accountable, accounts_of
 from .connections.translations import Form
 from .ends.ends import Ends
@@ -154,15 +154,16 @@ class Accounting:
         while len(history) > 1 and history[1][0] <= now - LATELY:
             history.popleft()
         came, lost = history[0][1:] if history else (0, 0)
-        history.append((now, traffic.came, traffic.lost))
-        came, lost = traffic.came - came, traffic.lost - lost
+        account = traffic.account
+        history.append((now, account.came, account.lost))
+        came, lost = account.came - came, account.lost - lost
         if came <= 0:
             return "ok", "nothing came lately"
         if lost <= 0:
             return "ok", "nothing was lost lately"
         share = lost / (came + lost)
         text = f"{100 * share:.1f} % were lost on the way lately"
-        if not traffic.is_exact:
+        if not account.is_exact:
             return "ok", f"{text}, at most"
         return "warning" if share > MUCH and lost >= FEWEST_LOST else "ok", text
 

@@ -10,19 +10,8 @@ from operator import attrgetter
 from typing import Any, ClassVar, TypeAlias, TypeGuard, TypeVar
 
 from ..wire.message import DecodeError, EncodeError
-from .messages import cdr
+from .messages import cdr as cdr  # noqa: PLC0414 - passed on to what is generated
 from .messages.limits import RosTypeError
-
-__all__ = [
-    "Layout",
-    "LightMessage",
-    "assign",
-    "cdr",
-    "differences",
-    "installed",
-    "installed_class",
-    "is_light",
-]
 
 MessageT = TypeVar("MessageT", bound="LightMessage")
 

@@ -123,17 +123,15 @@ class ControlClient:
             control.stop()
 
     def _forget(self, control: ControlledTarget) -> None:
-        """Drops a control without sessions."""
         self._controls.pop(control.target, None)
 
     def _of(self, target: JausAddress) -> tuple[ControlledTarget, ...]:
-        """Returns the control of a target, or none."""
         control = self._controls.get(target)
         return () if control is None else (control,)
 
     def _released(self, target: JausAddress) -> None:
         for control in self._of(target):
-            control.released()
+            control.returned()
 
     def _confirmed(self, message: ConfirmControl, sender: JausAddress) -> None:
         for control in self._of(sender):

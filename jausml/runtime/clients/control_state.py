@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from enum import Enum
 from functools import partial
-from typing import Any, Protocol
+from typing import Protocol
 
 from ..base.address import JausAddress
 from ..base.clocks import Alarm
@@ -184,8 +184,10 @@ class TargetWatch:
         if self._subscriptions:
             return
         self._subscriptions = [
-            self._events.subscribe(self._target, query(), report, self._report)
-            for query, report in _WATCHED
+            self._events.subscribe(
+                self._target, query(), report_class, lambda report, _: self._take(report)
+            )
+            for query, report_class in _WATCHED
         ]
         self._timer.set(PATIENCE, self._give_up)
 
@@ -202,9 +204,6 @@ class TargetWatch:
         subscriptions, self._subscriptions = self._subscriptions, []
         for subscription in subscriptions:
             subscription.cancel()
-
-    def _report(self, report: Any, _provider: JausAddress) -> None:
-        self._take(report)
 
     def _give_up(self) -> None:
         """Asks no longer for events that the target does not know; it may do so when restarted."""

@@ -80,7 +80,7 @@ class ControlledTarget:
         self._requests = self._answers = 0
         self._awaits_answer = False
         self._timer = Alarm(component.loop)
-        self._presence.watch(target, self._returned)
+        self._presence.watch(target, self.returned)
 
     # ---- what users want ----------------------------------------------------------------------
 
@@ -138,7 +138,7 @@ class ControlledTarget:
         if not self._is_handed_over:
             self._release()
         self._watch.stop()
-        self._presence.forget(self.target, self._returned)
+        self._presence.forget(self.target, self.returned)
         self._on_end(self)
         self.state = ControlState.SEEKING
 
@@ -261,10 +261,6 @@ class ControlledTarget:
         self._answered(QueryControl)
         self._try_again()
 
-    def released(self) -> None:
-        """Requests control that could not be requested while a release was under way."""
-        self._returned()
-
     # ---- what is sent to the target -----------------------------------------------------------
 
     @property
@@ -282,8 +278,8 @@ class ControlledTarget:
             if self._may_request:
                 self._check()
 
-    def _returned(self) -> None:
-        """The target speaks again: do not wait for the end of a long pause."""
+    def returned(self) -> None:
+        """Does not wait for the end of a pause: the target speaks again, or a release has ended."""
         is_wanted = self._is_started and self._may_request and self._sessions
         if is_wanted and self.state is ControlState.SEEKING:
             self._pace.answered()
@@ -402,7 +398,7 @@ class ControlledTarget:
 
     def _request(self) -> None:
         if self._releases.are_under_way(self.target):
-            return  # ``released`` comes back to it
+            return  # ``returned`` comes back to it
         self._awaits_answer = True
         self._requests += 1
         self._requested_at = self._loop.now()

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, TypeVar
+from functools import partial
+from typing import Any
 
 from ..base.address import JausAddress
 from ..base.fast_path import FastPath
@@ -23,7 +24,6 @@ from .event_stream import EVENT_HEADER, EventStream
 from .event_subscription import EventSubscription
 from .query import QueryClient
 
-R = TypeVar("R", bound=Message)
 EVENT_REQUESTS = range(224)  # request ids of the events of one provider
 STRAY_REQUEST = 255  # request id with which events that nobody here wants are cancelled
 
@@ -74,22 +74,18 @@ class EventClient:
             self._by_request[provider, self._free_request(provider, stream)] = stream
             self._streams[provider, payload] = stream
         subscription = EventSubscription(
-            stream, on_report, rate, silence_timeout, on_silence, takes_payloads=payloads
+            stream,
+            report_class,
+            on_report,
+            rate,
+            silence_timeout,
+            on_silence,
+            takes_payloads=payloads,
         )
-
-        def ask(timeout: float) -> None:
-            self._queries.ask(
-                provider,
-                query,
-                report_class,
-                subscription.answer,
-                timeout=timeout,
-                retries=0,
-                payloads=payloads,
-            )
-
-        subscription.ask = ask
-        stream.join(subscription, report_class)
+        take = subscription.answer
+        ask = partial(self._queries.ask, provider, query, report_class, take, payloads=payloads)
+        subscription.ask = lambda timeout: ask(timeout=timeout, retries=0)
+        stream.join(subscription)
         return subscription
 
     def stop(self) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from enum import Enum
 from functools import partial
@@ -15,7 +16,7 @@ from ..messages import CancelEvent, CreateEvent
 from ..services.events import EVERY_CHANGE, PERIODIC, UNKNOWN_EVENT
 from ..services.host import Host
 from ..wire.message import DecodeError, Message
-from .event_subscription import EventSubscription, Subscribers
+from .event_subscription import EventSubscription
 from .pace import Pace
 from .presence import SILENCE, Presence
 
@@ -86,7 +87,7 @@ class EventStream:
         self._loop = component.loop
         self._settings = component.settings
         self._counters = component.counters
-        self._subscribers = Subscribers(partial(self.count_bad, provider))
+        self._subscribers: list[EventSubscription] = []
         self._state = _State.IDLE
         self._rate: float | None = None
         self._asked_rate: float | None = None
@@ -110,9 +111,9 @@ class EventStream:
 
     # ---- subscribers ------------------------------------------------------------------------
 
-    def join(self, subscription: EventSubscription, report_class: type[Message]) -> None:
+    def join(self, subscription: EventSubscription) -> None:
         """Adds a subscriber; it gets the last report of an event that is under way."""
-        self._subscribers.add(subscription, report_class)
+        self._subscribers.append(subscription)
         self._loop.revision.changed()
         self.component.when_started(subscription.start_watching)
         self._agree_on_rate()
@@ -120,13 +121,14 @@ class EventStream:
             if len(self._subscribers) == 1:
                 self.component.when_started(self._start)
         elif self._last is not None:
-            give = partial(self._subscribers.give, subscription, self._last)
+            give = partial(self._deliver, [subscription], self._last)
             self._loop.call_soon(lambda: give(self._loop.now()))
 
     def leave(self, subscription: EventSubscription) -> None:
         """Removes a subscriber; the event is cancelled with the last one."""
         self._loop.revision.changed()
-        self._subscribers.remove(subscription)
+        if subscription in self._subscribers:
+            self._subscribers.remove(subscription)
         if self._subscribers:
             self._agree_on_rate()
         elif self._listener.has(self):
@@ -151,9 +153,9 @@ class EventStream:
         """Returns the fast path of the reports to who alone subscribes; None without one."""
         if len(self._subscribers) != 1 or self._is_renewed:
             return None
-        ((subscription, report_class),) = self._subscribers.items()
+        (subscription,) = self._subscribers
         path = subscription.fast_path() if subscription.takes_payloads else None
-        if path is None or path.code != report_class.CODE:
+        if path is None or path.code != subscription.report_class.CODE:
             return None
         passed = path.passed
 
@@ -168,8 +170,10 @@ class EventStream:
         return replace(path, passed=note, expected=lambda: self._expected)
 
     def _agree_on_rate(self) -> None:
-        """Asks for the rate that the subscribers want by now."""
-        rate = self._subscribers.wanted_rate
+        """Asks for every change when a subscriber wants that by now; else for the highest rate."""
+        rates = [subscription.rate for subscription in self._subscribers]
+        periodic = [rate for rate in rates if rate is not None]
+        rate = max(periodic) if len(periodic) == len(rates) else None
         if rate != self._rate:
             self._rate = rate
             if self._state is _State.ACTIVE:
@@ -259,7 +263,6 @@ class EventStream:
             self._timer.set(self._settings.refused_retry, self._create)
 
     def _take_answer(self) -> None:
-        """Lets the answer to CreateEvent end its repetition."""
         start = _CREATE + bytes([self.request_id])
         self.component.transport.answered(self.component.address, self.provider, start)
 
@@ -376,7 +379,20 @@ class EventStream:
         self._silence_wait = 0.0
         if is_repeated:
             return  # the answer to a renewal: nothing has changed
-        self._subscribers.deliver(payload, now)
+        self._deliver(tuple(self._subscribers), payload, now)
+
+    def _deliver(
+        self, subscriptions: Sequence[EventSubscription], payload: bytes, now: float
+    ) -> None:
+        """Gives subscribers a report, which is read once for all that take it alike."""
+        read: dict[tuple[type[Message], bool], Message | bytes | None] = {}
+        for subscription in subscriptions:
+            group = subscription.report_class, subscription.takes_payloads
+            if group not in read:
+                read[group] = subscription.read(payload)
+            report = read[group]
+            if report is not None and subscription in self._subscribers:  # not cancelled meanwhile
+                subscription.deliver(report, now)
 
     def count_bad(self, provider: JausAddress, error: DecodeError) -> None:
         """Counts a report that cannot be read."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import partial
 from typing import Any, Protocol
 
@@ -74,6 +74,7 @@ class EventSubscription:
     def __init__(
         self,
         stream: Stream,
+        report_class: type[Message],
         on_report: Callable[[Any, JausAddress], None],
         # Reports each second that the subscriber asked for; None means every change.
         rate: float | None,
@@ -85,6 +86,7 @@ class EventSubscription:
     ) -> None:
         """Use ``JausComponent.subscribe`` instead."""
         self.provider = stream.provider
+        self.report_class = report_class
         self.rate = rate
         self.takes_payloads = takes_payloads
         self._stream = stream
@@ -181,6 +183,16 @@ class EventSubscription:
             self._query_timer.stop()
             self._query_timer = None
 
+    def read(self, payload: bytes) -> Message | bytes | None:
+        """Returns a report as the subscriber takes it; None if it is of another message."""
+        if self.takes_payloads and int.from_bytes(payload[:2], "little") == self.report_class.CODE:
+            return payload
+        try:
+            return self.report_class.decode(payload)
+        except DecodeError as error:
+            self._stream.count_bad(self.provider, error)
+            return None
+
     def deliver(self, report: Message | bytes, now: float) -> None:
         """Hands a report of the event to the subscriber, unless it has another rate."""
         if self._query_timer is not None:
@@ -217,74 +229,3 @@ class EventSubscription:
         self._component.counters.add("event_client.silent")
         if self._on_silence is not None:
             self._component.call(self._on_silence)
-
-
-class Subscribers:
-    """Those who get the reports of one event, each with the class of the report for it."""
-
-    def __init__(self, on_bad: Callable[[DecodeError], None]) -> None:
-        self._on_bad = on_bad
-        self._classes: dict[EventSubscription, type[Message]] = {}
-
-    def __len__(self) -> int:
-        return len(self._classes)
-
-    def __iter__(self) -> Iterator[EventSubscription]:
-        return iter(tuple(self._classes))
-
-    def items(self) -> tuple[tuple[EventSubscription, type[Message]], ...]:
-        """Returns each with its class of the report."""
-        return tuple(self._classes.items())
-
-    def add(self, subscription: EventSubscription, report_class: type[Message]) -> None:
-        """Adds one."""
-        self._classes[subscription] = report_class
-
-    def remove(self, subscription: EventSubscription) -> None:
-        """Removes one; no effect when it is none of them."""
-        self._classes.pop(subscription, None)
-
-    def clear(self) -> None:
-        """Removes all."""
-        self._classes.clear()
-
-    @property
-    def wanted_rate(self) -> float | None:
-        """Every change, None, when anybody wants that; else the highest rate asked for."""
-        rates = [subscription.rate for subscription in self._classes]
-        periodic = [rate for rate in rates if rate is not None]
-        return max(periodic) if len(periodic) == len(rates) else None
-
-    def deliver(self, payload: bytes, now: float) -> None:
-        """Gives each a report, which is read once for all that take it alike."""
-        read: dict[tuple[type[Message], bool], Message | bytes | None] = {}
-        for subscription, report_class in self.items():
-            group = report_class, subscription.takes_payloads
-            if group not in read:
-                read[group] = self._read(*group, payload)
-            report = read[group]
-            if report is not None and subscription in self._classes:  # not cancelled meanwhile
-                subscription.deliver(report, now)
-
-    def give(self, subscription: EventSubscription, payload: bytes, now: float) -> None:
-        """Gives a report to one of them."""
-        if subscription in self._classes:
-            report_class = self._classes[subscription]
-            report = self._read(report_class, subscription.takes_payloads, payload)
-            if report is not None:
-                subscription.deliver(report, now)
-
-    def _read(
-        self,
-        report_class: type[Message],
-        takes_payloads: bool,  # noqa: FBT001 - one of two ways
-        payload: bytes,
-    ) -> Message | bytes | None:
-        """Returns a report as some of them take it; None if it is of another message."""
-        if takes_payloads and int.from_bytes(payload[:2], "little") == report_class.CODE:
-            return payload
-        try:
-            return report_class.decode(payload)
-        except DecodeError as error:
-            self._on_bad(error)
-            return None

@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, TypeVar
+from typing import Any
 
 from ..base.address import JausAddress
 from ..base.clocks import Alarm
 from ..services.host import Host
 from ..wire.message import DecodeError, Message
-
-R = TypeVar("R", bound=Message)
 
 
 @dataclass(slots=True, eq=False)

@@ -146,28 +146,22 @@ def feed_watchdog(loop: Loop, environment: Mapping[str, str] = os.environ) -> No
         return
     # A name that begins with @ is one of Linux's abstract sockets.
     address = f"\0{place[1:]}" if place.startswith("@") else place
-    _Feeder(loop, address, int(time_out) / 1e6 / _TIMES_IN_TIME_OUT).feed()
+    period, was_told = int(time_out) / 1e6 / _TIMES_IN_TIME_OUT, True
 
-
-class _Feeder:
-    def __init__(self, loop: Loop, address: str, period: float) -> None:
-        self._loop = loop
-        self._address = address
-        self._period = period
-        self._was_told = True
-
-    def feed(self) -> None:
-        """Notifies the watchdog, and does so again after a period."""
+    def feed() -> None:
+        nonlocal was_told
         try:
             with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM | socket.SOCK_CLOEXEC) as sender:
                 # A manager that reads nothing must not hold up the loop.
                 sender.settimeout(0)
-                sender.sendto(b"WATCHDOG=1", self._address)
+                sender.sendto(b"WATCHDOG=1", address)
         except OSError as error:
-            if self._was_told:
-                LOGGER.warning("the watchdog at %s cannot be told: %s", self._address, error)
-            self._was_told = False
+            if was_told:
+                LOGGER.warning("the watchdog at %s cannot be told: %s", address, error)
+            was_told = False
         else:
-            self._was_told = True
+            was_told = True
         # Also where it failed: a manager that is away for a moment would kill a sound process.
-        self._loop.call_later(self._period, self.feed)
+        loop.call_later(period, feed)
+
+    feed()

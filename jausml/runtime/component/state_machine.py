@@ -206,7 +206,6 @@ class StateMachine:
         return candidates
 
     def _listed(self) -> list[On]:
-        """Returns the transitions of the present state and of those that enclose it."""
         listed: list[On] = []
         path = self.state
         while path:

@@ -5,99 +5,46 @@ Each literal of `ConversionKind` in bridge.ecore has the function of the same na
 writes. The positional parameters are the inputs and then the arguments of the conversion.
 """
 
-from .numbers import (
-    clamp,
-    covariance_to_rms,
-    deadband,
-    degrees_to_radians,
-    limit,
-    linear,
-    look_up,
-    negate,
-    percent_to_value,
-    radians_to_degrees,
-    scale,
-    square,
-    square_root,
-    value_to_percent,
-)
-from .orientations import (
-    enu_quaternion_to_ned_angles,
-    enu_quaternion_to_ned_heading,
-    enu_yaw_to_ned_heading,
-    flu_quaternion_to_frd_angles,
-    flu_quaternion_to_frd_pitch,
-    flu_quaternion_to_frd_roll,
-    flu_quaternion_to_frd_yaw,
-    frd_angles_to_flu_quaternion,
-    frd_yaw_to_flu_quaternion,
-    ned_angles_to_enu_quaternion,
-    ned_heading_to_enu_quaternion,
-    ned_heading_to_enu_yaw,
-    wrap_angle,
-)
-from .rasters import (
-    cost_to_occupancy,
-    occupancy_to_cost,
-    pixels_to_pnm,
-    pnm_to_pixels,
-    reverse_rows,
-)
-from .times import time_to_timestamp, timestamp_to_time
-from .types import (
-    Angles,
-    ConversionError,
-    Pixels,
-    Quaternion,
-    QuaternionLike,
-    Time,
-    TimeLike,
-    TimeStamp,
-    TimeStampLike,
-)
-
-__all__ = [
-    "Angles",
-    "ConversionError",
-    "Pixels",
-    "Quaternion",
-    "QuaternionLike",
-    "Time",
-    "TimeLike",
-    "TimeStamp",
-    "TimeStampLike",
-    "clamp",
-    "cost_to_occupancy",
-    "covariance_to_rms",
-    "deadband",
-    "degrees_to_radians",
-    "enu_quaternion_to_ned_angles",
-    "enu_quaternion_to_ned_heading",
-    "enu_yaw_to_ned_heading",
-    "flu_quaternion_to_frd_angles",
-    "flu_quaternion_to_frd_pitch",
-    "flu_quaternion_to_frd_roll",
-    "flu_quaternion_to_frd_yaw",
-    "frd_angles_to_flu_quaternion",
-    "frd_yaw_to_flu_quaternion",
-    "limit",
-    "linear",
-    "look_up",
-    "ned_angles_to_enu_quaternion",
-    "ned_heading_to_enu_quaternion",
-    "ned_heading_to_enu_yaw",
-    "negate",
-    "occupancy_to_cost",
-    "percent_to_value",
-    "pixels_to_pnm",
-    "pnm_to_pixels",
-    "radians_to_degrees",
-    "reverse_rows",
-    "scale",
-    "square",
-    "square_root",
-    "time_to_timestamp",
-    "timestamp_to_time",
-    "value_to_percent",
-    "wrap_angle",
-]
+from .numbers import clamp as clamp
+from .numbers import covariance_to_rms as covariance_to_rms
+from .numbers import deadband as deadband
+from .numbers import degrees_to_radians as degrees_to_radians
+from .numbers import limit as limit
+from .numbers import linear as linear
+from .numbers import look_up as look_up
+from .numbers import negate as negate
+from .numbers import percent_to_value as percent_to_value
+from .numbers import radians_to_degrees as radians_to_degrees
+from .numbers import scale as scale
+from .numbers import square as square
+from .numbers import square_root as square_root
+from .numbers import value_to_percent as value_to_percent
+from .orientations import enu_quaternion_to_ned_angles as enu_quaternion_to_ned_angles
+from .orientations import enu_quaternion_to_ned_heading as enu_quaternion_to_ned_heading
+from .orientations import enu_yaw_to_ned_heading as enu_yaw_to_ned_heading
+from .orientations import flu_quaternion_to_frd_angles as flu_quaternion_to_frd_angles
+from .orientations import flu_quaternion_to_frd_pitch as flu_quaternion_to_frd_pitch
+from .orientations import flu_quaternion_to_frd_roll as flu_quaternion_to_frd_roll
+from .orientations import flu_quaternion_to_frd_yaw as flu_quaternion_to_frd_yaw
+from .orientations import frd_angles_to_flu_quaternion as frd_angles_to_flu_quaternion
+from .orientations import frd_yaw_to_flu_quaternion as frd_yaw_to_flu_quaternion
+from .orientations import ned_angles_to_enu_quaternion as ned_angles_to_enu_quaternion
+from .orientations import ned_heading_to_enu_quaternion as ned_heading_to_enu_quaternion
+from .orientations import ned_heading_to_enu_yaw as ned_heading_to_enu_yaw
+from .orientations import wrap_angle as wrap_angle
+from .rasters import cost_to_occupancy as cost_to_occupancy
+from .rasters import occupancy_to_cost as occupancy_to_cost
+from .rasters import pixels_to_pnm as pixels_to_pnm
+from .rasters import pnm_to_pixels as pnm_to_pixels
+from .rasters import reverse_rows as reverse_rows
+from .times import time_to_timestamp as time_to_timestamp
+from .times import timestamp_to_time as timestamp_to_time
+from .types import Angles as Angles
+from .types import ConversionError as ConversionError
+from .types import Pixels as Pixels
+from .types import Quaternion as Quaternion
+from .types import QuaternionLike as QuaternionLike
+from .types import Time as Time
+from .types import TimeLike as TimeLike
+from .types import TimeStamp as TimeStamp
+from .types import TimeStampLike as TimeStampLike

@@ -22,33 +22,17 @@ def timestamp_to_time(stamp: TimeStampLike, *, near: TimeLike) -> Time:
     Raises:
         ConversionError: hour, minutes, seconds or milliseconds are no time of day.
     """
-    return instant_near(
-        stamp.day, stamp.hour, stamp.minutes, stamp.seconds, stamp.milliseconds, near
-    )
-
-
-def time_to_timestamp(instant: TimeLike) -> TimeStamp:
-    """An instant to a JAUS TimeStamp (day of month, UTC); parts of a millisecond are cut off."""
-    utc = time.gmtime(instant.sec)
-    milliseconds = instant.nanosec // 1_000_000
-    return TimeStamp(milliseconds, utc.tm_sec, utc.tm_min, utc.tm_hour, utc.tm_mday)
-
-
-def instant_near(
-    day: int, hour: int, minutes: int, seconds: int, milliseconds: int, near: TimeLike
-) -> Time:
-    """The instant nearest to `near` that has a day of the month and a time of day, UTC.
-
-    Raises:
-        ConversionError: hour, minutes, seconds or milliseconds are no time of day.
-    """
     if not (
-        0 <= hour < 24 and 0 <= minutes < 60 and 0 <= seconds < 60 and 0 <= milliseconds < 1000
+        0 <= stamp.hour < 24
+        and 0 <= stamp.minutes < 60
+        and 0 <= stamp.seconds < 60
+        and 0 <= stamp.milliseconds < 1000
     ):
         raise ConversionError("TimeStamp is no time of day")
-    of_day = (((hour * 60 + minutes) * 60 + seconds) * 1000 + milliseconds) * 10**6
+    seconds = (stamp.hour * 60 + stamp.minutes) * 60 + stamp.seconds
+    of_day = (seconds * 1000 + stamp.milliseconds) * 10**6
     reference = near.sec * 10**9 + near.nanosec
-    first, *others = _days_near(day, near.sec // _DAY)
+    first, *others = _days_near(stamp.day, near.sec // _DAY)
     nearest = first * _DAY_NS + of_day
     for other in others:
         instant = other * _DAY_NS + of_day
@@ -57,10 +41,11 @@ def instant_near(
     return Time(*divmod(nearest, 10**9))
 
 
-@lru_cache(maxsize=64)
-def day_of_month(days: int) -> int:
-    """The day of the month, UTC, of a number of days since 1970."""
-    return time.gmtime(days * _DAY).tm_mday
+def time_to_timestamp(instant: TimeLike) -> TimeStamp:
+    """An instant to a JAUS TimeStamp (day of month, UTC); parts of a millisecond are cut off."""
+    utc = time.gmtime(instant.sec)
+    milliseconds = instant.nanosec // 1_000_000
+    return TimeStamp(milliseconds, utc.tm_sec, utc.tm_min, utc.tm_hour, utc.tm_mday)
 
 
 @lru_cache(maxsize=64)

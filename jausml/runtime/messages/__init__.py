@@ -7,150 +7,69 @@ are those of the standard. Record classes are attributes of their message, e.g.
 those of this project's own MachineStates in `machine_states`.
 """
 
-from .access_control import (
-    ConfirmControl,
-    QueryAuthority,
-    QueryControl,
-    QueryTimeout,
-    RejectControl,
-    ReleaseControl,
-    ReportAuthority,
-    ReportControl,
-    ReportTimeout,
-    RequestControl,
-    SetAuthority,
-)
-from .discovery import (
-    QueryConfiguration,
-    QueryIdentification,
-    QueryServiceList,
-    QueryServices,
-    QuerySubsystemList,
-    RegisterServices,
-    ReportConfiguration,
-    ReportIdentification,
-    ReportServiceList,
-    ReportServices,
-    ReportSubsystemList,
-)
-from .events import (
-    CancelEvent,
-    CommandEvent,
-    ConfirmEventRequest,
-    CreateCommandEvent,
-    CreateEvent,
-    Event,
-    QueryEvents,
-    QueryEventTimeout,
-    RejectEventRequest,
-    ReportEvents,
-    ReportEventTimeout,
-    UpdateEvent,
-)
-from .handoff import (
-    ConfirmHandoffRequest,
-    ConfirmReleaseControl,
-    QueryEnhancedTimeout,
-    QueryHandoffTimeout,
-    RemoveHandoffRequest,
-    ReportEnhancedTimeout,
-    ReportHandoffTimeout,
-    RequestHandoff,
-    RequestReleaseControl,
-)
-from .list_manager import (
-    ConfirmElementRequest,
-    DeleteElement,
-    QueryElement,
-    QueryElementCount,
-    QueryElementList,
-    RejectElementRequest,
-    ReportElement,
-    ReportElementCount,
-    ReportElementList,
-    SetElement,
-)
-from .management import (
-    ClearEmergency,
-    QueryHeartbeatPulse,
-    QueryStatus,
-    QueryTime,
-    ReportHeartbeatPulse,
-    ReportStatus,
-    ReportTime,
-    Reset,
-    Resume,
-    SetEmergency,
-    SetTime,
-    Shutdown,
-    Standby,
-)
-
-__all__ = [
-    "CancelEvent",
-    "ClearEmergency",
-    "CommandEvent",
-    "ConfirmControl",
-    "ConfirmElementRequest",
-    "ConfirmEventRequest",
-    "ConfirmHandoffRequest",
-    "ConfirmReleaseControl",
-    "CreateCommandEvent",
-    "CreateEvent",
-    "DeleteElement",
-    "Event",
-    "QueryAuthority",
-    "QueryConfiguration",
-    "QueryControl",
-    "QueryElement",
-    "QueryElementCount",
-    "QueryElementList",
-    "QueryEnhancedTimeout",
-    "QueryEventTimeout",
-    "QueryEvents",
-    "QueryHandoffTimeout",
-    "QueryHeartbeatPulse",
-    "QueryIdentification",
-    "QueryServiceList",
-    "QueryServices",
-    "QueryStatus",
-    "QuerySubsystemList",
-    "QueryTime",
-    "QueryTimeout",
-    "RegisterServices",
-    "RejectControl",
-    "RejectElementRequest",
-    "RejectEventRequest",
-    "ReleaseControl",
-    "RemoveHandoffRequest",
-    "ReportAuthority",
-    "ReportConfiguration",
-    "ReportControl",
-    "ReportElement",
-    "ReportElementCount",
-    "ReportElementList",
-    "ReportEnhancedTimeout",
-    "ReportEventTimeout",
-    "ReportEvents",
-    "ReportHandoffTimeout",
-    "ReportHeartbeatPulse",
-    "ReportIdentification",
-    "ReportServiceList",
-    "ReportServices",
-    "ReportStatus",
-    "ReportSubsystemList",
-    "ReportTime",
-    "ReportTimeout",
-    "RequestControl",
-    "RequestHandoff",
-    "RequestReleaseControl",
-    "Reset",
-    "Resume",
-    "SetAuthority",
-    "SetElement",
-    "SetEmergency",
-    "SetTime",
-    "Shutdown",
-    "Standby",
-    "UpdateEvent",
-]
+from .discovery import QueryConfiguration as QueryConfiguration
+from .discovery import QueryIdentification as QueryIdentification
+from .discovery import QueryServiceList as QueryServiceList
+from .discovery import QueryServices as QueryServices
+from .discovery import QuerySubsystemList as QuerySubsystemList
+from .discovery import RegisterServices as RegisterServices
+from .discovery import ReportConfiguration as ReportConfiguration
+from .discovery import ReportIdentification as ReportIdentification
+from .discovery import ReportServiceList as ReportServiceList
+from .discovery import ReportServices as ReportServices
+from .discovery import ReportSubsystemList as ReportSubsystemList
+from .events import CancelEvent as CancelEvent
+from .events import CommandEvent as CommandEvent
+from .events import ConfirmEventRequest as ConfirmEventRequest
+from .events import CreateCommandEvent as CreateCommandEvent
+from .events import CreateEvent as CreateEvent
+from .events import Event as Event
+from .events import QueryEvents as QueryEvents
+from .events import QueryEventTimeout as QueryEventTimeout
+from .events import RejectEventRequest as RejectEventRequest
+from .events import ReportEvents as ReportEvents
+from .events import ReportEventTimeout as ReportEventTimeout
+from .events import UpdateEvent as UpdateEvent
+from .handoff import ConfirmHandoffRequest as ConfirmHandoffRequest
+from .handoff import ConfirmReleaseControl as ConfirmReleaseControl
+from .handoff import QueryEnhancedTimeout as QueryEnhancedTimeout
+from .handoff import QueryHandoffTimeout as QueryHandoffTimeout
+from .handoff import RemoveHandoffRequest as RemoveHandoffRequest
+from .handoff import ReportEnhancedTimeout as ReportEnhancedTimeout
+from .handoff import ReportHandoffTimeout as ReportHandoffTimeout
+from .handoff import RequestHandoff as RequestHandoff
+from .handoff import RequestReleaseControl as RequestReleaseControl
+from .list_manager import ConfirmElementRequest as ConfirmElementRequest
+from .list_manager import DeleteElement as DeleteElement
+from .list_manager import QueryElement as QueryElement
+from .list_manager import QueryElementCount as QueryElementCount
+from .list_manager import QueryElementList as QueryElementList
+from .list_manager import RejectElementRequest as RejectElementRequest
+from .list_manager import ReportElement as ReportElement
+from .list_manager import ReportElementCount as ReportElementCount
+from .list_manager import ReportElementList as ReportElementList
+from .list_manager import SetElement as SetElement
+from .management import ClearEmergency as ClearEmergency
+from .management import ConfirmControl as ConfirmControl
+from .management import QueryAuthority as QueryAuthority
+from .management import QueryControl as QueryControl
+from .management import QueryHeartbeatPulse as QueryHeartbeatPulse
+from .management import QueryStatus as QueryStatus
+from .management import QueryTime as QueryTime
+from .management import QueryTimeout as QueryTimeout
+from .management import RejectControl as RejectControl
+from .management import ReleaseControl as ReleaseControl
+from .management import ReportAuthority as ReportAuthority
+from .management import ReportControl as ReportControl
+from .management import ReportHeartbeatPulse as ReportHeartbeatPulse
+from .management import ReportStatus as ReportStatus
+from .management import ReportTime as ReportTime
+from .management import ReportTimeout as ReportTimeout
+from .management import RequestControl as RequestControl
+from .management import Reset as Reset
+from .management import Resume as Resume
+from .management import SetAuthority as SetAuthority
+from .management import SetEmergency as SetEmergency
+from .management import SetTime as SetTime
+from .management import Shutdown as Shutdown
+from .management import Standby as Standby

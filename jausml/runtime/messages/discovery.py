@@ -17,8 +17,6 @@ def _component_type(value: int, field: str) -> int:
 @record("ServiceRec")
 @dataclass(slots=True)
 class _ServiceRec:
-    """A service and its version."""
-
     uri: Text = ""
     major_version_number: U8 = 0
     minor_version_number: U8 = 0
@@ -27,16 +25,12 @@ class _ServiceRec:
 @record("NodeRec")
 @dataclass(slots=True)
 class _NodeRec:
-    """A node by its number."""
-
     node_id: U8 = 0
 
 
 @record("ComponentRec")
 @dataclass(slots=True)
 class _ComponentRec:
-    """A component by its numbers."""
-
     component_id: U8 = 0
     instance_id: U8 = 0
 
@@ -44,8 +38,6 @@ class _ComponentRec:
 @record("ComponentSeq")
 @dataclass(slots=True)
 class _ComponentSeq:
-    """What a component provides."""
-
     component_rec: _ComponentRec = field(default_factory=_ComponentRec)
     service_list: ShortList[_ServiceRec] = field(default_factory=list)
 
@@ -53,8 +45,6 @@ class _ComponentSeq:
 @record("NodeSeq")
 @dataclass(slots=True)
 class _NodeSeq:
-    """What the components of a node provide."""
-
     node_rec: _NodeRec = field(default_factory=_NodeRec)
     component_list: ShortList[_ComponentSeq] = field(default_factory=list)
 
@@ -62,8 +52,6 @@ class _NodeSeq:
 @record("SubsystemRec")
 @dataclass(slots=True)
 class _SubsystemRec:
-    """A subsystem by its number."""
-
     subsystem_id: U16 = 0
 
 
@@ -237,8 +225,6 @@ class ReportIdentification(Message):
 @record("ReportConfiguration.NodeSeq")
 @dataclass(slots=True)
 class _ConfiguredNode:
-    """The components of a node."""
-
     node_rec: _NodeRec = field(default_factory=_NodeRec)
     component_list: ShortList[_ComponentRec] = field(default_factory=list)
 
@@ -287,8 +273,6 @@ class ReportServices(_WithServices):
 @record("ReportServiceList.SubsystemSeq")
 @dataclass(slots=True)
 class _SubsystemSeq:
-    """What the components of a subsystem provide."""
-
     subsystem_rec: _SubsystemRec = field(default_factory=_SubsystemRec)
     node_list: ShortList[_NodeSeq] = field(default_factory=list)
 

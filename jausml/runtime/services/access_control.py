@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Set
+from dataclasses import dataclass
 
 from ..base.address import JausAddress
 from ..base.clocks import Alarm
@@ -31,14 +32,12 @@ MAX_REQUESTERS = 256
 """Requesters that are counted at a time; a flood of false ones must not fill the memory."""
 
 
+@dataclass(slots=True)
 class _Count:
-    __slots__ = ("code", "number", "since", "waiting")
-
-    def __init__(self, loop: Loop) -> None:
-        self.code = -1
-        self.since = 0.0
-        self.number = 0
-        self.waiting = Alarm(loop)
+    waiting: Alarm
+    code: int = -1
+    since: float = 0.0
+    number: int = 0
 
 
 class Refusals:
@@ -80,7 +79,7 @@ class Refusals:
             self._counts = {a: c for a, c in lately if c.waiting.is_set or now < c.since + PERIOD}
             if len(self._counts) >= MAX_REQUESTERS:
                 return None
-        count = self._counts[requester] = _Count(self._loop)
+        count = self._counts[requester] = _Count(Alarm(self._loop))
         return count
 
 
@@ -123,8 +122,10 @@ class AccessControlService:
         component.handle(ReleaseControl, self._release)
         component.handle(SetAuthority, self._set_authority, when=Guard.CONTROLLED)
         component.provide(QueryControl, ReportControl, self._report_control)
-        component.provide(QueryAuthority, ReportAuthority, self._report_authority)
-        component.provide(QueryTimeout, ReportTimeout, self._report_timeout)
+        component.provide(
+            QueryAuthority, ReportAuthority, lambda *_: ReportAuthority(self.authority)
+        )
+        component.provide(QueryTimeout, ReportTimeout, lambda *_: ReportTimeout(self._timeout))
 
     @property
     def available(self) -> bool:
@@ -253,21 +254,8 @@ class AccessControlService:
     def _report_control(self, _query: Message, _sender: JausAddress) -> ReportControl:
         client = self.controller
         if client is None:
-            return ReportControl(
-                subsystem_id=0, node_id=0, component_id=0, authority_code=self.authority
-            )
-        return ReportControl(
-            subsystem_id=client.subsystem,
-            node_id=client.node,
-            component_id=client.component,
-            authority_code=self.authority,
-        )
-
-    def _report_authority(self, _query: Message, _sender: JausAddress) -> ReportAuthority:
-        return ReportAuthority(authority_code=self.authority)
-
-    def _report_timeout(self, _query: Message, _sender: JausAddress) -> ReportTimeout:
-        return ReportTimeout(timeout=self._timeout)
+            return ReportControl(authority_code=self.authority)
+        return ReportControl(client.subsystem, client.node, client.component, self.authority)
 
 
 def _nothing() -> None:

@@ -87,8 +87,6 @@ NO_COMMANDS = frozenset(
 
 @dataclass(slots=True, eq=False)
 class _Command:
-    """One command of one client, under way."""
-
     event_id: int
     client: JausAddress
     message: Message
@@ -105,10 +103,6 @@ class CommandEvents:
         self._component = component
         self._ids = ids
         self._commands: dict[int, _Command] = {}
-
-    def attach(self) -> None:
-        """Takes CreateCommandEvent, which came with Events v1.1."""
-        self._component.handle(CreateCommandEvent, self._create)
 
     def cancel(self, client: JausAddress, event_id: int) -> bool:
         """Forgets a client's command event; tells whether there was one."""
@@ -133,12 +127,15 @@ class CommandEvents:
         for command in list(self._commands.values()):
             self._finish(command, Result.UNSUCCESSFUL)
 
-    def _create(self, request: CreateCommandEvent, sender: JausAddress) -> None:
+    def create(self, request: CreateCommandEvent, sender: JausAddress) -> None:
+        """Executes a command and confirms the event of it, or rejects it."""
         try:
             handler, message = self._check(request.command_message, sender)
-            command = self._replaced(sender, message) or self._added(
-                sender, message, request.command_message, handler
-            )
+            command = self._replaced(sender, message)
+            if command is None:
+                event_id = self._ids.take(sender)
+                command = _Command(event_id, sender, message, request.command_message, handler)
+                self._commands[event_id] = command
         except RequestError as error:
             reject(self._component, sender, request.request_id, error)
             return
@@ -179,13 +176,6 @@ class CommandEvents:
                 self._detach(command)
                 return command
         return None
-
-    def _added(
-        self, client: JausAddress, message: Message, payload: bytes, handler: Handler
-    ) -> _Command:
-        event_id = self._ids.take(client)
-        command = self._commands[event_id] = _Command(event_id, client, message, payload, handler)
-        return command
 
     def _execute(self, command: _Command) -> None:
         handler = command.handler

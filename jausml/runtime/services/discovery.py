@@ -26,7 +26,6 @@ from .host import Host
 
 Catalog = Mapping[JausAddress, Sequence[ServiceIdentity]]
 
-
 MAX_LIST = 255  # entries that a list of a report holds
 
 INSTANCE_ID = 0
@@ -101,9 +100,7 @@ def _nodes(addresses: Iterable[JausAddress], catalog: Catalog) -> list[ReportSer
         ReportServices.NodeSeq(
             node_rec=ReportServices.NodeRec(node_id=node),
             component_list=[
-                ReportServices.ComponentSeq(
-                    component_rec=component_record(address), service_list=_records(catalog[address])
-                )
+                ReportServices.ComponentSeq(component_record(address), _records(catalog[address]))
                 for address in members
             ],
         )
@@ -182,7 +179,11 @@ class DiscoveryService:
         component.provide(QueryIdentification, ReportIdentification, self._identification)
         component.provide(QueryServices, ReportServices, self._services)
         if component.core_version("Discovery") >= VERSION_1_1:
-            component.provide(QueryServiceList, ReportServiceList, self._service_list)
+            component.provide(
+                QueryServiceList,
+                ReportServiceList,
+                lambda query, _: report_service_list(query, self._catalog()),
+            )
         if self._scope < Scope.COMPONENT:
             self._directory = component.part(optional_part("services.directory", "Directory"))
             return
@@ -202,9 +203,9 @@ class DiscoveryService:
         name = self._component.name
         if scope <= Scope.SUBSYSTEM:
             name = self._component.settings.subsystem_name or name
-        return ReportIdentification(
-            query_type=scope, type_=self._type(scope), identification=_latin(name)[:255]
-        )
+        # What a JAUS string cannot hold is replaced.
+        text = name.encode("latin-1", "replace").decode("latin-1")[:255]
+        return ReportIdentification(scope, self._type(scope), text)
 
     def _type(self, scope: Scope) -> int:
         known = self._component.component_type
@@ -223,9 +224,6 @@ class DiscoveryService:
         }
         return report_services(query, members, own)
 
-    def _service_list(self, query: QueryServiceList, _sender: JausAddress) -> ReportServiceList:
-        return report_service_list(query, self._catalog())
-
     def _catalog(self) -> Mapping[JausAddress, tuple[ServiceIdentity, ...]]:
         """Returns the services of whom it answers for."""
         own = {self._component.address: self._component.services}
@@ -237,8 +235,3 @@ class DiscoveryService:
 
 def _not_told(_query: Message, _sender: JausAddress) -> None:
     """Leaves what concerns others to a component that answers for them."""
-
-
-def _latin(name: str) -> str:
-    """Replaces what a JAUS string cannot hold."""
-    return name.encode("latin-1", "replace").decode("latin-1")

@@ -16,7 +16,6 @@ from .definitions import Guard
 
 _MOST_DROPS = 1024
 LONGEST_CALL = 0.5  # seconds after which the log tells that user code blocks
-M = TypeVar("M", bound=Message)
 Q = TypeVar("Q", bound=Message)
 R = TypeVar("R", bound=Message)
 Action = Callable[[Any, "JausAddress"], object]  # takes a decoded message and its sender
@@ -56,7 +55,6 @@ class Handler:
 
 
 def _name_of(function: Callable[..., Any]) -> str:
-    """Returns the name of a function for the log."""
     while isinstance(function, partial):
         function = function.func
     return str(getattr(function, "__qualname__", repr(function)))
@@ -204,9 +202,13 @@ class Router:
         if handler.takes_payload and self._allows(Guard.READY, sender):
             take(payload, sender)
             return
-        message = self._decode(handler.message_class, payload, sender)
-        guard = None if message is None else self.call(handler.guard_for, message)
-        if guard is None or message is None:
+        try:
+            message = handler.message_class.decode(payload)
+        except DecodeError as error:
+            self._count_bad(handler.message_class, sender, error)
+            return
+        guard = self.call(handler.guard_for, message)
+        if guard is None:
             return
         if guard is Guard.ANY or self._allows(guard, sender):
             take(payload, sender)
@@ -304,15 +306,6 @@ class Router:
             elapsed = self._stopwatch() - started
             if elapsed > LONGEST_CALL:
                 self._count_blocked(function, elapsed)
-
-    def _decode(
-        self, message_class: type[Message], payload: bytes, sender: JausAddress
-    ) -> Message | None:
-        try:
-            return message_class.decode(payload)
-        except DecodeError as error:
-            self._count_bad(message_class, sender, error)
-            return None
 
     # ---- counts -----------------------------------------------------------------------------
 

@@ -10,10 +10,10 @@ from typing import Any, TypeVar
 from ..base.address import JausAddress
 from ..base.budgets import Held, fair_rates, who_gives_way
 from ..base.clocks import Alarm, Timing
-from ..base.loop import Timer
 from ..messages import (
     CancelEvent,
     ConfirmEventRequest,
+    CreateCommandEvent,
     CreateEvent,
     Event,
     QueryEvents,
@@ -43,8 +43,6 @@ UNKNOWN_EVENT = RejectCode.ERROR_INVALID_EVENT_ID_FOR_UPDATE_EVENT_REQUEST
 
 @dataclass(frozen=True, slots=True)
 class _Setup:
-    """What a client asks for."""
-
     provision: Provision[Any, Any]
     query: Message
     payload: bytes
@@ -55,19 +53,17 @@ class _Setup:
 
 @dataclass(slots=True, eq=False)
 class _Event:
-    """One event of one client."""
-
     event_id: int
     client: JausAddress
     request_id: int
     setup: _Setup
     send: Callable[[bytes], None]
+    timer: Alarm
+    expiry: Alarm
     rate: float = 0.0
     sequence: int = 0
     last_report: bytes | None = None
     due: float = 0.0
-    timer: Timer | None = None
-    expiry: Timer | None = None
 
 
 _EVENT = struct.Struct("<HBBI")
@@ -112,9 +108,12 @@ class EventsService:
             QueryEvents, ReportEvents, self._report_events, periodic=False, every_change=False
         )
         if self._is_1_1:
-            self._commands.attach()
+            component.handle(CreateCommandEvent, self._commands.create)
             component.provide(
-                QueryEventTimeout, ReportEventTimeout, self._report_timeout, every_change=False
+                QueryEventTimeout,
+                ReportEventTimeout,
+                lambda *_: ReportEventTimeout(timeout=self._timeout),
+                every_change=False,
             )
 
     def report_changed(self, report_class: type[Message]) -> None:
@@ -190,12 +189,12 @@ class EventsService:
             query = provision.query_class.decode(payload)
         except DecodeError as error:
             raise RequestError(RejectCode.INVALID_EVENT_SETUP, f"bad query: {error}") from error
-        rate = self._nearest_rate(message.requested_periodic_rate) if periodic else 0.0
+        settings, rate = self._settings, 0.0
+        if periodic:
+            rate = max(message.requested_periodic_rate, settings.event_rate_min)
+            rate = min(rate, settings.event_rate_max)
         all_of_it = asks_for_all(query, provision.report_class)
         return _Setup(provision, query, payload, periodic, rate, all_of_it)
-
-    def _nearest_rate(self, rate: float) -> float:
-        return min(max(rate, self._settings.event_rate_min), self._settings.event_rate_max)
 
     def _find(self, client: JausAddress, payload: bytes) -> _Event | None:
         for event in self._events.values():
@@ -211,7 +210,8 @@ class EventsService:
 
     def _add(self, client: JausAddress, request_id: int, setup: _Setup) -> _Event:
         send = self._component.transport.sender(self._component.address, client)
-        event = _Event(self._ids.take(client), client, request_id, setup, send)
+        timers = Alarm(self._clock), Alarm(self._loop)
+        event = _Event(self._ids.take(client), client, request_id, setup, send, *timers)
         self._events[event.event_id] = event
         # Reports to a forged address hurt whoever is there.
         if not self._component.transport.is_proved(client):
@@ -221,15 +221,17 @@ class EventsService:
     def _apply(self, event: _Event, setup: _Setup, *, report: bool) -> None:
         """Confirms the request, then reports and (re)starts the timers."""
         # A renewal keeps the rhythm that it has.
-        rephase = event.timer is None or setup != event.setup
+        rephase = not event.timer.is_set or setup != event.setup
         event.setup = setup
         event.rate = self._first_rate(event)
         self._index()
-        self._restart_expiry(event)
+        if self._timeout:
+            # The timeout of Events is in minutes (AS5710).
+            event.expiry.set(60.0 * self._timeout, lambda: self._expire(event))
         # Before the first report, whose id the client must know.
         self._confirm(event.client, event.request_id, event.event_id, setup.rate)
         if rephase:
-            self._stop_timer(event)
+            event.timer.cancel()
             if setup.periodic:
                 event.due = self._clock.now()
                 self._schedule(event)
@@ -239,9 +241,8 @@ class EventsService:
     def _remove(self, event: _Event) -> None:
         del self._events[event.event_id]
         self._ids.give_back(event.event_id)
-        self._stop_timer(event)
-        if event.expiry is not None:
-            event.expiry.cancel()
+        event.timer.cancel()
+        event.expiry.cancel()
         self._index()
 
     def _index(self) -> None:
@@ -288,7 +289,6 @@ class EventsService:
         for event in self._events.values():
             if event.client == client and event.setup.periodic:
                 event.rate = self._first_rate(event)
-                self._stop_timer(event)
                 event.due = self._clock.now()
                 self._schedule(event)
         self._plan_shares()
@@ -337,7 +337,7 @@ class EventsService:
         """Sets the timer one period on; periods that were missed are skipped, not made up for."""
         period = 1.0 / event.rate
         event.due = max(event.due + period, self._clock.now())
-        event.timer = self._clock.call_at(event.due, lambda: self._tick(event))
+        event.timer.set_at(event.due, lambda: self._tick(event))
 
     def _tick(self, event: _Event) -> None:
         # The next one first: the provider is user code, and may end the event.
@@ -385,28 +385,13 @@ class EventsService:
 
     # ---- expiry -----------------------------------------------------------------------------
 
-    def _restart_expiry(self, event: _Event) -> None:
-        if event.expiry is not None:
-            event.expiry.cancel()
-        if self._timeout:
-            # The timeout of Events is in minutes (AS5710).
-            delay = 60.0 * self._timeout
-            event.expiry = self._loop.call_later(delay, lambda: self._expire(event))
-
     def _expire(self, event: _Event) -> None:
         self._component.counters.add("events.expired")
         self._end(event)
 
     def _end(self, event: _Event) -> None:
-        """Ends an event and tells its client."""
         self._remove(event)
         self._confirm(event.client, event.request_id, event.event_id)
-
-    @staticmethod
-    def _stop_timer(event: _Event) -> None:
-        if event.timer is not None:
-            event.timer.cancel()
-            event.timer = None
 
     # ---- answers ----------------------------------------------------------------------------
 
@@ -430,11 +415,6 @@ class EventsService:
                 if _selects(query, event)
             ]
         )
-
-    def _report_timeout(
-        self, _query: QueryEventTimeout, _sender: JausAddress
-    ) -> ReportEventTimeout:
-        return ReportEventTimeout(timeout=self._timeout)
 
 
 def _selects(query: QueryEvents, event: _Event) -> bool:

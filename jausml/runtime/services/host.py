@@ -30,7 +30,6 @@ Q = TypeVar("Q", bound=Message)
 R = TypeVar("R", bound=Message)
 P = TypeVar("P")
 
-
 GREETING_PATIENCE = 3
 """Greetings without an answer after which somebody is told, once in each silence."""
 

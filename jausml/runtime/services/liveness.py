@@ -5,7 +5,6 @@ from __future__ import annotations
 from ..base.address import BROADCAST, WILDCARD_COMPONENT, WILDCARD_NODE, JausAddress
 from ..base.clocks import Alarm
 from ..messages import QueryHeartbeatPulse, ReportHeartbeatPulse
-from ..wire.message import Message
 from .definitions import CORE, Scope
 from .host import Host
 
@@ -36,7 +35,9 @@ class LivenessService:
         """Takes the messages of Liveness."""
         # The search for a Discovery server is heard as well.
         self._speaks_first = not self._component.settings.register_services
-        self._component.provide(QueryHeartbeatPulse, ReportHeartbeatPulse, _pulse)
+        self._component.provide(
+            QueryHeartbeatPulse, ReportHeartbeatPulse, lambda *_: ReportHeartbeatPulse()
+        )
 
     def start(self) -> None:
         """Begins to send unrequested heartbeats if any are wanted, or at least be heard once.
@@ -56,7 +57,3 @@ class LivenessService:
     def _beat(self) -> None:
         self._timer.set(1.0 / self._rate, self._beat)
         self._component.send(ReportHeartbeatPulse(), self._audience)
-
-
-def _pulse(_query: Message, _sender: JausAddress) -> ReportHeartbeatPulse:
-    return ReportHeartbeatPulse()

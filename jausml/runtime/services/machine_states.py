@@ -23,8 +23,6 @@ _LONGEST_NAME = 255
 
 
 class _Times:
-    """The present state of one machine, and the states that it was in."""
-
     def __init__(self, service: str, machine: str, clock: Callable[[], float]) -> None:
         self._names = _jaus_string(service), _jaus_string(machine)
         self._clock = clock

@@ -33,7 +33,6 @@ PASSIVE = (Status.EMERGENCY, Status.FAILURE, Status.SHUTDOWN)
 MAX_EMERGENCY_CLIENTS = 1024
 """Senders whose emergencies are remembered; a flood of false ones must not fill the memory."""
 
-
 ABSENT_S = 10.0
 """Seconds of silence after which somebody at the robot may lift an emergency of a client."""
 
@@ -68,12 +67,12 @@ class ManagementService:
         """Takes the messages of Management."""
         component = self._component
         component.handle(Resume, self._resume, when=Guard.CONTROLLED)
-        component.handle(Standby, self._standby, when=Guard.CONTROLLED)
+        component.handle(Standby, lambda *_: self.stand_by(), when=Guard.CONTROLLED)
         component.handle(Shutdown, self._shutdown, when=self._who_ends)
         component.handle(Reset, self._reset, when=self._who_ends)
         component.handle(SetEmergency, self._set_emergency)
         component.handle(ClearEmergency, self._clear_emergency)
-        component.provide(QueryStatus, ReportStatus, self._report_status)
+        component.provide(QueryStatus, ReportStatus, lambda *_: ReportStatus(self.status))
 
     def watch_emergency(self, message_class: type[Message], take: Take) -> None:
         """Gives an action SetEmergency when an emergency has begun, ClearEmergency when it ended.
@@ -128,9 +127,6 @@ class ManagementService:
         """Leaves Ready for Standby and tells the controller that there is no control to have."""
         self.stand_by()
         self._access.drop(Reject.NOT_AVAILABLE)
-
-    def _standby(self, _message: Standby, _sender: JausAddress) -> None:
-        self.stand_by()
 
     def _who_ends(self, _message: Message) -> Guard:
         """Returns who may send Shutdown and Reset now.
@@ -272,6 +268,3 @@ class ManagementService:
         # A hook may have reported a failure meanwhile.
         self._component.permit_control(self.status not in PASSIVE)
         self._component.report_changed(ReportStatus)
-
-    def _report_status(self, _query: Message, _sender: JausAddress) -> ReportStatus:
-        return ReportStatus(status=self.status, reserved=0)

@@ -108,9 +108,6 @@ class AddressBook:
         self._configured: dict[JausAddress, Entry] = {}
         self.learnt: OrderedDict[int, Entry] = OrderedDict()  # the one silent longest first
 
-    def __len__(self) -> int:
-        return len(self.learnt)
-
     def configure(self, entries: Mapping[JausAddress, Endpoint]) -> None:
         """Adds configured endpoints; host names are resolved here, once.
 

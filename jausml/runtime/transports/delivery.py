@@ -30,30 +30,6 @@ class Arrival:
     origin: object = None
 
 
-class PeerTraffic(NamedTuple):
-    """What a component of this process and another one have exchanged so far.
-
-    A message is one packet or, if it is large, several; acknowledgements are not counted. What the
-    numbers of the peer tell (``Account``) is exact if it numbers what it sends by destination, as
-    components of jausml do, or talks to this component alone. Else ``lost`` is an upper bound.
-    """
-
-    own: JausAddress
-    peer: JausAddress
-    sent: int = 0
-    acknowledged: int = 0
-    acknowledged_late: int = 0  # messages that were acknowledged when they had been given up
-    answered: int = 0  # messages whose answer came, and no acknowledgement
-    unacknowledged: int = 0  # messages that never were, though they may have arrived
-    came: int = 0
-    lost: int = 0  # packets of the peer that were lost on the way
-    late: int = 0
-    doubled: int = 0
-    repeated: int = 0
-    restarts: int = 0
-    is_exact: bool = False  # whether the peer is known not to number for all whom it talks to
-
-
 class Double(NamedTuple):
     """Another component that was heard with the address of one of this process."""
 
@@ -99,8 +75,6 @@ def _is_before(number: int, other: int) -> bool:
 
 
 class _Latest(NamedTuple):
-    """The latest message of a source."""
-
     number: int
     at: float
     origin: object

@@ -115,9 +115,6 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
         if line is not None and line.connection is not None:
             self._announce(line.connection)
 
-    def _detach(self, address: JausAddress) -> None:
-        self._inbox.detach(address)
-
     def _messenger_of(self, source: JausAddress) -> Messenger[TcpConnection]:
         del source  # one for all components
         return self._messenger

@@ -13,8 +13,8 @@ from ..base.counters import LOGGER, Counters
 from ..base.loop import Loop
 from ..base.quirks import Learnt, Quirks
 from ..base.settings import Endpoint, TransportSettings
-from .delivery import Arrival, Double, OnResult, PeerTraffic, Take, report
-from .packets.messenger import Messenger
+from .delivery import Arrival, Double, OnResult, Take, report
+from .packets.messenger import Messenger, PeerTraffic
 from .packets.packet import Priority
 
 
@@ -59,7 +59,7 @@ class Transport(ABC):
         """Returns who else was heard with the address of a component, None when nobody was."""
         with self.loop.lock:
             messenger = self._messenger_of(address)
-            return None if messenger is None else messenger.inbox.double_of(address)
+            return None if messenger is None else messenger.inbox.doubles.get(address)
 
     def traffic(self, address: JausAddress) -> list[PeerTraffic]:
         """Returns what a component has exchanged with each other one, in packets."""
@@ -188,9 +188,10 @@ class Transport(ABC):
     def _attach(self, address: JausAddress, take: Take) -> None:
         """Attaches a component; see ``attach``, which holds the lock."""
 
-    @abstractmethod
     def _detach(self, address: JausAddress) -> None:
-        """Detaches a component; see ``detach``, which holds the lock."""
+        messenger = self._messenger_of(address)
+        if messenger is not None:
+            messenger.inbox.detach(address)
 
     @abstractmethod
     def _messenger_of(self, source: JausAddress) -> Messenger[Any] | None:
@@ -223,21 +224,21 @@ class PeerAccount(NamedTuple):
 
     def counts(self) -> dict[str, int]:
         """Returns the counts by the names that people see."""
-        traffic = self.traffic
+        account, outcome = self.traffic.account, self.traffic.outcome
         return {
-            "sent by it": traffic.came + traffic.lost,
-            "came": traffic.came,
-            "lost on the way, at most": traffic.lost,
-            "came late": traffic.late,
-            "came twice": traffic.doubled,
-            "came again": traffic.repeated,
-            "began anew": traffic.restarts,
+            "sent by it": account.came + account.lost,
+            "came": account.came,
+            "lost on the way, at most": account.lost,
+            "came late": account.late,
+            "came twice": account.doubled,
+            "came again": account.repeated,
+            "began anew": account.restarts,
             **{f"dropped: {reason}": count for reason, count in sorted(self.drops.items())},
-            "sent to it": traffic.sent,
-            "acknowledged": traffic.acknowledged,
-            "acknowledged late": traffic.acknowledged_late,
-            "answered, not acknowledged": traffic.answered,
-            "not acknowledged": traffic.unacknowledged,
+            "sent to it": self.traffic.sent,
+            "acknowledged": outcome.acknowledged,
+            "acknowledged late": outcome.late,
+            "answered, not acknowledged": outcome.answered,
+            "not acknowledged": outcome.unacknowledged,
         }
 
     def facts(self) -> list[tuple[str, str]]:
@@ -246,7 +247,7 @@ class PeerAccount(NamedTuple):
         quirks = [
             (quirk.quirk.does, f"{quirk.how}: {quirk.quirk.instead}") for quirk in self.quirks
         ]
-        numbered = ("numbered", _EXACT if self.traffic.is_exact else _NOT_KNOWN)
+        numbered = ("numbered", _EXACT if self.traffic.account.is_exact else _NOT_KNOWN)
         return [*counts, numbered, *quirks]
 
     def __str__(self) -> str:

@@ -3,16 +3,9 @@
 Nothing of it is imported by what runs on a robot.
 """
 
-from .graph import GraphSubscription, RosGraph
-from .network import Link, VirtualTransport
-from .node import VirtualRosNode
-from .world import VirtualWorld
-
-__all__ = [
-    "GraphSubscription",
-    "Link",
-    "RosGraph",
-    "VirtualRosNode",
-    "VirtualTransport",
-    "VirtualWorld",
-]
+from .graph import GraphSubscription as GraphSubscription
+from .graph import RosGraph as RosGraph
+from .network import Link as Link
+from .network import VirtualTransport as VirtualTransport
+from .node import VirtualRosNode as VirtualRosNode
+from .world import VirtualWorld as VirtualWorld

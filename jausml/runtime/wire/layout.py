@@ -103,7 +103,6 @@ def _field(name: str, declared: Any) -> _Field:
 
 
 def _parts(members: Sequence[_Field]) -> list[_Part]:
-    """Returns the parts of some fields, in order."""
     parts: list[_Part] = []
     run: list[_Field] = []
     for field in members:
@@ -179,7 +178,6 @@ def _with_presence(
 
 
 def _scalars(run: Sequence[_Field]) -> _Part:
-    """Returns scalars that are packed together."""
     packer = struct.Struct("<" + "".join(field.kind.format for field in run))
     pack, unpack_from, size = packer.pack, packer.unpack_from, packer.size
     puts = [(field.name, field.kind.put) for field in run]

@@ -15,7 +15,8 @@ from jausml.runtime.base.counters import Counters
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.quirks import Quirks
 from jausml.runtime.services.definitions import Completion
-from jausml.runtime.transports.delivery import Arrival, OnResult, PeerTraffic, Take
+from jausml.runtime.transports.delivery import Arrival, OnResult, Take
+from jausml.runtime.transports.packets.messenger import PeerTraffic
 from jausml.runtime.transports.packets.packet import Priority
 from jausml.runtime.wire.message import Message
 

@@ -91,7 +91,7 @@ class ReceivePath:
     def check_bounds(self) -> None:
         """Checks that what is kept is bounded, and that no fragment got lost."""
         inbox = self.transport.inbox
-        assert len(self.transport.address_book) <= 1024
+        assert len(self.transport.address_book.learnt) <= 1024
         assert len(inbox.duplicates) <= 256 * SETTINGS.duplicate_history
         assert inbox.reassembly.size <= 4 * SETTINGS.reassembly_limit
         counts = self.loop.counters.snapshot()

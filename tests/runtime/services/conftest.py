@@ -13,7 +13,8 @@ from jausml.runtime.base.counters import Counters
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.quirks import Quirks
 from jausml.runtime.messages import digital_resources, machine_states
-from jausml.runtime.transports.delivery import MESSAGE_CODE_SIZE, Arrival, PeerTraffic, Take
+from jausml.runtime.transports.delivery import MESSAGE_CODE_SIZE, Arrival, Take
+from jausml.runtime.transports.packets.messenger import PeerTraffic
 from jausml.runtime.transports.packets.packet import Priority
 from jausml.runtime.wire.message import DecodeError, Message
 

@@ -25,7 +25,9 @@ from jausml.runtime.messages import (
     Resume,
     SetTime,
 )
-from jausml.runtime.transports.delivery import PeerTraffic
+from jausml.runtime.transports.packets.duplicates import Account
+from jausml.runtime.transports.packets.messenger import PeerTraffic
+from jausml.runtime.transports.packets.outbox import Outcome
 from jausml.runtime.transports.transport import MOST_PEERS
 
 from .bridge_support import (
@@ -390,7 +392,7 @@ def test_latency_of_messages_with_a_time_stamp(world, setting):
 def test_percentiles_are_of_the_latest_messages():
     latency = Latency(lambda _data, _origin: None, time.perf_counter)
     for number in range(3 * WINDOW):
-        latency._handling.append(number * 1000)
+        latency._handling.append(number / 1e6)
     assert latency.describe() == [
         ("in the bridge p50 (us)", f"{2 * WINDOW + (WINDOW - 1) // 2}.0"),
         ("in the bridge p99 (us)", f"{2 * WINDOW + (WINDOW - 1) * 99 // 100}.0"),
@@ -398,18 +400,23 @@ def test_percentiles_are_of_the_latest_messages():
     ]
 
 
+def exchanged(came, lost, *, is_exact=False, **outcome):
+    account = Account(came=came, is_exact=is_exact, _gone=lost)
+    return [PeerTraffic(OWN, PEER, 40, Outcome(**outcome), account)]
+
+
 def test_each_peer_has_an_account(world, setting):
     setting.open(event())
-    world.exchanged = [PeerTraffic(OWN, PEER, 40, acknowledged=3, came=70, lost=30)]
+    world.exchanged = exchanged(came=70, lost=30, acknowledged=3)
     world.run(1.1)
     status = setting.ros.statuses[-1]["account of 1.1.1"]
     assert (status.level, status.message) == ("ok", "30.0 % were lost on the way lately, at most")
     assert values(status)["sent by it"] == "100"
     assert values(status)["lost on the way, at most"] == "30"
     assert values(status)["acknowledged"] == "3"
-    world.exchanged = [PeerTraffic(OWN, PEER, 40, came=90, lost=30)]
+    world.exchanged = exchanged(came=90, lost=30)
     world.run(LATELY + 1.1)
-    world.exchanged = [PeerTraffic(OWN, PEER, 40, came=100, lost=30)]
+    world.exchanged = exchanged(came=100, lost=30)
     world.run(1.1)
     status = setting.ros.statuses[-1]["account of 1.1.1"]
     assert status.message == "nothing was lost lately"
@@ -419,7 +426,7 @@ def test_each_peer_has_an_account(world, setting):
 
 def test_what_a_peer_does_otherwise_is_told_with_its_account(world, setting):
     setting.open(event())
-    world.exchanged = [PeerTraffic(OWN, PEER, 40, answered=3)]
+    world.exchanged = exchanged(came=0, lost=0, answered=3)
     world.quirks.learn(PEER, Quirk.NO_ACKNOWLEDGEMENTS, "3 answers")
     world.run(1.1)
     told = values(setting.ros.statuses[-1]["account of 1.1.1"])
@@ -429,9 +436,9 @@ def test_what_a_peer_does_otherwise_is_told_with_its_account(world, setting):
 
 def test_few_peers_are_told_of_and_those_with_a_place_first(world, setting):
     setting.open(event())
-    strangers = [PeerTraffic(OWN, JausAddress(7, 1, 1 + number), came=1) for number in range(50)]
+    strangers = [PeerTraffic(OWN, JausAddress(7, 1, 1 + number)) for number in range(50)]
     world.keep_place(OWN, OTHER)
-    world.exchanged = [PeerTraffic(OWN, OTHER, came=1), *strangers]
+    world.exchanged = [PeerTraffic(OWN, OTHER), *strangers]
     world.run(1.1)
     told = [name for name in setting.ros.statuses[-1] if name.startswith("account of ")]
     assert len(told) == MOST_PEERS
@@ -444,7 +451,7 @@ def test_few_peers_are_told_of_and_those_with_a_place_first(world, setting):
 )
 def test_much_that_surely_was_lost_is_a_warning(world, setting, came, lost, level):
     setting.open(event())
-    world.exchanged = [PeerTraffic(OWN, PEER, came=came, lost=lost, is_exact=True)]
+    world.exchanged = exchanged(came, lost, is_exact=True)
     world.run(1.1)
     status = setting.ros.statuses[-1]["account of 1.1.1"]
     share = 100 * lost / (came + lost)

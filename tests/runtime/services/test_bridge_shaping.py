@@ -14,8 +14,7 @@ from jausml.language.semantics.connections import limits
 from jausml.runtime import Guard, Shape
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.bridge.bridge import Bridge
-from jausml.runtime.bridge.connections.ages import jaus_age, ros_age
-from jausml.runtime.bridge.connections.shaping import Shaping
+from jausml.runtime.bridge.connections.shaping import Shaping, jaus_age, ros_age
 from jausml.runtime.bridge.connections.to_reports import TopicsToReport
 from jausml.runtime.bridge.ends import parameters
 from jausml.runtime.bridge.ends.topics import Qos, Topic
@@ -173,7 +172,7 @@ def test_age_by_a_stamp_goes_before_that_of_the_publication():
 
 def test_age_of_jaus_messages():
     ros = Ros()
-    age = jaus_age(SetTime, ros)
+    age = jaus_age(SetTime, ros.now)
     now = ros.now()
     sent = time_to_timestamp(Time(now.sec - 3, 500_000_000))
     stamped = SetTime(
@@ -188,7 +187,9 @@ def test_age_of_jaus_messages():
     assert age(stamped.encode(), PEER) == 2.5
     assert age(SetTime().encode(), PEER) is None
     assert age(b"", PEER) is None
-    assert jaus_age(ReportEventTimeout, ros)(ReportEventTimeout(timeout=1).encode(), PEER) is None
+    assert (
+        jaus_age(ReportEventTimeout, ros.now)(ReportEventTimeout(timeout=1).encode(), PEER) is None
+    )
 
 
 def test_what_waits_longer_than_it_may_is_too_old(world, setting):

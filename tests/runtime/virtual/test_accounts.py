@@ -60,7 +60,7 @@ def test_each_of_three_receivers_knows_what_it_lost(world, way):
     world.run_for(0.1)
     for index, (address, transport) in enumerate(receivers.items()):
         sent = between(sender, FIRST, address).sent
-        account = between(transport, address, FIRST)
+        account = between(transport, address, FIRST).account
         assert sent == 251 * (index + 1)
         assert account.came == len({payload for payload in came[address] if payload[2:]})
         assert account.came + account.lost == sent
@@ -85,7 +85,7 @@ def test_both_ends_of_a_conversation_add_up(world):
     world.run_for(5.0)
     assert len(answers) > 50
     for own, peer in ((FIRST, SECOND), (SECOND, FIRST)):
-        account = between(transports[own], own, peer)
+        account = between(transports[own], own, peer).account
         assert account.lost > 10
         assert account.came + account.lost == between(transports[peer], peer, own).sent
         lost = transports[peer].lost[peer, own]
@@ -106,7 +106,8 @@ def test_what_is_acknowledged_is_counted_where_it_was_sent(world):
     sender.send(FIRST, SECOND, b"\x02\x40", acknowledge=True)
     world.run_for(10.0)
     traffic = between(sender, FIRST, SECOND)
-    assert (traffic.sent, traffic.acknowledged, traffic.unacknowledged) == (4, 3, 1)
+    assert traffic.sent == 4
+    assert (traffic.outcome.acknowledged, traffic.outcome.unacknowledged) == (3, 1)
 
 
 def test_what_is_acknowledged_over_a_long_way_is_late_and_not_lost(world):
@@ -125,15 +126,12 @@ def test_what_is_acknowledged_over_a_long_way_is_late_and_not_lost(world):
     receiver.cut()
     sender.send(FIRST, SECOND, b"\x02\x40", acknowledge=True)
     world.run_for(10.0)
-    traffic = between(sender, FIRST, SECOND)
-    assert (traffic.acknowledged, traffic.acknowledged_late) == (
-        0,
-        100 - traffic.unacknowledged + 1,
-    )
+    outcome = between(sender, FIRST, SECOND).outcome
+    assert (outcome.acknowledged, outcome.late) == (0, 100 - outcome.unacknowledged + 1)
     # The last one, and those whose acknowledgements were under way when the way was cut.
-    assert 1 <= traffic.unacknowledged < 20
+    assert 1 <= outcome.unacknowledged < 20
     assert results == [False] * 100
-    assert world.counters.drops()["transport.unacknowledged"] == traffic.unacknowledged
+    assert world.counters.drops()["transport.unacknowledged"] == outcome.unacknowledged
 
 
 def test_an_account_names_what_was_refused_and_not_known(world):

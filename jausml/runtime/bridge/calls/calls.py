@@ -213,7 +213,6 @@ class Calls(Generic[CallT, AskingT]):
             raise CallFailedError(str(error)) from error
 
     def _send(self, payload: bytes, peer: JausAddress, *, acknowledge: bool = False) -> None:
-        """Sends a JAUS message."""
         component = self._ends.component
         component.transport.send(
             component.address, peer, payload, priority=self._priority, acknowledge=acknowledge

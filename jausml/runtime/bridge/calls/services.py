@@ -80,7 +80,6 @@ class RosServiceToJaus(Calls[ServedCall, "CallTranslation | Message"]):
 
     @property
     def _answers(self) -> list[type[Message]]:
-        """The messages that answer."""
         answer = self._response
         usual = answer.message if isinstance(answer, CallTranslation) else answer
         return [*([] if usual is None else [usual]), *self._rejections.values()]

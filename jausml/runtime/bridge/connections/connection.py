@@ -19,11 +19,10 @@ from ..ends import parameters
 from ..ends.ends import Ends
 from ..light_message import is_light
 from ..messages.compiled import compiled_of
-from ..reports.diagnostics import Latency
+from ..reports.diagnostics import Age, Latency
 from ..reports.states import StopReason
-from .ages import Age, Backlog
 from .reporting import Reporting
-from .shaping import Shape, Shaping
+from .shaping import Backlog, Shape, Shaping
 from .translations import (
     Form,
     Joined,
@@ -99,8 +98,8 @@ class Connection(Reporting, Generic[SourceT, TargetT]):
         """
         raise NotImplementedError
 
-    def age(self, data: bytes, origin: Any) -> int | None:
-        """Returns the age of a message that arrives now in nanoseconds, None if it has no stamp."""
+    def age(self, data: bytes, origin: Any) -> float | None:
+        """Returns the age of a message that arrives now in seconds, None if it has no stamp."""
         raise NotImplementedError
 
     def waited(self, origin: Any) -> float | None:  # noqa: ARG002

@@ -11,9 +11,9 @@ from ...wire.message import Message
 from ..ends import parameters
 from ..ends.ends import Ends, SharedFeed
 from ..ends.topics import Topic, TopicFault
-from ..reports.diagnostics import FILTERED, LOST_IN_QUEUE, MISSED, TOO_OLD, age_of_time
-from .ages import Age, ros_age
+from ..reports.diagnostics import FILTERED, LOST_IN_QUEUE, MISSED, TOO_OLD, Age
 from .connection import Connection, Take
+from .shaping import ros_age
 from .translations import Form, NamedPlaces, ros_decoder, uses_ros_classes
 
 SourceT = TypeVar("SourceT")
@@ -147,9 +147,9 @@ class FromTopics(Connection[SourceT, TargetT]):
         """Encodes a JAUS message."""
         return target.encode()
 
-    def age(self, data: bytes, origin: Any) -> int | None:  # noqa: ARG002
+    def age(self, data: bytes, origin: Any) -> float | None:  # noqa: ARG002
         """Returns the age of a message by the stamp of its publisher."""
-        return age_of_time(origin, self._ends.loop.wall())
+        return (self._ends.loop.wall() - origin) / 1e9 if origin else None
 
     def make_age(self) -> Age:
         """Returns what tells the age of a message by its stamp, or that of its publisher."""

@@ -208,7 +208,6 @@ class Reporting(Stopping):
         )
 
     def _describe_joins(self) -> list[tuple[str, str]]:
-        """What is joined and the age of its latest message."""
         return [
             (f"join {join.name} age (s)", "never" if join.age is None else f"{join.age:.3f}")
             for join in self._joined

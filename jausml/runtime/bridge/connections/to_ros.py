@@ -10,17 +10,17 @@ from typing import Any, Concatenate, TypeVar
 from ...base.address import JausAddress
 from ...base.fast_path import FastPath, through
 from ...clients.peer_binding import PeerBinding, Search
+from ...conversions import Time
 from ...services.definitions import Guard, Status
 from ...wire.message import Message
 from ..ends import parameters
 from ..ends.ends import Ends, Taker
 from ..ends.ros_side import RosPublisher
 from ..ends.topics import Topic, TopicFault
-from ..reports.diagnostics import FILTERED, UNHEARD, age_of_stamp
+from ..reports.diagnostics import FILTERED, UNHEARD, Age
 from ..reports.states import Standing, StopReason
-from .ages import Age, jaus_age
 from .connection import Connection, Take
-from .shaping import RateCap
+from .shaping import RateCap, jaus_age
 from .translations import Form, Transcode, ros_encoder
 
 SourceT = TypeVar("SourceT", bound="Message")
@@ -160,13 +160,14 @@ class ToTopics(Connection[SourceT, TargetT]):
 
         return through(take, find)
 
-    def age(self, data: bytes, origin: Any) -> int | None:  # noqa: ARG002
+    def age(self, data: bytes, origin: Any) -> float | None:
         """Returns the age of a message with a TimeStamp."""
-        return age_of_stamp(self._message.decode(data), self._ends.loop.wall())
+        wall = Time(*divmod(self._ends.loop.wall(), 10**9))
+        return jaus_age(self._message, lambda: wall)(data, origin)
 
     def make_age(self) -> Age:
         """Returns what tells the age of a message by its TimeStamp."""
-        return jaus_age(self._message, self._ends.ros)
+        return jaus_age(self._message, self._ends.ros.now)
 
     def _join(self, peer: JausAddress) -> None:
         """Begins with a peer; by default nothing is to be asked of it."""
@@ -209,7 +210,6 @@ class ToTopics(Connection[SourceT, TargetT]):
         return True
 
     def _note_refused(self, error: Exception) -> None:
-        """Counts a message that ROS does not publish."""
         self.drop(NOT_PUBLISHED, repr(error), error)
 
     def losses(self) -> dict[str, int]:
@@ -227,7 +227,6 @@ class ToTopics(Connection[SourceT, TargetT]):
         return [*self._peers.describe(), *named]
 
     def _state_of(self, peer: JausAddress) -> str:  # noqa: ARG002
-        """How it stands with a peer, for diagnostics."""
         return "source"
 
 

@@ -217,7 +217,6 @@ class FastSide:
         return [(descriptor, EPOLLIN) for descriptor in ready]
 
     def _settle(self) -> None:
-        """Writes down what has passed."""
         if not self._has_passed:
             return
         waited = self._waited

@@ -10,16 +10,17 @@ from typing import Any, TypeVar
 
 from ...base.address import JausAddress
 from ...base.counters import Counters
-from ...conversions import ConversionError, Time, timestamp_to_time
+from ...conversions import ConversionError
 from ...services.definitions import Status
 from ...services.host import GREETING_PATIENCE
 from ...transports.delivery import Double
-from ...wire.message import DecodeError, EncodeError, Message
+from ...wire.message import DecodeError, EncodeError
 from ..messages import limits
 from .states import Standing, StopReason
 
 Take = Callable[[bytes, Any], None]
-Age = Callable[[bytes, Any], "int | None"]
+Age = Callable[[bytes, Any], "float | None"]
+"""Returns the seconds since a message with its origin was made; None when nothing tells them."""
 
 
 LOST_IN_QUEUE = "lost_in_queue"
@@ -142,14 +143,14 @@ class Latency:
     def __init__(self, age: Age, clock: Callable[[], float]) -> None:
         self._clock = clock
         self._age = age
-        self._ages: deque[int] = deque(maxlen=WINDOW)
-        self._handling: deque[int] = deque(maxlen=WINDOW)
+        self._ages: deque[float] = deque(maxlen=WINDOW)
+        self._handling: deque[float] = deque(maxlen=WINDOW)
 
     def measure(self, pass_on: Take, data: bytes, origin: Any, counts: Statistics) -> None:
         """Has a message passed on, and notes how long that took if it was."""
         begun, passed = self._clock(), counts.passed
         pass_on(data, origin)
-        handling = round((self._clock() - begun) * 1e9)
+        handling = self._clock() - begun
         if counts.passed > passed:
             self._handling.append(handling)
             age = self._age(data, origin)
@@ -164,30 +165,13 @@ class Latency:
         ]
 
 
-def _percentiles(name: str, nanoseconds: Sequence[int]) -> list[tuple[str, str]]:
-    ranked = sorted(nanoseconds)
+def _percentiles(name: str, seconds: Sequence[float]) -> list[tuple[str, str]]:
+    ranked = sorted(seconds)
     if not ranked:
         return []
     last = len(ranked) - 1
     shown = (("p50", last * 50 // 100), ("p99", last * 99 // 100), ("max", last))
-    return [(f"{name} {word} (us)", f"{ranked[rank] / 1000:.1f}") for word, rank in shown]
-
-
-def age_of_stamp(message: Message, now: int) -> int | None:
-    """Returns the nanoseconds since a JAUS message was stamped; None if it has no TimeStamp."""
-    stamp = getattr(message, "time_stamp", None)
-    if stamp is None:
-        return None
-    try:
-        sent = timestamp_to_time(stamp, near=Time(*divmod(now, 10**9)))
-    except ConversionError:
-        return None
-    return now - sent.sec * 10**9 - sent.nanosec
-
-
-def age_of_time(nanoseconds: int, now: int) -> int | None:
-    """Returns the nanoseconds since a ROS message was published; None if nobody knows."""
-    return now - nanoseconds if nanoseconds else None
+    return [(f"{name} {word} (us)", f"{ranked[rank] * 1e6:.1f}") for word, rank in shown]
 
 
 T = TypeVar("T")

@@ -269,7 +269,6 @@ class NodeTopics:
     def _new_handle(
         self, kind: Any, rclpy_class: type[Any], topic: Topic, health: EndpointHealth
     ) -> Any:
-        """Returns the handle of a new publisher or subscription."""
         check_is_valid_msg_type(rclpy_class)
         with as_parameter_error(f"topic {topic.name!a}: "), self._node.handle:
             profile = profile_of(health.qos).get_c_qos_profile()
@@ -307,7 +306,6 @@ class NodeTopics:
     # ------------------------------------------------------------------ waiting
 
     def _chosen(self, waiting: WaitingName, context: Any, loop: Loop) -> Listener | WaitSets:
-        """Returns what waits."""
         if waiting == "wait-set":
             return WaitSets(loop, context)
         try:

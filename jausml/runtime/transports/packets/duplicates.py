@@ -65,11 +65,6 @@ class Account:
         """Packets that were sent and have not come so far."""
         return self._gone + self._missing.bit_count()
 
-    @property
-    def sent(self) -> int:
-        """Packets that were sent, as far as those that came tell."""
-        return self.came + self.lost
-
     def look(self, numbers: Numbers) -> None:
         """Counts the packets that came since the last look, by numbers in the order of arrival."""
         # From the newest back to those that are counted, as the memory is long.

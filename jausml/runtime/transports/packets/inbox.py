@@ -103,7 +103,8 @@ class Inbox(Generic[Origin]):
         )
         self._flagless = FlaglessMessages(settings.reassembly_timeout)
         self._expiry = Alarm(loop)  # set while incomplete messages are watched
-        self._doubles: dict[JausAddress, Double] = {}
+        # Who else was heard with the address of a component of this process.
+        self.doubles: dict[JausAddress, Double] = {}
         self.receivers: dict[JausAddress, Take] = {}
         """Components of this process; replaced when it changes, so any thread may read it."""
         self.proves: Callable[[int, int], bool] = lambda _by, _sequence: False
@@ -139,16 +140,12 @@ class Inbox(Generic[Origin]):
             self._counters.count("transport.bad_source", f"{source} at {origin}")
         return True
 
-    def double_of(self, address: JausAddress) -> Double | None:
-        """Returns who else was heard with the address of a component of this process."""
-        return self._doubles.get(address)
-
     def _note_double(self, source: JausAddress, origin: Origin) -> None:
         """Tells once, as an error, that somebody else has the address of a component here."""
-        known = self._doubles.get(source)
+        known = self.doubles.get(source)
         place = ":".join(map(str, origin)) if isinstance(origin, tuple) else str(origin)
         first = HostClock(self._loop).utc() if known is None else known.first_heard
-        double = self._doubles[source] = Double(source, place, first, self._loop.now())
+        double = self.doubles[source] = Double(source, place, first, self._loop.now())
         if known is None:
             LOGGER.error("%s", double)
         # The error was logged once; somebody who keeps talking must not fill the log.

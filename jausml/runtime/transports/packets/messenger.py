@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Generic
 
@@ -11,23 +12,32 @@ from ...base.counters import LOGGER
 from ...base.loop import Loop
 from ...base.quirks import Quirk, Quirks
 from ...base.settings import MAX_FRAGMENT_SIZE, TransportSettings
-from ..delivery import (
-    MESSAGE_CODE_SIZE,
-    Carrier,
-    OnResult,
-    Origin,
-    PeerTraffic,
-    ReliableCarrier,
-    report,
-)
+from ..delivery import MESSAGE_CODE_SIZE, Carrier, OnResult, Origin, ReliableCarrier, report
+from .duplicates import Account
 from .inbox import Inbox
-from .outbox import Outbox
+from .outbox import Outbox, Outcome
 from .outgoing import Packetizer
 from .packet import AckNak, Broadcast, DataFlags, Packet, Priority
 
 AT_ONCE = 10  # packets that a receiver takes in one go
 PER_SECOND = 8000  # packets that it takes in a second
 _MAX_DESTINATIONS = 256
+
+
+@dataclass
+class PeerTraffic:
+    """What a component of this process and another one have exchanged so far.
+
+    A message is one packet or, if it is large, several; acknowledgements are not counted. What the
+    numbers of the peer tell is exact if it numbers what it sends by destination, as components of
+    jausml do, or talks to this component alone. Else what was lost is an upper bound.
+    """
+
+    own: JausAddress
+    peer: JausAddress
+    sent: int = 0
+    outcome: Outcome = field(default_factory=Outcome)
+    account: Account = field(default_factory=Account)
 
 
 class Bursts:
@@ -172,26 +182,14 @@ class Messenger(Generic[Origin]):
         for (source, destination), outcome in list(self.outbox.outcomes.items()):
             pair = address_of(source), address_of(destination)
             if pair in traffic_by_pair:
-                traffic_by_pair[pair] = traffic_by_pair[pair]._replace(
-                    acknowledged=outcome.acknowledged,
-                    acknowledged_late=outcome.late,
-                    answered=outcome.answered,
-                    unacknowledged=outcome.unacknowledged,
-                )
+                traffic_by_pair[pair].outcome = outcome
         for peer, own, account in self.inbox.duplicates.accounts():
             if account.restarts >= OFTEN_ANEW:
                 self._quirks.learn(peer, Quirk.NUMBERS_ANEW, f"{account.restarts} times so far")
             # Taken out and put in again, so that who was heard last is last.
             known = traffic_by_pair.pop((own, peer), None) or PeerTraffic(own, peer)
-            traffic_by_pair[own, peer] = known._replace(
-                came=account.came,
-                lost=account.lost,
-                late=account.late,
-                doubled=account.doubled,
-                repeated=account.repeated,
-                restarts=account.restarts,
-                is_exact=account.is_exact,
-            )
+            known.account = account
+            traffic_by_pair[own, peer] = known
         return list(traffic_by_pair.values())
 
     def _send_here(self, packet: Packet, on_result: OnResult | None) -> None:

@@ -37,7 +37,7 @@ class Outcome:
 
     acknowledged: int = 0
     answered: int = 0
-    late: int = 0
+    late: int = 0  # messages that were acknowledged when they had been given up
     unacknowledged: int = 0
 
 

@@ -145,8 +145,6 @@ class Packetizer:
 
 
 class _Numbers(NamedTuple):
-    """The sequence numbers of a pair."""
-
     first: int
     following: Iterator[int]
 

@@ -99,13 +99,11 @@ class _Stream:
         return run
 
     def run_of(self, number: int) -> _Run:
-        """Returns the run that a kept fragment belongs to."""
         while number not in self.by_start:
             number = number - 1 & 0xFFFF
         return self.by_start[number]
 
     def remove(self, run: _Run) -> list[bytes]:
-        """Forgets a run and returns its fragments in order."""
         del self.by_start[run.start], self.by_end[run.end]
         count = (run.end - run.start & 0xFFFF) + 1
         take = self.fragments.pop

@@ -134,9 +134,6 @@ class DatagramTransport(Transport):
     def _attach(self, address: JausAddress, take: Take) -> None:
         self.inbox.attach(address, take)
 
-    def _detach(self, address: JausAddress) -> None:
-        self.inbox.detach(address)
-
     def _messenger_of(self, source: JausAddress) -> Messenger[Endpoint]:
         del source  # one for all components
         return self._messenger
