@@ -10,6 +10,7 @@ from jausml.language.metamodel.classes import bridge, jaus, system
 from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.semantics.connections import stops
 from jausml.language.semantics.connections.calls import driver_messages
+from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.jaus.commands import Guard, guard_of, guard_of_receivers
 from jausml.language.semantics.jaus.core_services import CORE, SERVED_BY_RUNTIME, standard_services
 from jausml.language.semantics.jaus.inherited_machines import Machine, machines_of
@@ -64,14 +65,14 @@ def subjects_of(system_: system.System, demanded: float = 0.0) -> Iterator[Subje
         for connection in () if owner.external else owner.bridgeConnections:
             if not stops.carries_commands(connection):
                 continue
-            if connection.direction.name == "jausToRos":
+            if is_to_ros(connection):
                 yield _obeying_messages(owner, connection, demanded)
             else:
                 for peer in connection.peers or (None,):
                     yield _commanding(owner, connection, peer, demanded)
         for action in () if owner.external else owner.actionConnections:
             driver = driver_messages(action.driver)
-            if driver is not None and action.direction.name == "jausToRos":
+            if driver is not None and is_to_ros(action):
                 # The goal is canceled when control is lost; a list has no other end than its own.
                 yield _obeying(owner, action, driver.execute, demanded)
 
@@ -189,7 +190,7 @@ def _watch_of(peer: jaus.Component | None, connection: bridge.Connection) -> flo
     taken = (
         stops.silence_timeout(bridge_connection)
         for bridge_connection in peer.bridgeConnections
-        if bridge_connection.direction.name == "jausToRos"
+        if is_to_ros(bridge_connection)
         and stops.has_stop(bridge_connection)
         and find_same(bridge_connection.map.message, [connection.map.message]) is not None
     )

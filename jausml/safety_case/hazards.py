@@ -11,6 +11,7 @@ from jausml.language.semantics.assignments.meanings import unknown_targets
 from jausml.language.semantics.connections import calls, stops
 from jausml.language.semantics.connections.hold_reasons import is_reason
 from jausml.language.semantics.connections.reports import freshness_of, is_report
+from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.jaus.commands import (
     controlled_by_nobody,
     is_command,
@@ -79,11 +80,7 @@ def _map_directions(carrier: Carrier) -> list[tuple[bridge.AttributeMap, bool]]:
     if isinstance(carrier, bridge.RosServiceConnection):
         return [(half.map, half.to_ros) for half in calls.halves(carrier)]
     map_ = carrier.map if isinstance(carrier, bridge.Connection) else carrier.element
-    return [(map_, _is_to_ros(carrier))]
-
-
-def _is_to_ros(carrier: Carrier) -> bool:
-    return carrier.direction.name == "jausToRos"
+    return [(map_, is_to_ros(carrier))]
 
 
 def _owner(carrier: Carrier) -> bridge.Bridge:
@@ -211,21 +208,19 @@ def _commanders(*, to_ros: bool, lists: bool = True) -> Callable[[Subject], list
             if stops.carries_commands(connection)
         ]
         commanders += subject.instances(bridge.RosActionConnection) if lists else []
-        return [connection for connection in commanders if _is_to_ros(connection) == to_ros]
+        return [connection for connection in commanders if is_to_ros(connection) == to_ros]
 
     return find
 
 
 _obeyed, _given = _commanders(to_ros=True), _commanders(to_ros=False)
 _sent = _commanders(to_ros=False, lists=False)
-_aged = _connections(
-    lambda connection: _is_to_ros(connection) or stops.carries_commands(connection)
-)
+_aged = _connections(lambda connection: is_to_ros(connection) or stops.carries_commands(connection))
 _taken = _connections(
-    lambda connection: _is_to_ros(connection) and connection.exchange.name == "message"
+    lambda connection: is_to_ros(connection) and connection.exchange.name == "message"
 )
 _published = _connections(
-    lambda connection: _is_to_ros(connection) and not stops.carries_commands(connection)
+    lambda connection: is_to_ros(connection) and not stops.carries_commands(connection)
 )
 _reports = _connections(is_report)
 
@@ -241,7 +236,7 @@ def _commandable(subject: Subject) -> list[Carrier]:
         asking = calls.asking(ros_service_connection)
         carriers += (
             [ros_service_connection]
-            if _is_to_ros(ros_service_connection) and asking is not None and is_command(asking)
+            if is_to_ros(ros_service_connection) and asking is not None and is_command(asking)
             else []
         )
     return carriers

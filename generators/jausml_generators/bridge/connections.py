@@ -12,6 +12,7 @@ from jausml.language.semantics.assignments.named_places import NamedPlaces, name
 from jausml.language.semantics.connections import stops
 from jausml.language.semantics.connections.calls import told_command
 from jausml.language.semantics.connections.reports import JoinedReport, freshness_of, joined_reports
+from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.jaus.commands import chosen_fields, guard_of_receivers, is_emergency
 from jausml_generators.bridge.ends import (
     JoinView,
@@ -83,7 +84,7 @@ class ConnectionView:
     @functools.cached_property
     def to_ros(self) -> bool:
         """True from JAUS to ROS."""
-        return bool(self.connection.direction.name == "jausToRos")
+        return is_to_ros(self.connection)
 
     @functools.cached_property
     def exchange(self) -> str:

@@ -9,6 +9,7 @@ from jausml.generation.literals import python_literal, python_string
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.semantics.connections.reports import JoinedReport, joined_reports
 from jausml.language.semantics.connections.topics import policies, reliability
+from jausml.language.semantics.directions import is_to_ros
 from jausml.language.wire.kinds import PRESENCE_VECTOR
 from jausml_generators.common.components import address_call, query_for, search_call
 from jausml_generators.python.codec.messages import MessageView
@@ -98,7 +99,7 @@ def query_of(connection: bridge.Connection) -> jaus.MessageDef | None:
     if connection.query is not None:
         return connection.query
     report = connection.map.message
-    to_ros = connection.direction.name == "jausToRos"
+    to_ros = is_to_ros(connection)
     senders = connection.peers if to_ros else [connection.eContainer()]
     services = [provide for sender in senders if sender is not None for provide in sender.provides]
     if to_ros and connection.search is not None:

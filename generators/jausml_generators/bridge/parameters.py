@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from jausml.generation.literals import printable
 from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.connections.topics import policies, reliability, resolve_topic
+from jausml.language.semantics.directions import is_to_ros
 from jausml_generators.bridge.connections import ConnectionView
 from jausml_generators.bridge.ends import JoinView
 from jausml_generators.bridge.services_and_actions import ActionView, CallView
@@ -228,7 +229,7 @@ def _topic_lines(
 def _quality_lines(connection: bridge.Connection, topic: bridge.Topic) -> Iterator[ParameterLine]:
     owner = connection.eContainer()
     namespace, node = (owner.namespace or "", owner.name) if owner is not None else ("", "")
-    kind = "publisher" if connection.direction.name == "jausToRos" else "subscription"
+    kind = "publisher" if is_to_ros(connection) else "subscription"
     name = f"qos_overrides.{resolve_topic(topic.name, namespace, node)}.{kind}"
     own = policies(topic.qos)
     durability, depth = own["durability"], own["depth"]

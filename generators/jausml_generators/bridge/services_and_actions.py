@@ -22,6 +22,7 @@ from jausml.language.semantics.connections.calls import (
     speed_answer,
 )
 from jausml.language.semantics.connections.reports import requested_in
+from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.jaus.commands import (
     Answer,
     answer_alike,
@@ -62,11 +63,7 @@ def answers_of_driver(action: bridge.RosActionConnection) -> list[Answer]:
     owner = action.eContainer()
     others = owner.bridgeConnections if isinstance(owner, bridge.Bridge) else ()
     asked = (other for other in others if other.exchange.name != "message")
-    taken = {
-        code(connection.map.message)
-        for connection in asked
-        if connection.direction.name == "rosToJaus"
-    }
+    taken = {code(connection.map.message) for connection in asked if not is_to_ros(connection)}
     return [answer for answer in answers(action) if code(answer.report) not in taken]
 
 

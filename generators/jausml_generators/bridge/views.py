@@ -18,6 +18,7 @@ from jausml.language.model.model import Model
 from jausml.language.semantics.connections import calls, stops
 from jausml.language.semantics.connections.calls import told_command
 from jausml.language.semantics.connections.reports import requested_fields
+from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.jaus.core_services import with_standard
 from jausml.language.semantics.paths.scopes import used_maps
 from jausml.language.semantics.ros_types import package_of
@@ -336,7 +337,7 @@ def bridge_views(model: Model) -> tuple[BridgeView, ...]:
 
 def _messages_of(connection: bridge.Connection) -> Iterator[jaus.MessageDef]:
     """Yields the message of a connection and those inside it that have maps of their own."""
-    to_ros = connection.direction.name == "jausToRos"
+    to_ros = is_to_ros(connection)
     for attribute_map in used_maps(connection.map, to_ros=to_ros):
         yield attribute_map.message
 
@@ -352,7 +353,7 @@ def _messages_of_calls(connection: bridge.RosServiceConnection) -> Iterator[jaus
 def _ros_types_of(connections: Iterable[bridge.Connection]) -> Iterator[ros.MessageType]:
     """Yields the ROS types that connections take and make, joined and nested ones too."""
     for connection in connections:
-        to_ros = connection.direction.name == "jausToRos"
+        to_ros = is_to_ros(connection)
         for attribute_map in used_maps(connection.map, to_ros=to_ros):
             yield attribute_map.type
             yield from (join.type for join in attribute_map.joins)

@@ -9,6 +9,7 @@ from typing import TypeAlias
 from jausml.language.metamodel.classes import ros
 from jausml.language.metamodel.classes.bridge import Bridge
 from jausml.language.semantics.connections.topics import endpoints, resolve_topic
+from jausml.language.semantics.directions import is_to_ros
 
 _Use: TypeAlias = "tuple[str, str]"
 
@@ -114,8 +115,8 @@ def _uses_of_bridge(bridge: Bridge) -> Iterator[tuple[_Use, Iterable[str]]]:
     yield _PUBLISH, _PUBLISHED_BY_BRIDGES
     yield _REPLY, _SERVED_BY_BRIDGES
     for service in bridge.serviceConnections:
-        serves = service.direction.name == "rosToJaus"
+        serves = not is_to_ros(service)
         yield (_REPLY if serves else _REQUEST), [service.service]
     for action in bridge.actionConnections:
-        executes = action.direction.name == "rosToJaus"
+        executes = not is_to_ros(action)
         yield (_EXECUTE if executes else _CALL), [action.action]

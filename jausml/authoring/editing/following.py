@@ -12,13 +12,14 @@ from dataclasses import dataclass
 
 from jausml.authoring.editing.working_copy import ElementCopy, WorkingCopy
 from jausml.language.model.refs import Ref
+from jausml.language.semantics.directions import TO_JAUS, TO_ROS
 from jausml.language.semantics.jaus.inherited_machines import CORE_MACHINE, Machine, canonical
 
 _STATE = "jaus.State"
 _TARGET = "target"
 _TRANSITIONS = ("transitions", "defaults")
 
-_DIRECTIONS = {"joins": ("toJaus", "rosToJaus"), "reportJoins": ("toRos", "jausToRos")}
+_DIRECTIONS = {"joins": ("toJaus", TO_JAUS), "reportJoins": ("toRos", TO_ROS)}
 """Where paths may begin with a join: assignments of a map, and vectors of which direction."""
 
 _SOURCE, _PATH = "source", "path"
@@ -166,7 +167,7 @@ def paths_through(join: ElementCopy, name: str) -> Iterator[tuple[ElementCopy, s
                 copy, _SOURCE, join.name, name, is_nested=copy is not direction_copy
             )
     for vector in join.owner.owned.get("vectors", ()):
-        if vector.values.get("direction", ("jausToRos",)) == (direction,):
+        if vector.values.get("direction", (TO_ROS,)) == (direction,):
             for vector_value in vector.owned.get("given", ()):
                 yield from _changed(vector_value, _PATH, join.name, name, is_nested=False)
 

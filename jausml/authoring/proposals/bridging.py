@@ -13,7 +13,8 @@ from jausml.authoring.proposals.new_elements import free_address, name_among, pa
 from jausml.language.metamodel.classes import bridge, jaus, ros, system
 from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model.names import name_of
-from jausml.language.semantics.connections.exchanges import EVENT, MESSAGE, TO_JAUS, TO_ROS
+from jausml.language.semantics.connections.exchanges import EVENT, MESSAGE
+from jausml.language.semantics.directions import TO_JAUS, TO_ROS
 from jausml.language.semantics.jaus.commands import is_command, is_emergency
 from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
 from jausml.language.semantics.jaus.services import (

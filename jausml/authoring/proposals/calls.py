@@ -13,6 +13,7 @@ from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.model.names import name_of
 from jausml.language.project import library
 from jausml.language.semantics.connections.calls import REQUEST, RESPONSE
+from jausml.language.semantics.directions import TO_ROS
 from jausml.language.semantics.jaus.commands import (
     is_command,
     is_rejection,
@@ -174,7 +175,7 @@ def connection_commands(
             maps_by_part[half.kind] = scope.ref(half.ready)
     values: dict[str, tuple[str, ...]] = {"name": (name,)}
     if call.to_ros:
-        values["direction"] = ("jausToRos",)
+        values["direction"] = (TO_ROS,)
     values |= {"service": (call.service,), "type": (scope.ref(call.type),)}
     values |= {kind: (ref,) for kind, ref in maps_by_part.items()}
     if REQUEST not in maps_by_part:

@@ -21,6 +21,7 @@ from jausml.language.semantics.connections.calls import (
     knows_speed,
     takes,
 )
+from jausml.language.semantics.directions import TO_JAUS
 from jausml.language.semantics.jaus.services import code, with_inherited
 from jausml.language.semantics.names import words
 from jausml.language.semantics.paths.ros_paths import ros_name
@@ -171,7 +172,7 @@ def action_commands(
     commands += copy or ()
     values: dict[str, tuple[str, ...]] = {"name": (name,)}
     if not to_ros:
-        values["direction"] = ("rosToJaus",)
+        values["direction"] = (TO_JAUS,)
     values |= {
         "action": (action,),
         "type": (scope.ref(kind),),

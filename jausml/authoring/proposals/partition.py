@@ -24,7 +24,7 @@ from jausml.authoring.proposals.elements import AnswerError, Option, Scope, lite
 from jausml.authoring.proposals.new_elements import free_address, free_name
 from jausml.language.metamodel.classes import bridge, jaus, ros, system
 from jausml.language.model.names import name_of
-from jausml.language.semantics.connections.exchanges import TO_JAUS, TO_ROS
+from jausml.language.semantics.directions import TO_JAUS, TO_ROS, is_to_ros
 from jausml.language.semantics.hosts import host_of
 from jausml.language.semantics.jaus.core_services import CORE
 from jausml.language.semantics.jaus.services import code
@@ -214,7 +214,7 @@ class _Applying:
                     yield self._set(wanted, "provider", (self._ref(partner),))
             for carrier in carriers_of(owner) if isinstance(owner, bridge.Bridge) else ():
                 # What one sends to ROS, another one has from there, and the other way round.
-                way = TO_JAUS if carrier.direction.name == TO_ROS else TO_ROS
+                way = TO_JAUS if is_to_ros(carrier) else TO_ROS
                 yield from self._peers(owner, carrier, carrier, _message(carrier), way)
                 for source in carrier.sources if isinstance(carrier, bridge.Connection) else ():
                     yield from self._peers(owner, carrier, source, source.join.message, TO_JAUS)
@@ -378,7 +378,7 @@ def _needs(carrier: Carrier, service: jaus.Service, feature: str) -> bool:
     if feature == "provides":
         if isinstance(carrier, bridge.Connection):
             return serves(service, carrier)
-        return bool(carrier.direction.name == "jausToRos")
+        return is_to_ros(carrier)
     if isinstance(carrier, bridge.Connection) and serves(service, carrier):
         return False
     return message is None or has_message([service], message)

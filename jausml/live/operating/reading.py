@@ -23,6 +23,7 @@ from jausml.language.model.project import is_model_file
 from jausml.language.model.reading.reader import read_models
 from jausml.language.project import Index
 from jausml.language.semantics.connections import calls, stops
+from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.paths.scopes import target_paths
 from jausml.language.text.notation import NOTATIONS
 from jausml.live.messages import CatalogueError, load_catalogue
@@ -95,13 +96,13 @@ def _receivers(owner: bridge.Bridge, connection: bridge.Connection) -> Iterator[
         return
     if not stops.carries_commands(connection):
         return
-    takers = [owner] if connection.direction.name == "jausToRos" else connection.peers
+    takers = [owner] if is_to_ros(connection) else connection.peers
     yield from (str(taker.address) for taker in takers if taker.address)
 
 
 def _declared(connection: bridge.Connection, name: str) -> DeclaredStop | str:
     """Returns the stop of the JAUS message of a connection, or why there is none."""
-    is_sent = connection.direction.name == "rosToJaus"
+    is_sent = not is_to_ros(connection)
     if connection.onSilence.name == "hold":
         return f"{name} holds the last command"
     values: Iterable[bridge.ConstantAssignment] = connection.safeValue if is_sent else ()

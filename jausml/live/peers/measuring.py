@@ -12,6 +12,7 @@ from typing import Any
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.model import Model
+from jausml.language.semantics.directions import is_to_ros
 from jausml.live.messages import MessageEntry, MessageError
 from jausml.live.peers.entry_messages import full_query, message_class
 from jausml.live.peers.operator import Operator
@@ -267,6 +268,6 @@ def _reports(model: Model) -> Iterator[tuple[JausAddress, str]]:
         for connection in owner.bridgeConnections:
             if connection.exchange.name == "message":
                 continue
-            to_ros = connection.direction.name == "jausToRos"
+            to_ros = is_to_ros(connection)
             for component in connection.peers if to_ros else [owner]:
                 yield JausAddress.parse(str(component.address)), str(connection.map.message.name)

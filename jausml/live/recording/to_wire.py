@@ -13,8 +13,9 @@ from typing import Any
 from jausml.generation.target import system_of
 from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.model import Model
-from jausml.language.semantics.connections.exchanges import MESSAGE, TO_JAUS
+from jausml.language.semantics.connections.exchanges import MESSAGE
 from jausml.language.semantics.connections.topics import endpoints, resolve_topic
+from jausml.language.semantics.directions import is_to_ros
 from jausml.live.recording.bags import RosMessage
 from jausml.live.recording.mcap_files import NANO, RecordingError
 from jausml.live.recording.recorded_types import RecordedTypes
@@ -124,7 +125,7 @@ def _quieted(owner: bridge.Bridge, *, allow_commands: bool) -> list[str]:
     editable.actionConnections.clear()
     commands = []
     for connection in list(owner.bridgeConnections):
-        is_spoken = connection.direction.name == TO_JAUS
+        is_spoken = not is_to_ros(connection)
         is_command = is_spoken and connection.exchange.name == MESSAGE
         if is_command:
             commands.append(f"{owner.name}.{connection.name} ({connection.map.message.name})")

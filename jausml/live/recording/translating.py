@@ -12,9 +12,9 @@ from jausml.generation.target import system_of
 from jausml.language.metamodel.classes import bridge, jaus, system
 from jausml.language.metamodel.filling import assign, make
 from jausml.language.model import Model
-from jausml.language.semantics.connections.exchanges import TO_ROS
 from jausml.language.semantics.connections.reports import joined_reports
 from jausml.language.semantics.connections.topics import endpoints
+from jausml.language.semantics.directions import TO_ROS, is_to_ros
 from jausml.language.semantics.jaus.services import code
 from jausml.live.recording.captured import CapturedMessages, JausMessage, JausWriter
 from jausml.live.recording.mcap_files import McapFile, RecordingError
@@ -262,10 +262,10 @@ def _turn(model: Model, owner: bridge.Bridge) -> dict[bridge.Connection, Address
     editable.serviceConnections.clear()
     editable.actionConnections.clear()
     own = list(owner.bridgeConnections)
-    used = {connection.map for connection in own if connection.direction.name == TO_ROS}
+    used = {connection.map for connection in own if is_to_ros(connection)}
     senders_by_connection = {}
     for other in own:
-        if other.direction.name == TO_ROS:
+        if is_to_ros(other):
             continue
         editable.bridgeConnections.remove(other)
         if other.map not in used and other.map.toRos:

@@ -9,6 +9,7 @@ from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.model import Model
 from jausml.language.semantics.connections import calls
 from jausml.language.semantics.connections.topics import endpoints, resolve_topic
+from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.ros_types import package_of
 from jausml.live.systems.state import DeclaredConnection, TopicName
 
@@ -51,7 +52,7 @@ def _declared(
         name=str(connection.name),
         jaus_id=str(owner.address),
         rate=None,
-        direction="to ROS" if connection.direction.name == "jausToRos" else "to JAUS",
+        direction="to ROS" if is_to_ros(connection) else "to JAUS",
         topics=(),
         message=message,
         is_report=False,

@@ -26,7 +26,7 @@ from jausml.language.metamodel.classes import bridge, system
 from jausml.language.metamodel.filling import make
 from jausml.language.model import Model
 from jausml.language.model.model import made_model
-from jausml.language.semantics.connections.exchanges import TO_JAUS, TO_ROS
+from jausml.language.semantics.directions import TO_JAUS, TO_ROS
 from jausml_generators.bridge.target import TARGET as BRIDGE
 from jausml_generators.messages.target import TARGET as MESSAGES
 

@@ -12,8 +12,9 @@ from dataclasses import dataclass
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.semantics.connections import stops
 from jausml.language.semantics.connections.reports import freshness_of, holds_state, is_report
+from jausml.language.semantics.directions import is_to_ros
 from jausml.views.analysis.sizes import runtime_constants
-from jausml.views.analysis.streams import ASSUMED, Stream, is_single, is_to_ros, keeps_control
+from jausml.views.analysis.streams import ASSUMED, Stream, is_single, keeps_control
 
 _HELD = "the last message stands, for a reason that the model gives"
 

@@ -10,12 +10,13 @@ from jausml.language.metamodel.classes.system import System
 from jausml.language.semantics.connections import calls, stops
 from jausml.language.semantics.connections.calls import driver_messages
 from jausml.language.semantics.connections.reports import joined_reports, passed_rate
+from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.hosts import host_of
 from jausml.language.semantics.jaus.services import code
 from jausml.language.semantics.subject import remembering
 from jausml.views.analysis.budgets import Budget, asked_rate, budgets_of, warnings_of
 from jausml.views.analysis.sizes import Assumptions, Size, ros_size
-from jausml.views.analysis.streams import Stream, Traffic, Wire, is_to_ros
+from jausml.views.analysis.streams import Stream, Traffic, Wire
 from jausml.views.analysis.traffic import traffic_of
 
 

@@ -9,6 +9,7 @@ from typing import TypeAlias
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.metamodel.classes.system import System
 from jausml.language.semantics.connections.reports import JoinedReport, joined_reports
+from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.jaus.commands import obeys_controller_alone
 from jausml.language.semantics.jaus.services import Provider, find_query
 from jausml.views.analysis.sizes import Size, runtime_constants
@@ -72,11 +73,6 @@ class Traffic:
     def of(self, connection: Asking) -> list[Stream]:
         """Returns the streams of a connection."""
         return self.by_connection.get(connection, [])
-
-
-def is_to_ros(connection: bridge.Connection) -> bool:
-    """Tells whether a connection publishes."""
-    return bool(connection.direction.name == "jausToRos")
 
 
 def is_single(connection: bridge.Connection) -> bool:

@@ -13,6 +13,7 @@ from jausml.language import wire
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.metamodel.classes.system import System
 from jausml.language.semantics.connections.reports import passed_rate, requested_fields
+from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.hosts import host_of
 from jausml.language.semantics.jaus.core_services import standard_services
 from jausml.language.semantics.jaus.services import code, with_inherited
@@ -27,7 +28,6 @@ from jausml.views.analysis.streams import (
     Traffic,
     alike_requests,
     is_single,
-    is_to_ros,
     keeps_control,
     peers_of,
     requests_of,

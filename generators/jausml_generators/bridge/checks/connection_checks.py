@@ -8,6 +8,7 @@ from jausml.generation.errors import GenerationError
 from jausml.generation.literals import python_literal
 from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.connections.stops import stop_assignments, stop_text
+from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.paths.scopes import target_paths
 from jausml_generators.bridge.checks.check import Chain, Check, equals, holds, store, tidy
 from jausml_generators.bridge.checks.ends import Ends
@@ -231,9 +232,8 @@ def vectors(ends: Ends) -> Iterator[Check]:
     Raises:
         GenerationError: A value of a vector does not fit its attribute.
     """
-    direction = "jausToRos" if ends.to_ros else "rosToJaus"
     for vector in ends.map.vectors:
-        if vector.direction.name != direction:
+        if is_to_ros(vector) != ends.to_ros:
             continue
         try:
             yield _check(ends, vector)

@@ -9,6 +9,7 @@ from jausml.generation.literals import printable
 from jausml.language.cdr import full_name
 from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.semantics.connections.stops import stop_assignments
+from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.paths.scopes import spelled_out
 from jausml_generators.bridge.translation.expressions import (
     FORMAT,
@@ -82,7 +83,7 @@ def stop(
     """Returns the steps that make `target`, of either side, without a source."""
     body = Body(owner, connection.outOfRange.name)
     map_ = connection.map
-    if connection.direction.name == "jausToRos":
+    if is_to_ros(connection):
         translation = _translation_to_ros(body, map_, message, {}, surroundings)
     else:
         translation = _translation_to_jaus(body, map_, message, {}, surroundings)

@@ -15,6 +15,7 @@ from jausml.language.metamodel.classes import bridge, ecore, jaus
 from jausml.language.metamodel.classes.ecore import EClass, EObject
 from jausml.language.semantics.connections import calls
 from jausml.language.semantics.connections.stops import has_stop
+from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.paths.scopes import used_maps
 from jausml_generators.bridge.light_module import LightModule
 from jausml_generators.bridge.translation.maps import stop, to_jaus, to_ros
@@ -325,11 +326,11 @@ class _Translator:
         """Translates a connection."""
         uses, map_ = self.uses, connection.map
         message = uses.view_of(map_.message)
-        is_to_ros = connection.direction.name == "jausToRos"
+        publishes = is_to_ros(connection)
         joins = _joins(connection, uses)
 
         parameters = [join.name for join in joins]
-        function = f"{snake_case(map_.name)}_to_{'ros' if is_to_ros else 'jaus'}"
+        function = f"{snake_case(map_.name)}_to_{'ros' if publishes else 'jaus'}"
         reports = {
             str(join.name): (translated_join.name, uses.view_of(join.message))
             for translated_join in joins
@@ -341,13 +342,13 @@ class _Translator:
             if isinstance(join := translated_join.join, bridge.Join)
         }
         ends = Ends(
-            message, map_.type, {**dict(reports.values()), **dict(types.values())}, is_to_ros
+            message, map_.type, {**dict(reports.values()), **dict(types.values())}, publishes
         )
 
         def make_steps(
             owner: str, view: MessageView, surroundings: Surroundings
         ) -> tuple[Step, ...]:
-            if is_to_ros:
+            if publishes:
                 body = to_ros(connection, view, owner, ros_name, reports, surroundings)
             else:
                 body = to_jaus(connection, view, owner, types, surroundings)
@@ -355,8 +356,8 @@ class _Translator:
 
         print_steps = partial(printed, parameters=parameters)
         compile_steps = partial(self.core.add, function, ends=ends)
-        alike = (self.maps.first(map_), is_to_ros, connection.outOfRange.name)
-        if any(attribute_map is not map_ for attribute_map in used_maps(map_, to_ros=is_to_ros)):
+        alike = (self.maps.first(map_), publishes, connection.outOfRange.name)
+        if any(attribute_map is not map_ for attribute_map in used_maps(map_, to_ros=publishes)):
             # Each connection has its own methods for the messages inside its message.
             steps = make_steps(name, message, uses)
             lines, compiled = print_steps(steps), compile_steps(steps)
@@ -377,7 +378,7 @@ def _joins(connection: bridge.Connection, uses: Surroundings) -> tuple[Translate
     """Returns what is joined to the message that a connection takes."""
     scope, map_ = Scope(OWN_NAMES), connection.map
     typed: list[tuple[bridge.Join | bridge.ReportJoin, str]]
-    if connection.direction.name == "jausToRos":
+    if is_to_ros(connection):
         typed = [(join, uses.view_of(join.message).class_name) for join in map_.reportJoins]
     else:
         typed = [(join, uses.type_name(join.type)) for join in map_.joins]

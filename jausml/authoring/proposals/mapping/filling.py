@@ -18,7 +18,7 @@ from jausml.authoring.proposals.mapping.trial import additions, judge, judge_tog
 from jausml.authoring.proposals.mapping.variances import variance_assignments
 from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.model.names import name_of
-from jausml.language.semantics.connections.exchanges import TO_ROS
+from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.paths.attributes import LIST
 from jausml.language.semantics.paths.scopes import parse_path, target_paths
 
@@ -120,9 +120,7 @@ def _only_pair(
 def _directions(scope: Scope, map_: bridge.AttributeMap) -> list[bool]:
     """Returns the directions in which a map is used, both where it is not yet."""
     connections = scope.model.instances(bridge.Connection, library=False)
-    directions = {
-        connection.direction.name == TO_ROS for connection in connections if connection.map is map_
-    }
+    directions = {is_to_ros(connection) for connection in connections if connection.map is map_}
     return sorted(directions or {True, False}, reverse=True)
 
 

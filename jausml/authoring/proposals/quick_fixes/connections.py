@@ -18,6 +18,7 @@ from jausml.authoring.proposals.quick_fixes.found import (
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.model.names import name_of
 from jausml.language.semantics.assignments.units import fills_rates_alone
+from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.jaus.services import find_same, inputs, outputs
 from jausml.language.semantics.paths.attributes import NUMBER, Attribute
 from jausml.language.semantics.paths.jaus_paths import JausPlace
@@ -31,7 +32,7 @@ _PERIODS = 3
 def stop(finding: Found) -> Iterator[QuickFix]:
     """Adds a stop, where zeros can be one: all numbers that commands fill are rates."""
     connection = finding.element
-    to_ros = connection.direction.name == "jausToRos"
+    to_ros = is_to_ros(connection)
     map_ = connection.map
     feature = "stopRos" if to_ros else "stopJaus"
     if getattr(map_, feature) is not None or not fills_rates_alone(map_, to_ros=to_ros):
@@ -117,7 +118,7 @@ def peer(finding: Found) -> Iterator[QuickFix]:
     message, connection = _message(finding), finding.element
     if message is None or connection.peers or connection.search is not None:
         return
-    to_ros = connection.direction.name == "jausToRos"
+    to_ros = is_to_ros(connection)
     fits = [
         component
         for component in _components(finding)

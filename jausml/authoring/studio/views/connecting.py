@@ -22,8 +22,9 @@ from jausml.authoring.studio.views.spots import Spot, all_spots
 from jausml.language.metamodel.classes import bridge, jaus, ros, system
 from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model.names import name_of
-from jausml.language.semantics.connections.exchanges import EVENT, TO_JAUS, TO_ROS
+from jausml.language.semantics.connections.exchanges import EVENT
 from jausml.language.semantics.connections.topics import resolve_topic
+from jausml.language.semantics.directions import TO_JAUS, TO_ROS
 from jausml.language.semantics.hosts import host_of
 from jausml.language.semantics.names import snake_case
 from jausml.language.semantics.paths.ros_paths import ros_name

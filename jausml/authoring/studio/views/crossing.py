@@ -26,8 +26,9 @@ from jausml.authoring.studio.views.spots import Spot
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model.names import name_of
-from jausml.language.semantics.connections.exchanges import EVENT, TO_JAUS, TO_ROS
+from jausml.language.semantics.connections.exchanges import EVENT
 from jausml.language.semantics.connections.topics import resolve_topic
+from jausml.language.semantics.directions import TO_JAUS, TO_ROS, is_to_ros
 from jausml.language.semantics.jaus.services import find_same
 from jausml.language.semantics.names import snake_case
 from jausml.language.semantics.paths.ros_paths import ros_name
@@ -98,7 +99,7 @@ def through(
     name = name_of(connection)
     kind = connection.map.type if connection.map is not None else None
     if connection.direction.name != direction:
-        way = "from ROS to JAUS" if connection.direction.name == TO_JAUS else "from JAUS to ROS"
+        way = "from JAUS to ROS" if is_to_ros(connection) else "from ROS to JAUS"
         return Options(refusal=f"{name} goes {way}; draw the line the other way round")
     if kind is None:
         return Options(refusal=f"{name} has no map yet; choose one in its form")
@@ -211,7 +212,7 @@ def further_peer(scope: Scope, at_jaus: Spot, at_bridge: Spot, direction: str) -
         return Options(refusal="draw to a connection of the bridge")
     name = name_of(connection)
     if connection.direction.name != direction:
-        way = "to JAUS" if connection.direction.name == TO_JAUS else "to ROS"
+        way = "to ROS" if is_to_ros(connection) else "to JAUS"
         return Options(refusal=f"{name} goes {way}; draw the line the other way round")
     if any(component is peer for component in connection.peers):
         return Options(refusal=f"{name_of(peer)} is a peer of {name} already")

@@ -15,6 +15,7 @@ from jausml.language.semantics.assignments.units import (
     source_range,
 )
 from jausml.language.semantics.conversions import NoValueError
+from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.names import joined, words
 from jausml.language.semantics.paths.attributes import (
     BOOL,
@@ -45,8 +46,7 @@ def unknown_targets(map_: bridge.AttributeMap, *, to_ros: bool) -> Iterator[tupl
     Yields:
         Paths of targets, each with what is not known of it.
     """
-    way = "jausToRos" if to_ros else "rosToJaus"
-    vectors = [vector for vector in map_.vectors if vector.direction.name == way]
+    vectors = [vector for vector in map_.vectors if is_to_ros(vector) == to_ros]
     expected = [_steps(value.path) for vector in vectors for value in vector.expected if value.path]
     placed = [
         (Placed(entry.assignment, entry.scope), target_paths(entry.assignment))

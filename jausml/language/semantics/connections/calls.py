@@ -6,6 +6,7 @@ from collections.abc import Container, Iterator
 from dataclasses import dataclass
 
 from jausml.language.metamodel.classes import bridge, jaus, ros
+from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.jaus.commands import (
     Answer,
     answer_alike,
@@ -35,7 +36,7 @@ class Half:
 
 def serves(connection: bridge.RosServiceConnection) -> bool:
     """Tells whether the bridge serves the ROS service; else it calls it."""
-    return connection.direction.name == "rosToJaus"
+    return not is_to_ros(connection)
 
 
 def halves(connection: bridge.RosServiceConnection) -> Iterator[Half]:
@@ -201,7 +202,7 @@ def speed_answer(driver: jaus.Service) -> Answer | None:
 
 def answers(action: bridge.RosActionConnection) -> list[Answer]:
     """Returns what a bridge that is a list driver answers besides QueryActiveElement."""
-    if action.direction.name != "jausToRos":
+    if not is_to_ros(action):
         return []
     messages = driver_messages(action.driver)
     if messages is not None and messages.is_single:
@@ -281,7 +282,7 @@ def _carried_codes(owner: bridge.Bridge) -> frozenset[int]:
 def _carried(owner: bridge.Bridge) -> Iterator[jaus.MessageDef]:
     """Yields what connections of a bridge send to whoever asks."""
     for connection in owner.bridgeConnections:
-        if connection.direction.name == "rosToJaus" and connection.exchange.name != "message":
+        if not is_to_ros(connection) and connection.exchange.name != "message":
             yield connection.map.message
     for call in owner.serviceConnections:
         yield from messages(call)

@@ -10,6 +10,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from jausml.language.metamodel.classes import bridge, jaus
+from jausml.language.semantics.directions import TO_JAUS, TO_ROS
 from jausml.language.semantics.jaus.services import (
     inputs_by_name,
     provided_services,
@@ -19,7 +20,6 @@ from jausml.language.semantics.jaus.services import (
 )
 from jausml.language.semantics.subject import remembered
 
-TO_ROS, TO_JAUS = "jausToRos", "rosToJaus"
 MESSAGE, EVENT = "message", "periodicEvent"
 
 CONNECTION = "bridge.Connection"

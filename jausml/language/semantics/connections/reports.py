@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from jausml.language.metamodel.classes import bridge, jaus
+from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.jaus.services import (
     Provider,
     find_input,
@@ -71,7 +72,7 @@ class JoinedReport:
 
 def joined_reports(connection: bridge.Connection) -> list[JoinedReport]:
     """Returns the joined reports of a connection; none from ROS to JAUS."""
-    if connection.direction.name != "jausToRos":
+    if not is_to_ros(connection):
         return []
     # Of two sources of one join the first counts.
     stated = {source.join: source for source in reversed(connection.sources)}
@@ -93,7 +94,7 @@ def report_join_of(
 
 def requested_fields(owner: bridge.Bridge) -> Mapping[jaus.MessageDef, frozenset[str]]:
     """Returns by report the fields that some connection of a bridge reads."""
-    incoming = (c.map for c in owner.bridgeConnections if c.direction.name == "jausToRos")
+    incoming = (c.map for c in owner.bridgeConnections if is_to_ros(c))
     fields: dict[jaus.MessageDef, set[str]] = defaultdict(set)
     for attribute_map in dict.fromkeys(incoming):
         for path in _read_paths(attribute_map):
@@ -121,7 +122,7 @@ def _read_paths(map_: bridge.AttributeMap) -> Iterator[str]:
 
 def is_report(connection: bridge.Connection) -> bool:
     """Whether a connection makes a JAUS report of ROS topics, which queries and events serve."""
-    return connection.direction.name == "rosToJaus" and connection.exchange.name != "message"
+    return not is_to_ros(connection) and connection.exchange.name != "message"
 
 
 def holds_state(connection: bridge.Connection) -> bool:

@@ -6,7 +6,8 @@ from collections.abc import Iterable, Iterator
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.assignments.units import measure
-from jausml.language.semantics.connections.exchanges import MESSAGE, TO_ROS
+from jausml.language.semantics.connections.exchanges import MESSAGE
+from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.jaus import commands
 from jausml.language.semantics.names import words
 from jausml.language.semantics.paths.attributes import NUMBER, Attribute, is_real
@@ -55,11 +56,7 @@ def hold_reason(connection: bridge.Connection) -> str:
 
 def stop_of_map(connection: bridge.Connection) -> bridge.Stop | None:
     """Returns the stop of the map for the direction of a connection."""
-    return connection.map.stopRos if _goes_to_ros(connection) else connection.map.stopJaus
-
-
-def _goes_to_ros(connection: bridge.Connection) -> bool:
-    return bool(connection.direction.name == TO_ROS)
+    return connection.map.stopRos if is_to_ros(connection) else connection.map.stopJaus
 
 
 def has_stop(connection: bridge.Connection) -> bool:
@@ -80,7 +77,7 @@ def has_stops(owner: bridge.Bridge) -> bool:
         for connection in owner.bridgeConnections
         if connection.map and connection.map.message
     ]
-    goals = [action for action in owner.actionConnections if action.direction.name == TO_ROS]
+    goals = [action for action in owner.actionConnections if is_to_ros(action)]
     return bool(goals) or any(
         carries_commands(connection) and has_stop(connection) for connection in connections
     )
@@ -106,7 +103,7 @@ def stop_assignments(connection: bridge.Connection) -> tuple[bridge.Assignment, 
     values: Iterable[bridge.ConstantAssignment] = connection.safeValue
     if not values and stop is not None:
         values = stop.values
-    return with_constants(connection.map, values, to_ros=_goes_to_ros(connection))
+    return with_constants(connection.map, values, to_ros=is_to_ros(connection))
 
 
 def with_constants(
@@ -159,7 +156,7 @@ def moving_values(connection: bridge.Connection) -> list[tuple[str, str]]:
     They are rates (m/s, rad/s), accelerations, forces, torques and efforts that are not 0, those
     of brakes excepted; a value that a ROS type gives a member by default counts as well.
     """
-    scope = outer_scope(connection.map, to_ros=_goes_to_ros(connection))
+    scope = outer_scope(connection.map, to_ros=is_to_ros(connection))
     values = _defaults(connection.map, scope) if scope.to_ros else {}
     for assignment in stop_assignments(connection):
         # What the clock gives is no number, and takes the place of a default.

@@ -11,6 +11,7 @@ from typing import Any
 
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.metamodel.classes.ecore import EObject
+from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.jaus.commands import is_command
 from jausml.language.semantics.jaus.services import code
 from jausml.language.semantics.subject import remembered
@@ -94,7 +95,7 @@ def _bridge_endpoints(owner: bridge.Bridge) -> Iterator[Endpoint]:
     for connection in owner.bridgeConnections:
         if connection.map is None or connection.map.type is None:
             continue
-        publishes = connection.direction.name == "jausToRos"
+        publishes = is_to_ros(connection)
         for bridge_topic in connection.topics:
             if bridge_topic.name and not topic_fault(bridge_topic.name):
                 topic = resolve_topic(bridge_topic.name, owner.namespace or "", owner.name or "")
@@ -114,7 +115,7 @@ def reliability(connection: bridge.Connection, topic: bridge.Topic) -> str:
     """
     if policy := _stated(topic.qos):
         return policy
-    publishes = connection.direction.name == "jausToRos"
+    publishes = is_to_ros(connection)
     message = connection.map.message
     commands = topic.join is None and message is not None and is_command(message)
     is_sure = publishes or commands or is_latched(topic.qos)
@@ -203,7 +204,7 @@ def flow_of(connection: bridge.Connection, owner: bridge.Bridge) -> Flow:
     return Flow(
         connection,
         owner,
-        to_ros=connection.direction.name == "jausToRos",
+        to_ros=is_to_ros(connection),
         code=code(connection.map.message),
         topics=frozenset(
             resolve_topic(name, namespace, node) for name in names if not topic_fault(name)

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from jausml.language.metamodel.classes import bridge, jaus
+from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.jaus.core_services import CORE, is_core_message, standard_services
 from jausml.language.semantics.jaus.inherited_machines import states_of
 from jausml.language.semantics.jaus.services import (
@@ -283,7 +284,7 @@ def _times_taken(owner: bridge.Bridge) -> Counter[int]:
 
 def _taken(connection: bridge.Connection) -> jaus.MessageDef | None:
     """Returns the message that a connection takes from JAUS as it comes."""
-    is_taken = connection.direction.name == "jausToRos" and connection.exchange.name == "message"
+    is_taken = is_to_ros(connection) and connection.exchange.name == "message"
     return connection.map.message if is_taken and connection.map is not None else None
 
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeGuard, TypeVar, o
 
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.metamodel.classes.ecore import EObject
+from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.paths.attributes import COUNT, NUMBER, Attribute, Found, PathFault
 from jausml.language.semantics.paths.jaus_paths import JausPlace, message_place
 from jausml.language.semantics.paths.ros_paths import RosPlace
@@ -362,7 +363,7 @@ def _directions(subject: Subject, owner: Directed) -> tuple[Direction, ...]:
         return ()
     written: list[tuple[Directed | bridge.Stop, Sequence[bridge.Assignment], bool]]
     if isinstance(owner, bridge.Connection):
-        written = [(owner, owner.safeValue, owner.direction.name == "jausToRos")]
+        written = [(owner, owner.safeValue, is_to_ros(owner))]
     else:
         stops = ((map_.stopRos, True), (map_.stopJaus, False))
         written = [(map_, map_.toRos, True), (map_, map_.toJaus, False)]

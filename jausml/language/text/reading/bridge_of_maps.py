@@ -13,7 +13,8 @@ from jausml.language.model.library import LIBRARY_URI
 from jausml.language.model.names import qualified_name
 from jausml.language.model.notation import Known
 from jausml.language.model.xmi.parsing import Node
-from jausml.language.semantics.connections.exchanges import EVENT, MESSAGE, TO_JAUS, TO_ROS
+from jausml.language.semantics.connections.exchanges import EVENT, MESSAGE
+from jausml.language.semantics.directions import TO_JAUS, TO_ROS
 from jausml.language.semantics.names import system_name
 from jausml.language.text.reading.declared_messages import message_feature
 from jausml.language.text.reading.declarer import Declarer

@@ -9,6 +9,7 @@ from typing import TypeGuard
 from jausml.language.metamodel import ClassTable
 from jausml.language.model.xmi.parsing import Node
 from jausml.language.semantics.conversions import CONVERSIONS, Argument, ArgumentKind
+from jausml.language.semantics.directions import TO_JAUS, TO_ROS
 from jausml.language.text import tree
 from jausml.language.text.reading.elements import ElementReader, Special, decimal
 
@@ -152,7 +153,7 @@ class MapReader:
     def _vector(self, owner: Node, item: tree.Vector) -> None:
         node = self._new(owner, "vectors", "TestVector", item)
         self._nodes.value(node, "name", item.name.text, item.name.span)
-        direction = "jausToRos" if item.to_ros else "rosToJaus"
+        direction = TO_ROS if item.to_ros else TO_JAUS
         self._nodes.value(node, "direction", direction, item.span)
         for feature, entries in (("given", item.given), ("expected", item.expected)):
             self._vector_values(node, feature, entries)

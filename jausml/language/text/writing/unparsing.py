@@ -15,6 +15,7 @@ from jausml.language.model.names import name_of
 from jausml.language.model.xmi.printing import UnwritableError
 from jausml.language.model.xmi.writer import is_written
 from jausml.language.semantics.conversions import conversion_of
+from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.names import system_name
 from jausml.language.semantics.paths.scopes import has_source
 from jausml.language.semantics.subject import remembering
@@ -117,7 +118,7 @@ class MapWriter:
             return self._elements.element(obj)
         if not _can_be_documented(obj):
             return self._elements.element(obj)
-        to_ros = obj.direction.name == "jausToRos"
+        to_ros = is_to_ros(obj)
         vector = Vector(Name(obj.name), to_ros, entries[: len(inputs)], entries[len(inputs) :])
         return documented(vector, obj)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Iterator, Sequence
 
+from jausml.language.semantics.directions import TO_JAUS, TO_ROS
 from jausml.views.analysis.budgets import Budget
 from jausml.views.analysis.report import CallReport, ComponentReport, ConnectionReport, Report
 from jausml.views.analysis.sizes import Assumptions, Size
@@ -18,7 +19,7 @@ CASES = {
 }
 """The cases of budgets, as they are called."""
 
-WAYS = {"jausToRos": "to ROS", "rosToJaus": "to JAUS"}
+WAYS = {TO_ROS: "to ROS", TO_JAUS: "to JAUS"}
 
 
 def size(bounds: Size) -> str:

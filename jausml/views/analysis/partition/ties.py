@@ -9,10 +9,11 @@ from typing import TypeAlias
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.semantics.connections.reports import joined_reports
 from jausml.language.semantics.connections.topics import resolve_topic
+from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.jaus.commands import needs_control
 from jausml.language.semantics.jaus.services import code, lineage
 from jausml.language.semantics.paths.scopes import Carrier, carriers_of
-from jausml.views.analysis.streams import is_single, is_to_ros, keeps_control
+from jausml.views.analysis.streams import is_single, keeps_control
 
 Tie: TypeAlias = "tuple[Hashable, str]"
 """What connections have in common, and how to say that."""
@@ -55,7 +56,7 @@ def _ties(owner: bridge.Bridge, carrier: Carrier) -> Iterator[Tie]:
     if not isinstance(carrier, bridge.Connection):
         # They may ask and command whom topics do, or be asked and commanded as topics are.
         yield from map(_controlled, carrier.peers)
-        if carrier.direction.name == "jausToRos":
+        if is_to_ros(carrier):
             yield from (_provided(owner, service) for service in owner.provides)
             yield _commanded(owner)
         elif carrier.search is not None and carrier.control:
@@ -102,7 +103,7 @@ def _finds_controlled(owner: bridge.Bridge) -> bool:
     return any(
         keeps_control(carrier)
         if isinstance(carrier, bridge.Connection)
-        else carrier.control and carrier.direction.name == "rosToJaus"
+        else carrier.control and not is_to_ros(carrier)
         for carrier in carriers_of(owner)
         if carrier.search is not None
     )

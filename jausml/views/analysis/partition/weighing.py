@@ -14,12 +14,13 @@ from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.metamodel.classes.system import Host, System
 from jausml.language.semantics.connections.reports import joined_reports
 from jausml.language.semantics.connections.topics import endpoints
+from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.hosts import host_of
 from jausml.language.semantics.paths.scopes import Carrier, carriers_of, maps_of
 from jausml.views.analysis.partition.ties import commands, full_name, serves, tied
 from jausml.views.analysis.report import connection_report, seconds_of_message
 from jausml.views.analysis.sizes import Assumptions, runtime_constants
-from jausml.views.analysis.streams import Stream, Traffic, is_to_ros, on_wire
+from jausml.views.analysis.streams import Stream, Traffic, on_wire
 from jausml.views.analysis.traffic import traffic_of
 
 LARGEST_SHARE = 0.5
@@ -308,7 +309,7 @@ class Weighing:
 
 def _commands(carrier: Carrier) -> bool:
     """Tells whether its bridge is commanded by a connection."""
-    return carrier.direction.name == "jausToRos" and commands(carrier)
+    return is_to_ros(carrier) and commands(carrier)
 
 
 def _other(owner: bridge.Bridge, stream: Stream) -> jaus.Component | None:

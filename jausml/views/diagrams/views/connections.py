@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.semantics.connections import calls, stops
 from jausml.language.semantics.connections.topics import resolve_topic
+from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
 from jausml.language.semantics.jaus.services import lineage
 from jausml.language.semantics.paths.ros_paths import ros_name
@@ -112,7 +113,7 @@ def _add_connection(builder: Builder, owner: bridge.Bridge, connection: bridge.C
     context, map_ = builder.context, connection.map
     message = map_.message if map_ is not None else None
     kind = map_.type if map_ is not None else None
-    to_ros = connection.direction.name == "jausToRos"
+    to_ros = is_to_ros(connection)
     style = connection.exchange.name
     is_command = style == "message" and message is not None and message.isCommand
     label = exchange("command" if is_command else style, connection.rate, owner.frequency)
@@ -160,7 +161,7 @@ def _add_call(
     asked for.
     """
     context, kind = builder.context, connection.type
-    to_ros = connection.direction.name == "jausToRos"
+    to_ros = is_to_ros(connection)
     arrow = "\N{RIGHTWARDS ARROW}" if to_ros else "\N{LEFTWARDS ARROW}"
     more = {words: name, "type": _type(kind), "JAUS": note}
     note = f"{note} {arrow} {_short(kind)}"

@@ -14,6 +14,7 @@ from jausml.language.semantics.connections.calls import (
     takes,
 )
 from jausml.language.semantics.connections.topics import topic_fault
+from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.jaus.services import (
     Provider,
     is_known,
@@ -61,7 +62,7 @@ def drives_lists(_: Subject, connection: bridge.RosActionConnection) -> Iterator
         message = f"'{connection.driver.name}' executes no lists"
         hint = "name a service that inherits ListManager and takes ExecuteList"
         yield Finding(connection, message, "driver", hint)
-    elif messages.is_single and not _to_ros(connection):
+    elif messages.is_single and not is_to_ros(connection):
         message = (
             f"goals become lists or missions of a peer, not waypoints of {connection.driver.name}"
         )
@@ -107,7 +108,7 @@ def members_fit(_: Subject, connection: bridge.RosActionConnection) -> Iterator[
     Good: `progressMember="number_of_poses_remaining" progress="remaining"`
     """
     is_distance = connection.progress.name == "distance"
-    if is_distance and not (_to_ros(connection) and _has_position(connection.element.type)):
+    if is_distance and not (is_to_ros(connection) and _has_position(connection.element.type)):
         message = "no distance is known of these elements, or in this direction"
         yield Finding(
             connection, message, "progress", "say index or remaining, or no progressMember"
@@ -137,7 +138,7 @@ def elements_translated(
 
     Good: the same map with `toJaus`
     """
-    feature = "toRos" if _to_ros(connection) else "toJaus"
+    feature = "toRos" if is_to_ros(connection) else "toJaus"
     if not getattr(connection.element, feature) and subject.is_intact(connection.element):
         note = Note(connection.element, f"map '{connection.element.name}'")
         message = f"map '{connection.element.name}' has no {feature} assignments, which"
@@ -158,7 +159,7 @@ def driver_provided(subject: Subject, connection: bridge.RosActionConnection) ->
     """
     owner = connection.eContainer()
     providers = peers_of(connection)
-    if _to_ros(connection):
+    if is_to_ros(connection):
         providers = [] if owner is None else [owner]
     elif not providers:
         message = f"'{connection.name}' has no peer that executes its lists"
@@ -188,7 +189,7 @@ def action_figures(subject: Subject, connection: bridge.RosActionConnection) -> 
     if not (math.isfinite(connection.timeout) and connection.timeout > 0):
         yield Finding(connection, f"timeout {connection.timeout:g} s is not above 0", "timeout")
     messages = driver_messages(connection.driver) if subject.is_intact(connection.driver) else None
-    if messages is None or _to_ros(connection) or not knows_speed(messages):
+    if messages is None or is_to_ros(connection) or not knows_speed(messages):
         return
     if not 0 < connection.speed <= GREATEST_SPEED:
         message = f"speed {connection.speed:g} m/s is not above 0 and up to {GREATEST_SPEED} m/s"
@@ -219,7 +220,7 @@ def missions_end(subject: Subject, connection: bridge.RosActionConnection) -> It
     if messages is None:
         return
     is_open = connection.onEnd.name == "open"
-    if not messages.spooler or _to_ros(connection):
+    if not messages.spooler or is_to_ros(connection):
         if not is_open:
             yield Finding(connection, f"'{connection.name}' gives no mission to a peer", "onEnd")
     elif is_open:
@@ -262,7 +263,7 @@ def one_driver_for_a_kind(subject: Subject, owner: bridge.Bridge) -> Iterator[Fi
     first: dict[jaus.MessageDef, bridge.RosActionConnection] = {}
     kinds: dict[object, bridge.RosActionConnection] = {}
     for action_connection in owner.actionConnections:
-        if not _is_sound(subject, action_connection) or not _to_ros(action_connection):
+        if not _is_sound(subject, action_connection) or not is_to_ros(action_connection):
             continue
         other = first.setdefault(action_connection.element.message, action_connection)
         if other is not action_connection:
@@ -292,14 +293,10 @@ def _taken_twice(
         message = bridge_connection.map.message if bridge_connection.map is not None else None
         if message is None or message not in (messages.execute, messages.report):
             continue
-        if _to_ros(bridge_connection) is (message is messages.execute):
+        if is_to_ros(bridge_connection) is (message is messages.execute):
             note = Note(action, f"'{action.name}' executes the waypoint, and tells it")
             text = f"'{bridge_connection.name}' has {message.name}, which is of an action here"
             yield Finding(bridge_connection, text, "map", related=(note,))
-
-
-def _to_ros(connection: bridge.RosActionConnection | bridge.Connection) -> bool:
-    return connection.direction.name == "jausToRos"
 
 
 def _place(owner: ros.MessageType, path: str | None) -> RosPlace | PathFault | None:

@@ -10,6 +10,7 @@ from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.connections.exchanges import FEATURES, possible_exchanges
 from jausml.language.semantics.connections.limits import LEAST_RATE
 from jausml.language.semantics.connections.topics import Flow, find_loops, flow_of
+from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.jaus import services
 from jausml.language.semantics.jaus.commands import is_steering
 from jausml.language.semantics.paths.scopes import is_sound
@@ -46,7 +47,7 @@ def direction_assigned(subject: Subject, connection: bridge.Connection) -> Itera
     Good: the same map with `toJaus`
     """
     map_ = connection.map
-    to_ros = _to_ros(connection)
+    to_ros = is_to_ros(connection)
     feature = "toRos" if to_ros else "toJaus"
     targets = map_.type.fields if to_ros else services.attributes(map_.message)
     if targets and not getattr(map_, feature) and subject.is_intact(map_):
@@ -95,7 +96,7 @@ def peers_named(subject: Subject, connection: bridge.Connection) -> Iterator[Fin
     Good: `exchange="periodicEvent" peers="vehicle"`
     """
     by_message = connection.exchange.name == "message"
-    if services.peers_of(connection) or by_message is _to_ros(connection):
+    if services.peers_of(connection) or by_message is is_to_ros(connection):
         return
     if not services.is_known(subject, connection.eContainer()):
         return  # the way that a text leaves open follows from the services of the bridge
@@ -121,7 +122,7 @@ def query_known(subject: Subject, connection: bridge.Connection) -> Iterator[Fin
     if connection.query is not None and not subject.is_intact(connection.query):
         return
     message = connection.map.message
-    senders = services.peers_of(connection) if _to_ros(connection) else [connection.eContainer()]
+    senders = services.peers_of(connection) if is_to_ros(connection) else [connection.eContainer()]
     for sender in senders:
         if sender is None or not services.is_known(subject, sender):
             continue
@@ -155,7 +156,7 @@ def _rate_range_stop(_: Subject, stop: bridge.Stop) -> Iterator[Finding]:
 
 @rate_range.also(bridge.Connection, needs=_TIMES)
 def _rate_range_connection(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
-    asks = connection.exchange.name == "query" and _to_ros(connection)
+    asks = connection.exchange.name == "query" and is_to_ros(connection)
     is_timed = connection.exchange.name == "periodicEvent" or asks
     owner = connection.eContainer()
     if is_timed and connection.rate != 0:
@@ -180,7 +181,7 @@ def peers_controllable(subject: Subject, connection: bridge.Connection) -> Itera
 
     Good: `control="false"` for this peer
     """
-    if _to_ros(connection) or not connection.control or not is_steering(connection.map.message):
+    if is_to_ros(connection) or not connection.control or not is_steering(connection.map.message):
         return
     yield from uncontrollable(subject, connection, services.peers_of(connection))
 
@@ -217,10 +218,6 @@ def _flows(subject: Subject, owner: bridge.Bridge) -> list[Flow]:
     ]
 
 
-def _to_ros(connection: bridge.Connection) -> bool:
-    return connection.direction.name == "jausToRos"
-
-
 def _other_ways(subject: Subject, connection: bridge.Connection) -> str:
     """Returns how to state what the connection can be instead, with what it then does."""
     present = {name: str(getattr(connection, name).name) for name in FEATURES}
@@ -246,7 +243,7 @@ def _service_findings(
     connection: bridge.Connection, owner: bridge.Bridge, peers: list[services.Provider]
 ) -> Iterator[Finding]:
     message, by_message = connection.map.message, connection.exchange.name == "message"
-    if _to_ros(connection) and by_message:
+    if is_to_ros(connection) and by_message:
         yield from _taken_findings(connection, owner, peers)
     elif by_message:
         without = [peer for peer in peers if services.find_input(message, peer) is None]
@@ -254,7 +251,7 @@ def _service_findings(
             unprovided(connection, component, message, "takes", "map") for component in without
         )
     else:
-        senders: list[services.Provider] = peers if _to_ros(connection) else [owner]
+        senders: list[services.Provider] = peers if is_to_ros(connection) else [owner]
         without = [sender for sender in senders if services.find_output(message, sender) is None]
         yield from (
             unprovided(connection, component, message, "sends", "map") for component in without

@@ -11,6 +11,7 @@ from jausml.language.metamodel.classes import bridge, system
 from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.connections.limits import LEAST_PACE
 from jausml.language.semantics.connections.topics import Endpoint, endpoints, policies
+from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.hosts import host_of
 from jausml.language.semantics.jaus.commands import is_steering
 from jausml.language.semantics.subject import Subject
@@ -186,7 +187,7 @@ def commanders_known(_: Subject, connection: bridge.Connection) -> Iterator[Find
     map_ = connection.map
     if (
         isinstance(owner, bridge.Bridge)
-        and connection.direction.name == "jausToRos"
+        and is_to_ros(connection)
         and connection.exchange.name == "message"
         and not (connection.peers or connection.search or connection.documentation)
         and not owner.allowedHosts
@@ -219,7 +220,7 @@ def rate_caps(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     if not (math.isfinite(connection.rateCap) and connection.rateCap >= LEAST_PACE):
         message = f"rateCap {connection.rateCap:g} of '{connection.name}' is neither 0 nor"
         yield Finding(connection, f"{message} {LEAST_PACE:g} or more", "rateCap")
-    if (connection.direction.name, connection.exchange.name) != ("jausToRos", "message"):
+    if not is_to_ros(connection) or connection.exchange.name != "message":
         message = f"'{connection.name}' takes nothing unasked that a rateCap could be for"
         yield Finding(connection, message, "rateCap", "state a maxRate")
 

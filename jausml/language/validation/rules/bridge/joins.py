@@ -16,6 +16,7 @@ from jausml.language.semantics.connections.limits import (
     SHORTEST_TIME,
 )
 from jausml.language.semantics.connections.reports import freshness_of, holds_state, is_report
+from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.paths.scopes import is_sound, source_paths
 from jausml.language.semantics.subject import Subject
 from jausml.language.validation.findings import time_findings
@@ -74,7 +75,7 @@ def join_findings(
 
 def _topic_findings(connection: bridge.Connection) -> Iterator[Finding]:
     known = list(connection.map.joins)
-    is_to_jaus = connection.direction.name == "rosToJaus"
+    is_to_jaus = not is_to_ros(connection)
     main = [topic for topic in connection.topics if topic.join is None]
     for topic in connection.topics:
         if topic.join is not None and not is_to_jaus:
@@ -190,7 +191,7 @@ def queries_unshaped(_: Subject, connection: bridge.Connection) -> Iterator[Find
 
     Good: the same with `rate="5"` alone
     """
-    if connection.exchange.name != "query" or connection.direction.name != "jausToRos":
+    if connection.exchange.name != "query" or not is_to_ros(connection):
         return
     for feature, is_said in (
         ("maxRate", connection.maxRate != 0),
@@ -219,7 +220,7 @@ def rates_reached(_: Subject, connection: bridge.Connection) -> Iterator[Finding
     Good: `exchange="periodicEvent" rate="10"`
     """
     owner = connection.eContainer()
-    if connection.exchange.name != "periodicEvent" or connection.direction.name != "jausToRos":
+    if connection.exchange.name != "periodicEvent" or not is_to_ros(connection):
         return
     if not 0 < connection.maxRate < math.inf or connection.search is not None or owner is None:
         return
@@ -251,9 +252,7 @@ def last_words_kept(_: Subject, connection: bridge.Connection) -> Iterator[Findi
 
     Good: the same with `maxRate="5"`
     """
-    changes = (
-        connection.exchange.name == "everyChangeEvent" and connection.direction.name == "jausToRos"
-    )
+    changes = connection.exchange.name == "everyChangeEvent" and is_to_ros(connection)
     is_command = stops.carries_commands(connection)
     is_state = (
         changes or (is_report(connection) and holds_state(connection)) or _is_latched(connection)
@@ -267,7 +266,7 @@ def last_words_kept(_: Subject, connection: bridge.Connection) -> Iterator[Findi
 
 
 def _is_latched(connection: bridge.Connection) -> bool:
-    return connection.direction.name == "rosToJaus" and any(
+    return not is_to_ros(connection) and any(
         topic.join is None and topic.qos is not None and topic.qos.durability.name != "volatile"
         for topic in connection.topics
     )

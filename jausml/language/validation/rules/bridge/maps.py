@@ -10,6 +10,7 @@ from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.assignments.steps import ChainFault, chain_kinds, fits, yields
 from jausml.language.semantics.conversions import conversions_between
+from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.paths import attributes, scopes
 from jausml.language.semantics.paths.wholes import ShapeError
 from jausml.language.semantics.subject import Subject
@@ -228,7 +229,7 @@ def vectors(subject: Subject, attribute_map: bridge.AttributeMap) -> Iterator[Fi
 def _vector_findings(
     attribute_map: bridge.AttributeMap, vector: bridge.TestVector
 ) -> Iterator[Finding]:
-    to_ros = vector.direction.name == "jausToRos"
+    to_ros = is_to_ros(vector)
     feature = "toRos" if to_ros else "toJaus"
     if not (attribute_map.toRos if to_ros else attribute_map.toJaus):
         message = f"vector '{vector.name}' tests {feature}, which the map does not have"

@@ -13,6 +13,7 @@ from jausml.language.semantics.assignments.meanings import (
     turns_unseen,
     unknown_targets,
 )
+from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.paths import scopes
 from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rule import Finding, rule
@@ -92,10 +93,9 @@ def vectors_kept(_: Subject, direction: scopes.Direction) -> Iterator[Finding]:
     if direction.owner is not map_:
         return
     by_target = {placed.assignment.target.strip(): placed for placed in _single(direction)}
-    way = "jausToRos" if direction.to_ros else "rosToJaus"
     for vector in map_.vectors:
         inputs = {value.path: value.value for value in vector.given}
-        for value in vector.expected if vector.direction.name == way else ():
+        for value in vector.expected if is_to_ros(vector) == direction.to_ros else ():
             placed = by_target.get(value.path)
             result = None if placed is None else outcome(placed, inputs, value)
             if result is not None:

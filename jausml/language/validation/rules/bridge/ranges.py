@@ -11,6 +11,7 @@ from jausml.language.attributes.intervals import Interval
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.assignments import units
+from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.paths.attributes import (
     LARGEST_SINGLE,
     NUMBER,
@@ -358,7 +359,7 @@ def _never_left_out(placed: Placed[bridge.FieldAssignment]) -> str | None:
 
 
 def _connection_findings(subject: Subject, connection: bridge.Connection) -> Iterator[Finding]:
-    to_ros = connection.direction.name == "jausToRos"
+    to_ros = is_to_ros(connection)
     if to_ros:
         message = f"'{connection.name}' makes ROS messages, whose fields are never left out"
         yield Finding(connection, message, "outOfRange", _HINT)

@@ -8,6 +8,7 @@ from jausml.language.metamodel.classes import bridge
 from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.connections.limits import LEAST_RATE, MAXIMUM_RATE
 from jausml.language.semantics.connections.reports import JoinedReport, joined_reports
+from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.jaus.services import (
     Provider,
     attributes,
@@ -107,7 +108,7 @@ def _source_findings(connection: bridge.Connection) -> Iterator[Finding]:
     seen: dict[bridge.ReportJoin, bridge.ReportSource] = {}
     for source in connection.sources:
         join = source.join
-        if connection.direction.name != "jausToRos":
+        if not is_to_ros(connection):
             message = f"'{connection.name}' takes no reports: it leads from ROS to JAUS"
             yield Finding(source, message, "join")
         elif join not in known:

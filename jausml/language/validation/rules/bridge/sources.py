@@ -10,6 +10,7 @@ from jausml.language.semantics.connections import calls
 from jausml.language.semantics.connections.hold_reasons import is_reason
 from jausml.language.semantics.connections.reports import is_report
 from jausml.language.semantics.connections.topics import Flow, flow_of
+from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.jaus.commands import is_command, is_emergency
 from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
 from jausml.language.semantics.jaus.services import (
@@ -135,7 +136,7 @@ def _published(subject: Subject, owner: bridge.Bridge) -> list[Flow]:
         for bridge_connection in owner.bridgeConnections
         if subject.is_read(bridge_connection, _ENDS)
         and is_sound(subject, bridge_connection)
-        and bridge_connection.direction.name == "jausToRos"
+        and is_to_ros(bridge_connection)
         and not flow_of(bridge_connection, owner).is_message
     ]
 
@@ -167,7 +168,7 @@ def core_messages_left(subject: Subject, connection: bridge.Connection) -> Itera
     if urn not in SERVED_BY_RUNTIME - _LEFT_TO_CONNECTIONS:
         return
     to_ros, by_message = (
-        connection.direction.name == "jausToRos",
+        is_to_ros(connection),
         connection.exchange.name == "message",
     )
     if is_emergency(message):

@@ -11,6 +11,7 @@ from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.connections import stops
 from jausml.language.semantics.connections.hold_reasons import is_reason
 from jausml.language.semantics.connections.topics import Flow, flow_of, resolve_topic, topic_fault
+from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.jaus.commands import is_emergency
 from jausml.language.semantics.paths.scopes import is_sound
 from jausml.language.semantics.subject import Subject
@@ -64,7 +65,7 @@ def commands_stop(subject: Subject, connection: bridge.Connection) -> Iterator[F
         return
     if stops.has_stop(connection) or stops.keeps_last_command(connection):
         return
-    map_, to_ros = connection.map, connection.direction.name == "jausToRos"
+    map_, to_ros = connection.map, is_to_ros(connection)
     note = Note(map_, f"map '{map_.name}'")
     message = f"nothing stops what {map_.message.name} of '{connection.name}' sets in motion"
     hint = f"give it a safeValue, or the map a {'stopRos' if to_ros else 'stopJaus'}, "
@@ -235,7 +236,7 @@ def _stops_a_topic(subject: Subject, connection: bridge.Connection) -> bool:
     if not subject.is_read(connection, needs) or connection.map is None:
         return False
     is_sound = subject.is_intact(connection.map.message, connection.map.type)
-    to_ros = connection.direction.name == "jausToRos"
+    to_ros = is_to_ros(connection)
     return is_sound and to_ros and stops.carries_commands(connection) and stops.has_stop(connection)
 
 
@@ -243,7 +244,7 @@ def _declared_rate(connection: bridge.Connection) -> float:
     if connection.rate:
         return float(connection.rate)
     owner = connection.eContainer()
-    asks = connection.exchange.name == "query" and connection.direction.name == "jausToRos"
+    asks = connection.exchange.name == "query" and is_to_ros(connection)
     is_timed = connection.exchange.name == "periodicEvent" or asks
     return float(owner.frequency) if is_timed and owner is not None else 0.0
 
@@ -272,7 +273,7 @@ def features_used(_: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
 
 @features_used.also(bridge.Connection)
 def _features_used_connection(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
-    to_ros = connection.direction.name == "jausToRos"
+    to_ros = is_to_ros(connection)
     exchange = connection.exchange.name
     if connection.rate and exchange not in _TIMED:
         message = f"rate of '{connection.name}' has no effect with exchange {exchange}"
@@ -351,7 +352,7 @@ def deadlines_met(_: Subject, connection: bridge.Connection) -> Iterator[Finding
     Good: the same with `deadline="0.2"`
     """
     owner = connection.eContainer()
-    is_timed = connection.exchange.name in _TIMED and connection.direction.name == "jausToRos"
+    is_timed = connection.exchange.name in _TIMED and is_to_ros(connection)
     rate = connection.rate or (owner.frequency if isinstance(owner, bridge.Bridge) else 0.0)
     if not is_timed or rate <= 0:
         return

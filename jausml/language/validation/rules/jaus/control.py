@@ -12,6 +12,7 @@ from jausml.language.model.diagnostics import Severity
 from jausml.language.model.values import show
 from jausml.language.semantics.connections import calls
 from jausml.language.semantics.connections.calls import driver_messages
+from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.jaus.commands import is_emergency, is_steering
 from jausml.language.semantics.jaus.core_services import with_standard
 from jausml.language.semantics.jaus.services import (
@@ -81,7 +82,7 @@ def lapse_is_decided(subject: Subject, owner: bridge.Bridge) -> Iterator[Finding
 
 def _takes_commands(subject: Subject, connection: Carrier) -> bool:
     """Tells whether components may command the ROS side by a connection."""
-    if connection.direction.name != "jausToRos":
+    if not is_to_ros(connection):
         return False
     if isinstance(connection, bridge.RosActionConnection):
         return True
@@ -167,7 +168,7 @@ def _all_controlled(component: jaus.Component) -> Iterator[tuple[EObject, str, j
     if not isinstance(component, bridge.Bridge):
         return
     for connection in component.bridgeConnections:
-        sends = connection.direction.name == "rosToJaus" and connection.exchange.name == "message"
+        sends = not is_to_ros(connection) and connection.exchange.name == "message"
         message = connection.map.message if connection.map is not None else None
         if sends and connection.control and message is not None and is_steering(message):
             for peer in connection.peers:
@@ -183,7 +184,7 @@ def _controlled_for_clients(owner: bridge.Bridge) -> Iterator[tuple[EObject, str
             for peer in call.peers:
                 yield call, "peers", peer
     for action in owner.actionConnections:
-        if action.direction.name == "rosToJaus" and action.control:
+        if not is_to_ros(action) and action.control:
             for peer in action.peers:
                 yield action, "peers", peer
 

@@ -11,6 +11,7 @@ from jausml.language.metamodel.classes import bridge, jaus, system
 from jausml.language.model.diagnostics import Severity
 from jausml.language.model.names import around
 from jausml.language.semantics.connections import calls
+from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.hosts import endpoint_of, host_of, is_ipv4
 from jausml.language.semantics.jaus.commands import is_command
 from jausml.language.semantics.jaus.core_services import is_discovered
@@ -183,7 +184,7 @@ def _control_of_all(connection: Carrier) -> Iterator[Finding]:
     search = connection.search
     if search is None or search.choice.name != "all" or search.subsystem:
         return
-    if connection.direction.name == "rosToJaus" and connection.control:
+    if not is_to_ros(connection) and connection.control:
         message = f"'{connection.name}' takes control of all that its search finds"
         yield Finding(connection, message, "search", "search for one, or in one subsystem")
 
