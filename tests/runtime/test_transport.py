@@ -278,15 +278,6 @@ class TestUnknownDestination:
         here.transport.send(DRIVER, PEER, STATUS)
         assert peer.receive().acknowledge is AckNak.NONE
 
-    def test_two_transports_find_each_other(self, station, wait_until):
-        here, there = station().attach(DRIVER), station().attach(OCU)
-        here.transport.send(DRIVER, OCU, STATUS)
-        wait_until(lambda: there.received)
-        there.transport.send(OCU, DRIVER, STATUS)
-        wait_until(lambda: here.received)
-        assert here.transport.address_book.find(OCU) == there.transport.endpoint
-        assert there.transport.address_book.find(DRIVER) == here.transport.endpoint
-
     def test_a_component_that_moved_is_found_again(self, station, wait_until):
         station()  # owns the port, and is told where the others are
         here, there = station().attach(DRIVER), station().attach(OCU)

@@ -198,16 +198,16 @@ CATALOG = (
     row(
         "QueryServices of an unknown node: an empty list",
         JOINED,
-        when=("client", services_of(9, 255)),
-        then={"client": [ReportServices()]},
+        when=("client", services_of(9, 255), ReportServices()),
     ),
     row(
         "QueryServiceList 65535/255/255: all",
         JOINED,
-        when=("client", query_service_lists()),
-        then={
-            "client": [report_service_list(query_service_lists(), {OWN: own(), MEMBER: (SENSOR,)})]
-        },
+        when=(
+            "client",
+            query_service_lists(),
+            report_service_list(query_service_lists(), {OWN: own(), MEMBER: (SENSOR,)}),
+        ),
     ),
     row(
         "QueryServiceList of an unknown subsystem: an empty list",
@@ -221,8 +221,8 @@ CATALOG = (
                     )
                 ]
             ),
+            ReportServiceList(),
         ),
-        then={"client": [ReportServiceList()]},
     ),
     row(
         "QueryServiceList, v1.0: unknown, ignored",
@@ -252,8 +252,7 @@ CATALOG = (
         "RegisterServices, not heard of lately: forgotten",
         JOINED,
         after(301.0),
-        when=("client", services_of(5, 6)),
-        then={"client": [ReportServices()]},
+        when=("client", services_of(5, 6), ReportServices()),
     ),
 )
 

@@ -65,8 +65,7 @@ PULSE = ReportHeartbeatPulse()
     *(
         Row(
             f"QueryHeartbeatPulse {version}: ReportHeartbeatPulse",
-            when=("client", QueryHeartbeatPulse()),
-            then={"client": [PULSE]},
+            when=("client", QueryHeartbeatPulse(), PULSE),
             version=version,
         )
         for version in ((1, 1), V1_0)
@@ -480,43 +479,39 @@ def test_list(world, row, links):
     row(
         "QueryElement: the element",
         ABC,
-        when=("rival", QueryElement(element_uid=20)),
-        then={
-            "rival": [
-                ReportElement(
-                    element_uid=20,
-                    previous_uid=10,
-                    next_uid=30,
-                    element_data=ReportElement.ElementData(0, WAYPOINT),
-                )
-            ]
-        },
+        when=(
+            "rival",
+            QueryElement(element_uid=20),
+            ReportElement(
+                element_uid=20,
+                previous_uid=10,
+                next_uid=30,
+                element_data=ReportElement.ElementData(0, WAYPOINT),
+            ),
+        ),
     ),
     row("QueryElement, unknown: silence", ABC, when=("rival", QueryElement(element_uid=21))),
     row(
         "QueryElementList: the order",
         sets(element(30, 0, 10), element(10, 30, 20), element(20, 10, 0)),
-        when=("rival", QueryElementList()),
-        then={
-            "rival": [
-                ReportElementList(
-                    element_list=[
-                        ReportElementList.ElementListRec(element_uid=uid) for uid in (30, 10, 20)
-                    ]
-                )
-            ]
-        },
+        when=(
+            "rival",
+            QueryElementList(),
+            ReportElementList(
+                element_list=[
+                    ReportElementList.ElementListRec(element_uid=uid) for uid in (30, 10, 20)
+                ]
+            ),
+        ),
     ),
     row(
         "QueryElementList, empty",
-        when=("rival", QueryElementList()),
-        then={"rival": [ReportElementList()]},
+        when=("rival", QueryElementList(), ReportElementList()),
     ),
     row(
         "QueryElementCount",
         ABC,
-        when=("rival", QueryElementCount()),
-        then={"rival": [ReportElementCount(element_count=3)]},
+        when=("rival", QueryElementCount(), ReportElementCount(element_count=3)),
     ),
 )
 def test_list_queries(world, row):
