@@ -33,10 +33,10 @@ def request(authority):
     return RequestControl(authority_code=authority)
 
 
-def row(name, *given, when, then=None, **expected):
+def row(name, *given, when, **expected):
     """A row of a component with default authority 10 that times out after 4 s."""
     settings = {"default_authority": 10, "control_timeout": 4, **expected.pop("settings", {})}
-    return Row(name, given, when, then or {}, settings=settings, **expected)
+    return Row(name, given, when, settings=settings, **expected)
 
 
 NOT_CONTROLLED = (

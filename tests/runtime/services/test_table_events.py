@@ -131,10 +131,10 @@ class Reject:
         return f"Reject{self.wanted}"
 
 
-def row(name, *given, when, then=None, **expected):
+def row(name, *given, when, **expected):
     settings = {"event_timeout": 1, "event_rate_min": 1.0, "event_rate_max": 50.0}
     settings.update(expected.pop("settings", {}))
-    return Row(name, given, when, then or {}, settings=settings, **expected)
+    return Row(name, given, when, settings=settings, **expected)
 
 
 HEARTBEATS = ("client", create(PULSE, 10.0))

@@ -47,7 +47,7 @@ def decide(*decisions):
     return ConfirmReleaseControl(release_control_list=[record(*decision) for decision in decisions])
 
 
-def row(name, *given, when, then=None, **expected):
+def row(name, *given, when, **expected):
     """A row of a component with default authority 10."""
     settings = {
         "default_authority": 10,
@@ -56,7 +56,7 @@ def row(name, *given, when, then=None, **expected):
         "enhanced_timeout": 4,
         **expected.pop("settings", {}),
     }
-    return Row(name, given, when, then or {}, settings=settings, services=(SERVICE,), **expected)
+    return Row(name, given, when, settings=settings, services=(SERVICE,), **expected)
 
 
 told = after(PAUSE + 0.01)

@@ -29,9 +29,9 @@ LOST = ("not ready", "control lost", "controller None")
 """Hooks that are called where control ends in Ready."""
 
 
-def row(name, *given, when, then=None, **expected):
+def row(name, *given, when, **expected):
     settings = {"control_timeout": 4, **expected.pop("settings", {})}
-    return Row(name, given, when, then or {}, settings=settings, **expected)
+    return Row(name, given, when, settings=settings, **expected)
 
 
 def fails(stage):
