@@ -116,14 +116,7 @@ def test_mypy_is_content(workspace, tmp_path):
 def test_generated_tests_pass_and_can_fail(workspace, tmp_path):
     needs.ask("rclpy")
     options = (
-        "-m",
-        "pytest",
-        "-q",
-        "-p",
-        "no:cacheprovider",
-        "-c",
-        "/dev/null",
-        "--rootdir",
+        *["-m", "pytest", "-q", "-p", "no:cacheprovider", "-c", "/dev/null", "--rootdir"],
         tmp_path,
     )
     tests = [workspace / name / "test" for name in ("everything", "odometry", "idle")]
@@ -322,7 +315,7 @@ def test_imports_are_sorted_as_ruff_sorts_them(tmp_path):
     }
     body = f"from __future__ import annotations\n\nEVERY = {sorted(origins)}\n".replace("'", "")
     file.write_text(Modules().finished(body, Imports(origins)))
-    done = run(
+    line = [
         "-m",
         "ruff",
         "check",
@@ -331,8 +324,8 @@ def test_imports_are_sorted_as_ruff_sorts_them(tmp_path):
         "--line-length=100",
         "--select=I",
         "--diff",
-        file,
-    )
+    ]
+    done = run(*line, file)
     assert done.returncode == 0, done.stdout
 
 

@@ -41,15 +41,6 @@ def present(setting):
     return stamp.minutes, stamp.hour
 
 
-def test_the_latest_fresh_message_is_given(world, setting):
-    setting.open(pose(angle_join()))
-    setting.ros.deliver["angles"](Angle(3.0))
-    setting.ros.deliver["angles"](Angle(7.0))
-    world.run(0.4)
-    setting.ros.deliver["numbers"](Number(11.0))
-    assert present(setting) == (11, 7)
-
-
 def test_freshness_ends_when_it_says(world, setting):
     setting.open(pose(angle_join()))
     setting.ros.deliver["angles"](Angle(7.0))
