@@ -1,3 +1,5 @@
+"""Packets as they stand in datagrams, and their numbers, which count for each destination."""
+
 import itertools
 
 import pytest
