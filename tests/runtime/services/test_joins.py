@@ -124,10 +124,7 @@ def test_several_joins_and_topics(setting):
             (source.data, {name: message and message.yaw for name, message in joined.items()})
         )
 
-    joins = [
-        Join("front", Angle, [Topic("a"), Topic("b")]),
-        Join("rear", Angle, [Topic("c")]),
-    ]
+    joins = [Join("front", Angle, [Topic("a"), Topic("b")]), Join("rear", Angle, [Topic("c")])]
     setting.open(report("pose", translate, joins=joins))
     setting.ros.deliver["a"](Angle(1.0))
     setting.ros.deliver["b"](Angle(2.0))

@@ -290,10 +290,7 @@ QUERIES = (
         *controlled(),
         when=("bystander", QueryAuthority(), ReportAuthority(authority_code=50)),
     ),
-    row(
-        "any, QueryTimeout: seconds",
-        when=("bystander", QueryTimeout(), ReportTimeout(timeout=4)),
-    ),
+    row("any, QueryTimeout: seconds", when=("bystander", QueryTimeout(), ReportTimeout(timeout=4))),
     row(
         "any, QueryTimeout, disabled: 0",
         when=("bystander", QueryTimeout(), ReportTimeout(timeout=0)),

@@ -75,9 +75,7 @@ def subsystems(*addresses):
     return ReportSubsystemList(
         subsystem_list=[
             ReportSubsystemList.SubsystemRec(
-                subsystem_id=address.subsystem,
-                node_id=address.node,
-                component_id=address.component,
+                subsystem_id=address.subsystem, node_id=address.node, component_id=address.component
             )
             for address in addresses
         ]
@@ -145,10 +143,7 @@ CATALOG = (
         when=("client", QueryConfiguration(query_type=NODE)),
         scope=COMPONENT,
     ),
-    row(
-        "QuerySubsystemList: the own one",
-        when=("client", QuerySubsystemList(), subsystems(OWN)),
-    ),
+    row("QuerySubsystemList: the own one", when=("client", QuerySubsystemList(), subsystems(OWN))),
     row(
         "QuerySubsystemList: those that identified themselves",
         OCU,

@@ -555,15 +555,7 @@ def test_every_report_of_the_core_may_be_an_event(world, query):
 
 
 def test_a_completion_counts_once(world):
-    stage = play(
-        world,
-        row(
-            "start",
-            *ready(),
-            when=("client", command(SLOW), confirm(5)),
-        ),
-        Robot,
-    )
+    stage = play(world, row("start", *ready(), when=("client", command(SLOW), confirm(5))), Robot)
     (completion,) = stage.component.under_way
     assert completion.active
     assert completion.succeeded is None

@@ -498,10 +498,7 @@ def test_list(world, row, links):
             ),
         ),
     ),
-    row(
-        "QueryElementList, empty",
-        when=("rival", QueryElementList(), ReportElementList()),
-    ),
+    row("QueryElementList, empty", when=("rival", QueryElementList(), ReportElementList())),
     row(
         "QueryElementCount",
         ABC,
@@ -514,10 +511,7 @@ def test_list_queries(world, row):
 
 def test_list_is_set_in_ready_too(world):
     row = Row(
-        "Ready",
-        ready(),
-        when=(*ABC, ConfirmElementRequest(request_id=1)),
-        services=(LIST_MANAGER,),
+        "Ready", ready(), when=(*ABC, ConfirmElementRequest(request_id=1)), services=(LIST_MANAGER,)
     )
     play(world, row, Robot)
 
