@@ -300,17 +300,22 @@ def test_earth_orientation_agrees_with_matrices(roll, pitch, heading):
     assert distance(matrix(c.ned_angles_to_enu_quaternion(roll, pitch, heading)), expected) < 1e-12
 
 
+def angles_of(q):
+    """Roll, pitch and yaw, each by the function that gives it alone."""
+    return (
+        c.flu_quaternion_to_frd_roll(q),
+        c.flu_quaternion_to_frd_pitch(q),
+        c.flu_quaternion_to_frd_yaw(q),
+    )
+
+
 @given(*[st.floats(-1, 1)] * 4, st.floats(0.1, 10))
 def test_angles_of_any_orientation_give_it_back(x, y, z, w, length):
     norm = math.sqrt(x * x + y * y + z * z + w * w)
     assume(norm > 1e-3)
     unit = [v / norm for v in (x, y, z, w)]
     q = c.Quaternion(*(v * length for v in unit))  # readers must not rely on unit length
-    roll, pitch, yaw = (
-        c.flu_quaternion_to_frd_roll(q),
-        c.flu_quaternion_to_frd_pitch(q),
-        c.flu_quaternion_to_frd_yaw(q),
-    )
+    roll, pitch, yaw = angles_of(q)
     assert -math.pi <= roll <= math.pi
     assert -math.pi / 2 <= pitch <= math.pi / 2
     assert -math.pi <= yaw <= math.pi
@@ -322,11 +327,7 @@ def test_angles_of_any_orientation_give_it_back(x, y, z, w, length):
 @pytest.mark.parametrize("pitch", [-math.pi / 2, math.pi / 2])
 def test_vertical_attitudes(pitch, yaw):
     q = c.frd_angles_to_flu_quaternion(0.7, pitch, yaw)
-    angles = (
-        c.flu_quaternion_to_frd_roll(q),
-        c.flu_quaternion_to_frd_pitch(q),
-        c.flu_quaternion_to_frd_yaw(q),
-    )
+    angles = angles_of(q)
     assert angles[0] == 0.0
     assert distance(times(FLIP, attitude(*angles), FLIP), matrix(q)) < 1e-5
 

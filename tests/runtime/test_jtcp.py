@@ -362,13 +362,18 @@ class TestBadStreams:
         for name in names:
             assert here.counter(f"transport.{name}") == 1
 
-    def test_connections_are_bounded(self, tcp, host, wait_until):
+    @pytest.fixture
+    def filled(self, tcp, host, wait_until):
+        """A transport with as many connections as it may have, and these: all of one host."""
         here = tcp(max_connections=4).attach(DRIVER)
         streams = [host.connect(here.transport.endpoint) for _ in range(4)]
         for number, stream in enumerate(streams):
             stream.send(b"\x02" + from_peer(sequence=number))
         wait_until(lambda: len(here.received) == 4)
-        # All are of one host, and all are in use.
+        return here, streams
+
+    def test_connections_are_bounded(self, filled, host, wait_until):
+        here, streams = filled
         assert host.connect(here.transport.endpoint).is_closed()
         wait_until(lambda: here.counter("jtcp.too_many_connections") == 1)
         streams[1].send(from_peer(sequence=9))
@@ -388,12 +393,8 @@ class TestBadStreams:
         honest.send(from_peer(sequence=3))
         wait_until(lambda: len(here.received) == 3)
 
-    def test_another_host_gets_a_connection_of_the_one_that_has_most(self, tcp, host, wait_until):
-        here = tcp(max_connections=4).attach(DRIVER)
-        streams = [host.connect(here.transport.endpoint) for _ in range(4)]
-        for number, stream in enumerate(streams):
-            stream.send(b"\x02" + from_peer(sequence=number))
-        wait_until(lambda: len(here.received) == 4)
+    def test_another_host_gets_a_connection_of_the_one_that_has_most(self, filled, wait_until):
+        here, streams = filled
         with socket.create_connection(here.transport.endpoint, 5, ("127.0.0.9", 0)) as other:
             other.sendall(b"\x02" + from_peer(sequence=9))
             wait_until(lambda: len(here.received) == 5)
