@@ -203,15 +203,6 @@ class TestAcknowledge:
         assert peer.receive().source == DRIVER
         wait_until(lambda: driver.payloads == [STATUS])
 
-    def test_success_is_reported_once(self, station, wait_until):
-        here, there = station().attach(DRIVER), station().attach(OCU)
-        results: list[bool] = []
-        here.transport.send(DRIVER, OCU, STATUS, acknowledge=True, on_result=results.append)
-        wait_until(lambda: results and there.received)
-        assert results == [True]
-        assert there.payloads == [STATUS]
-        assert not here.transport._messenger.outbox
-
     def test_four_transmissions_then_failure(self, station, peer, wait_until):
         here = station(acknowledge_timeout=0.02).attach(DRIVER)
         join(peer, here, wait_until)

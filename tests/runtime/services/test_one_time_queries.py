@@ -24,14 +24,6 @@ class TestQuery:
         world.run(5.0)
         assert world.count(QueryStatus.CODE) == 1
 
-    def test_lost_query_is_repeated(self, world, client):
-        target(world)
-        world.lost = lambda *_: len(world.log) <= 3
-        answers = []
-        client.query(TARGET, QueryStatus(), ReportStatus, lambda *answer: answers.append(answer))
-        world.run(3.5)
-        assert len(answers) == 1
-
     def test_failure(self, world, client):
         answers, failures = [], []
         client.query(
