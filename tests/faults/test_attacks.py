@@ -137,6 +137,17 @@ def counted(*operators):
     return [operator.reports / operator.ticks for operator in operators]
 
 
+def a_late_one_is_served(start, robot, before):
+    """Has one come while an attack goes on: it hears as much as the other, and stops the robot."""
+    late = start(LATE, HOSTS[LATE], Operator)
+    late.watch()
+    wait_for(lambda: late.reports, "first report of the late one", 30)
+    shares = counted(before, late)
+    assert min(shares) >= 0.9, shares
+    late.send(SetEmergency(emergency_code=1), ROBOT, acknowledge=True)  # much is dropped
+    wait_for(lambda: robot.status is Status.EMERGENCY, "stop", 30)
+
+
 @pytest.mark.parametrize("attack", ATTACKS)
 def test_events_of_invented_ids(robot, start, stranger, attack):
     """255 requests of the fastest event: they are a flood for nobody, and keep nobody out."""
@@ -148,15 +159,9 @@ def test_events_of_invented_ids(robot, start, stranger, attack):
     for number, address in enumerate(IDENTITIES):
         attacker.send(address, event(1092.0), number)
     wait_for(lambda: len(robot.transport.address_book.learnt) > 200, "arrival of the attack")
-    late = start(LATE, HOSTS[LATE], Operator)
-    late.watch()
-    wait_for(lambda: late.reports, "first report of the late one", 30)
-    shares = counted(before, late)
-    assert min(shares) >= 0.9, shares
+    a_late_one_is_served(start, robot, before)
     if not acknowledges:
         assert 0 < attacker.received <= 3 * attacker.sent
-    late.send(SetEmergency(emergency_code=1), ROBOT, acknowledge=True)  # much is dropped
-    wait_for(lambda: robot.status is Status.EMERGENCY, "stop", 30)
 
 
 @pytest.mark.parametrize("fixed", [False, True], ids=["newest", "fixedSources"])
@@ -182,13 +187,7 @@ def test_more_ids_than_an_address_book_holds(start, stranger, fixed):
     try:
         full = "transport.address_book_full"
         wait_for(lambda: robot.counters.snapshot().get(full), "a full address book", 60)
-        late = start(LATE, HOSTS[LATE], Operator)
-        late.watch()
-        wait_for(lambda: late.reports, "first report of the late one", 30)
-        shares = counted(before, late)
-        assert min(shares) >= 0.9, shares
-        late.send(SetEmergency(emergency_code=1), ROBOT, acknowledge=True)  # much is dropped
-        wait_for(lambda: robot.status is Status.EMERGENCY, "stop", 30)
+        a_late_one_is_served(start, robot, before)
     finally:
         ended.set()
         flooding.join()

@@ -64,21 +64,14 @@ def restart(system):
     system.flows(time.monotonic())
 
 
-def test_a_bridge_that_is_killed_has_its_stops_said(system, record):
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSEGV])
+def test_a_bridge_that_is_killed_or_crashes_has_its_stops_said(system, record, number):
     system.flows(time.monotonic())
     began = time.monotonic()
-    system.signal("bridge", signal.SIGKILL)
+    system.signal("bridge", number)
     found = stopped(system, began)
-    record("guardian", "kill -9", found)
+    record("guardian", number.name, found)
     assert "has died" in speeches(system)[-1]
-    restart(system)
-
-
-def test_a_bridge_that_crashes_has_its_stops_said(system):
-    system.flows(time.monotonic())
-    began = time.monotonic()
-    system.signal("bridge", signal.SIGSEGV)
-    stopped(system, began)
     restart(system)
 
 

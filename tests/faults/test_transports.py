@@ -1,4 +1,4 @@
-"""The bridge and its peers over TCP, and at a node manager: cut, killed, and back."""
+"""The bridge and its peers over TCP, at a node manager and at one port: cut, killed, and back."""
 
 from functools import partial
 
@@ -57,3 +57,21 @@ def joined(request, path, tmp_path_factory):
 )
 def test_fault(joined, fault, record):
     record("faults", fault.name, suffer(joined, fault))
+
+
+SHARED = [
+    Fault("owner of the port killed", partial(killed, role="vehicle"), 3, ("odometry",)),
+    Fault("owner of the port restarted", partial(ended, role="vehicle"), 0, ("odometry",)),
+    Fault("another at the port killed", partial(killed, role="operator"), 3, ("cruise",)),
+    Fault("owner of the port halted for 10 s", partial(halted, role="vehicle"), 10, ("odometry",)),
+]
+"""Where all have one port: the vehicle starts first and owns it."""
+
+
+@pytest.mark.faults
+@pytest.mark.parametrize(
+    "fault",
+    [pytest.param(fault_case, id=fault_case.name.replace(" ", "_")) for fault_case in SHARED],
+)
+def test_fault_on_a_shared_port(shared_system, fault, record):
+    record("faults", fault.name, suffer(shared_system, fault))

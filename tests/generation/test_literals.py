@@ -2,12 +2,14 @@
 
 import ast
 import math
+import re
 import xml.etree.ElementTree as ET
 
 import pytest
 import yaml
 from hypothesis import example, given
 from hypothesis import strategies as st
+from lupa import lua52, lua54
 
 from jausml.generation import literals
 
@@ -22,6 +24,9 @@ HOSTILE = [
     "\x00\x1b[31m\x7f",
     "\u202e\u2066txt",
     "{{ 7*7 }}{% raw %}",
+    '"..os.execute("true").."',
+    "]]--[[",
+    "\x009",
     "-->--<!-- ]]>",
     "%s {0} $HOME `id`",
     "tab\there",
@@ -147,3 +152,93 @@ def test_ident_returns_names_unchanged():
 @pytest.mark.parametrize(("value", "text"), [(1e22, "1e22"), (-2.5e-7, "-2.5e-07"), (1.0, "1.0")])
 def test_floats_are_written_as_the_formatter_does(value, text):
     assert literals.python_literal(value) == text
+
+
+LONG = "and says what the peer is to do with it when the time has come"
+
+
+@pytest.mark.parametrize(
+    ("text", "first", "others"),
+    [
+        (f"Takes a value. {LONG} {LONG}", "Takes a value.", f"{LONG} {LONG}."),
+        (f"Takes a value; {LONG} {LONG}", "Takes a value.", f"{LONG[0].upper()}{LONG[1:]} {LONG}."),
+        (f"Takes: one; {LONG} {LONG}", "Takes: one.", f"{LONG[0].upper()}{LONG[1:]} {LONG}."),
+        (f"Takes one: two, {LONG} {LONG}", "Takes one.", f"Two, {LONG} {LONG}."),
+        (f"Takes one, {LONG} {LONG}", "Takes one.", f"Takes one, {LONG} {LONG}."),
+        (f"{LONG} {LONG}", f"{LONG} and says what the peer is to.", f"{LONG} {LONG}."),
+        ("x" * 120, f"{'x' * 95}.", f"{'x' * 96}{'x' * 24}."),
+    ],
+)
+def test_first_lines_end_with_a_thought(text, first, others):
+    quoted, _, rest = literals.model_docstring(text, 0).removesuffix('"""').partition("\n")
+    assert quoted.startswith(f'"""{first}'[:50])
+    assert "..." not in quoted
+    assert quoted.endswith(".")
+    assert "".join(rest.split()) == "".join(others.split())
+    assert len(quoted) <= 100
+
+
+def unescaped(literal: str) -> str:
+    """Returns the text of a Lua string, as its manual (3.1) says."""
+    inside = re.sub(r"\\(\d{3})", lambda m: chr(int(m[1])), literal[1:-1])
+    return inside.encode("latin-1").decode("utf-8")
+
+
+@given(texts)
+def test_a_string_of_lua_is_the_same_in_ascii_on_one_line(text):
+    literal = literals.lua_string(text)
+
+    assert re.fullmatch(r'"(?:[ !#-\[\]-~]|\\[0-9]{3})*"', literal)
+    assert unescaped(literal) == re.sub("[\ud800-\udfff]", "\ufffd", text)
+
+
+@pytest.mark.parametrize(
+    ("value", "literal"),
+    [
+        (True, "true"),
+        (-7, "-7"),
+        (0.1, "0.1"),
+        (float("-inf"), "-math.huge"),
+        ([], "{}"),
+        ([1, "a"], '{ 1, "a" }'),
+        ({0: "off", "name": 1, "end": 2}, '{ [0] = "off", name = 1, ["end"] = 2 }'),
+    ],
+)
+def test_values_become_lua(value, literal):
+    assert literals.lua_literal(value) == literal
+
+
+def test_a_long_table_of_lua_takes_a_line_for_each_item():
+    text = literals.lua_literal({"fields": [{"name": "a" * 60}, {"name": "b" * 60}]})
+
+    assert text.split("\n") == [
+        "{",
+        "    fields = {",
+        f'        {{ name = "{"a" * 60}" }},',
+        f'        {{ name = "{"b" * 60}" }},',
+        "    },",
+        "}",
+    ]
+
+
+def test_indented_tables_keep_to_the_line_width():
+    item = {"name": "a" * 30, "filter": "b" * 25}
+    value = {"fields": [{"fields": [{"fields": [item, item]}, item]}]}
+    text = literals.lua_literal(value, 17)
+
+    assert max(map(len, text.split("\n"))) <= 100
+    assert text.count(f'{{ name = "{"a" * 30}", filter = "{"b" * 25}" }},') == 1
+
+
+def test_other_values_are_none_of_lua():
+    with pytest.raises(TypeError, match="no Lua literal for object"):
+        literals.lua_literal([object()])
+
+
+@pytest.mark.parametrize("lua", [lua52, lua54], ids=["5.2", "5.4"])
+@given(text=texts)
+def test_lua_itself_reads_the_same(lua, text):
+    runtime = lua.LuaRuntime(encoding=None)
+    read = runtime.eval(literals.lua_string(text).encode())
+
+    assert read == text.encode("utf-16", "surrogatepass").decode("utf-16", "replace").encode()

@@ -269,17 +269,8 @@ def test_templates_are_searched_in_order(tmp_path, toy, workspace, vehicle):
 def test_generated_python_is_as_ruff_formats_it(workspace, vehicle, rename, doc):
     workspace.write([rename(vehicle, doc=doc)])
 
-    command = [
-        sys.executable,
-        "-m",
-        "ruff",
-        "format",
-        "--isolated",
-        "--line-length=100",
-        "--diff",
-        str(workspace.out),
-    ]
-    succeeded(command)
+    line = ["-m", "ruff", "format", "--isolated", "--line-length=100", "--diff"]
+    succeeded([sys.executable, *line, str(workspace.out)])
 
 
 def test_templates_beside_a_module(tmp_path):

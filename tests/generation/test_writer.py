@@ -93,19 +93,6 @@ def test_after_a_killed_run_another_model_may_be_written(workspace, vehicle, ren
     assert not workspace.write([rename(vehicle, messages=vehicle.messages[1:])]).refused
 
 
-def test_a_failed_first_run_leaves_no_temporary_file(workspace, vehicle):
-    plan = workspace.plan([vehicle])
-
-    with pytest.MonkeyPatch.context() as patch:
-        FailingReplace(patch, 3, Killed(), after=False)
-        with pytest.raises(Killed):
-            apply(plan)
-
-    assert len(contents(workspace)) == 3  # two files, and what was meant
-    workspace.write([vehicle])
-    assert workspace.plan([vehicle]).is_up_to_date
-
-
 def test_a_temporary_file_of_a_killed_run_is_replaced_not_followed(workspace, vehicle, tmp_path):
     victim = tmp_path / "victim"
     victim.write_text("x", encoding="utf-8")

@@ -8,7 +8,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from generated import run_in
+from generated import run_in, texts_of
 from workspaces import packages_of
 
 from jausml.generation.rendering import render
@@ -81,14 +81,9 @@ def artifacts_of(text: str, folder: Path, name: str) -> dict[str, Any]:
     assert not refusals, "\n".join(
         f"{refusal.location.line}: {refusal.message}" for refusal in refusals
     )
-    made = {
-        artifact.path: artifact
-        for artifact in render(result.model, [TARGET, MESSAGES, RUNTIME.for_whole_library()])
-    }
-    again = {
-        artifact.path: artifact.text
-        for artifact in render(result.model, [TARGET, MESSAGES, RUNTIME.for_whole_library()])
-    }
+    targets = [TARGET, MESSAGES, RUNTIME.for_whole_library()]
+    made = {artifact.path: artifact for artifact in render(result.model, targets)}
+    again = texts_of(result.model, targets)
     assert {path: artifact.text for path, artifact in made.items()} == again
     return made
 

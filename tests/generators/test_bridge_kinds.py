@@ -8,7 +8,7 @@ from generated import model_in, text_of
 from jausml.generation.errors import InternalError
 from jausml.generation.rendering import render
 from jausml.generation.target import system_of
-from jausml_generators.bridge.checks.ends import Ends
+from jausml_generators.bridge.checks.ends import Ends, Paths
 from jausml_generators.bridge.checks.samples import sample_of
 from jausml_generators.bridge.target import TARGET
 from jausml_generators.bridge.views import BridgeView
@@ -308,3 +308,25 @@ def test_types_that_mirror_jaus_messages_get_their_own_name(tmp_path):
     assert "from .ros_types import Mixed as DemoMsgsMixed\n" in base
     assert "def translate_things(self, source: Mixed) -> DemoMsgsMixed | None:" in base
     assert "target = DemoMsgsMixed()" in base
+
+
+PATHS = ["pose", "pose.position.x", "pose.position.x", "poses", "covariance[3]", "covariance[30]"]
+
+
+@pytest.mark.parametrize(
+    ("path", "count"),
+    [
+        ("pose", 3),
+        ("pose.position", 3),
+        ("pose.position.x", 3),
+        ("pose.position.x.y", 3),
+        ("pose.orientation", 1),
+        ("poses", 1),
+        ("pos", 0),
+        ("covariance", 2),
+        ("covariance[3]", 1),
+        ("covariance[4]", 0),
+    ],
+)
+def test_paths_overlap_with_what_they_are_in_and_what_is_in_them(path, count):
+    assert Paths(PATHS).overlapping(path) == count

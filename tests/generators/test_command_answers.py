@@ -1,4 +1,4 @@
-"""Which commands a generated bridge tells by itself when somebody asks for them."""
+"""What a generated bridge tells by itself when somebody asks: of commands and of lists."""
 
 from pathlib import Path
 
@@ -63,3 +63,62 @@ def test_a_goal_is_told_too(tmp_path):
         more='onSilence: hold holdReason: "a goal stands until the next one"',
     )
     assert "CommandAnswer(QueryLocalWaypoint, ReportLocalWaypoint)" in base
+
+
+LISTS = """
+import mappings.global_waypoint_driver
+import mappings.local_waypoint_driver
+import mappings.travel_speed
+
+bridge robot {{
+    address: 1.1.1
+    provides: LocalWaypointListDriver, GlobalWaypointListDriver, LocalWaypointDriver
+    {more}
+    ros_action_connection local {{
+        direction: jausToRos
+        action: follow_waypoints
+        type: nav2_msgs/FollowWaypoints
+        driver: LocalWaypointListDriver
+        element: local_waypoint
+        goalMember: poses
+    }}
+    ros_action_connection gps {{
+        direction: jausToRos
+        action: follow_gps_waypoints
+        type: nav2_msgs/FollowGPSWaypoints
+        driver: GlobalWaypointListDriver
+        element: global_waypoint_pose
+        goalMember: gps_poses
+    }}
+}}
+"""
+SPEED_REPORT = """connection speed {{
+        map: local_travel_speed_report
+        direction: rosToJaus
+        exchange: {exchange}
+        topic speed {{}}
+    }}"""
+SPEED = "speed=(QueryTravelSpeed, ReportTravelSpeed)"
+
+
+def base_of_lists(folder: Path, more: str = "") -> str:
+    """Returns the base of the bridge with drivers of lists."""
+    return text_of(model_in(folder, LISTS.format(more=more)), [TARGET])
+
+
+def test_each_driver_tells_the_speed_and_what_its_elements_hold(tmp_path):
+    base = base_of_lists(tmp_path)
+    assert base.count(SPEED) == 2
+    assert base.count("element=(QueryLocalWaypoint, ReportLocalWaypoint)") == 1
+    assert base.count("element=(QueryGlobalWaypoint, ReportGlobalWaypoint)") == 1
+
+
+def test_a_connection_with_the_report_comes_first(tmp_path):
+    base = base_of_lists(tmp_path, SPEED_REPORT.format(exchange="periodicEvent"))
+    assert SPEED not in base
+    assert "element=(QueryLocalWaypoint, ReportLocalWaypoint)" in base
+
+
+def test_a_report_that_is_sent_unasked_answers_nothing(tmp_path):
+    base = base_of_lists(tmp_path, SPEED_REPORT.format(exchange="message"))
+    assert base.count(SPEED) == 2

@@ -13,7 +13,7 @@ import needs
 import pytest
 import yaml
 from deployed import install, moved, read_environment, read_unit, started
-from generated import model_in, texts_of
+from generated import model_in, text_of, texts_of
 from scripts import succeeded
 
 from jausml.generation.errors import GenerationError
@@ -307,8 +307,7 @@ def test_the_firewall_of_a_host_names_what_the_model_has(files_of):
 def test_a_host_on_which_the_model_runs_nothing_may_come(model_of):
     idle = 'host topside { interface: "10.77.0.3" }'
     text = TWO_HOSTS.replace("    host station", f"    {idle}\n    host station")
-    files = {artifact.path: artifact.text for artifact in render(model_of(text), [DEPLOYMENT])}
-    rules = files["rover_deployment/hosts/station/firewall.nft"]
+    rules = text_of(model_of(text), [DEPLOYMENT], "station/firewall.nft")
     assert elements(rules, "jaus_hosts") == ["10.77.0.1", "10.77.0.3"]
     assert elements(rules, "ros_hosts") == ["10.77.0.1"]
 
@@ -337,7 +336,7 @@ def test_allowed_hosts_of_a_bridge_may_come(files_of):
 def test_several_processes_of_a_host_have_the_ports_of_the_runtime(model_of):
     for port in (3794, HIGHEST_SHARED_PORT, HIGHEST_SHARED_PORT + 1):
         model = model_of(TWO_HOSTS.replace("transport: judp", f"port: {port}"))
-        files = {artifact.path: artifact.text for artifact in render(model, [DEPLOYMENT])}
+        files = texts_of(model, [DEPLOYMENT])
         rules = files["rover_deployment/hosts/onboard/firewall.nft"]
         (found,) = re.findall(r"udp dport \{ ([^}]*) \}", rules)
         known = neighbour_ports(port)
@@ -399,11 +398,7 @@ def test_what_the_model_says_is_not_asked(files_of):
 
 def test_a_bridge_that_takes_from_anybody_is_asked_for_networks(model_of):
     text = VARIANTS["stranger"].replace("peers: vehicle ", "")
-    (readme,) = (
-        artifact.text
-        for artifact in render(model_of(text), [DEPLOYMENT])
-        if artifact.path.endswith(".md")
-    )
+    readme = text_of(model_of(text), [DEPLOYMENT], ".md")
     assert "Where are the peers of `velocity` of `watcher`?" in readme
 
 

@@ -18,6 +18,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from lupa import lua54
+from scripts import succeeded
 from sweeps import WHOLE
 from workspaces import python_path, write
 
@@ -318,10 +319,7 @@ def generated(folder: Path, names: Sequence[str], targets: Sequence[Target[Any]]
     write(result.model, [*PYTHON, *targets], workspace)
     code = IMPORTED.format(node=package_name(names[2]))
     path = {"PYTHONPATH": python_path(workspace)}
-    done = subprocess.run(
-        [sys.executable, "-c", code], env=path, cwd=workspace, capture_output=True, text=True
-    )
-    assert not done.returncode, done.stderr
+    succeeded([sys.executable, "-c", code], env=path, cwd=workspace)
     return workspace
 
 
@@ -381,8 +379,7 @@ def run_tests(workspace: Path, node: str) -> None:
     tests = [path for path in workspace.glob("*/test/test_*.py") if node not in path.parts]
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *map(str, tests)]
     path = {"PYTHONPATH": python_path(workspace)}
-    done = subprocess.run(command, env=path, cwd=workspace, capture_output=True, text=True)
-    assert not done.returncode, done.stdout
+    succeeded(command, env=path, cwd=workspace)
 
 
 @pytest.mark.slow

@@ -8,7 +8,7 @@ import re
 
 import needs
 import pytest
-from generated import model_of
+from generated import model_of, texts_of
 
 from jausml.generation.artifact import Kind
 from jausml.generation.contract.finding import FindingKind
@@ -116,14 +116,7 @@ def test_mypy_is_content(workspace, tmp_path):
 def test_generated_tests_pass_and_can_fail(workspace, tmp_path):
     needs.ask("rclpy")
     options = (
-        "-m",
-        "pytest",
-        "-q",
-        "-p",
-        "no:cacheprovider",
-        "-c",
-        "/dev/null",
-        "--rootdir",
+        *["-m", "pytest", "-q", "-p", "no:cacheprovider", "-c", "/dev/null", "--rootdir"],
         tmp_path,
     )
     tests = [workspace / name / "test" for name in ("everything", "odometry", "idle")]
@@ -322,7 +315,7 @@ def test_imports_are_sorted_as_ruff_sorts_them(tmp_path):
     }
     body = f"from __future__ import annotations\n\nEVERY = {sorted(origins)}\n".replace("'", "")
     file.write_text(Modules().finished(body, Imports(origins)))
-    done = run(
+    line = [
         "-m",
         "ruff",
         "check",
@@ -331,8 +324,8 @@ def test_imports_are_sorted_as_ruff_sorts_them(tmp_path):
         "--line-length=100",
         "--select=I",
         "--diff",
-        file,
-    )
+    ]
+    done = run(*line, file)
     assert done.returncode == 0, done.stdout
 
 
@@ -404,13 +397,9 @@ def test_output_is_the_same_wherever_the_model_lies(tmp_path):
     copy = tmp_path / "elsewhere" / "features.xmi"
     copy.parent.mkdir()
     copy.write_bytes((CASES / "features.xmi").read_bytes())
-    rendered = render(model_of(copy), [ROS_NODE])
-    assert {artifact.path: artifact.text for artifact in rendered} == {
-        path: artifact.text for path, artifact in artifacts("features", ROS_NODE).items()
-    }
-    assert not any(
-        str(ROOT) in artifact.text or str(tmp_path) in artifact.text for artifact in rendered
-    )
+    texts = texts_of(model_of(copy), [ROS_NODE])
+    assert texts == texts_of(model_of(CASES / "features.xmi"), [ROS_NODE])
+    assert not any(str(ROOT) in text or str(tmp_path) in text for text in texts.values())
 
 
 def test_a_node_without_endpoints_is_still_a_node():

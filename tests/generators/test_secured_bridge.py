@@ -1,4 +1,4 @@
-"""What a model says of sources, in the generated bridge and its parameter file."""
+"""What a model says of sources and shapes, in the generated bridge and its parameter file."""
 
 from generated import model_in, text_of
 
@@ -69,3 +69,35 @@ def test_budgets_that_are_not_stated_are_in_the_parameters_alone(tmp_path):
     assert "event_rate_budget" not in base
     assert "jaus_amplification_limit: 3" in parameters
     assert "jaus_event_rate_budget: 4000.0" in parameters
+
+
+SHAPED = """
+import mappings.velocity_state_sensor
+component vehicle { address: 100.1.1 provides: VelocityStateSensor external: true }
+bridge front {
+    address: 100.1.2
+    connection shaped {
+        map: velocity_state peers: vehicle  maxRate: 5 decimation: 2 ageLimit: 0.5
+        topic odometry
+    }
+    connection plain { map: velocity_state peers: vehicle topic all }
+}
+"""
+
+
+def test_shapes_and_their_parameters(tmp_path):
+    model = model_in(tmp_path, SHAPED)
+    base = text_of(model, [BRIDGE])
+    assert base.count("shape=") == 1
+    assert "shape=Shape(max_rate=5.0, decimation=2, age_limit=0.5)," in base
+    assert "    Shape,\n" in base
+    parameters = text_of(model, [BRINGUP], "front.yaml")
+    for line in (
+        "shaped.max_rate: 5.0",
+        "shaped.decimation: 2",
+        "shaped.age_limit: 0.5",
+        "plain.max_rate: 0.0",
+        "plain.decimation: 1",
+        "plain.age_limit: 0.0",
+    ):
+        assert line in parameters

@@ -88,14 +88,8 @@ def test_a_process_has_the_transport_of_its_host(tmp_path, transport, expected):
     generate(tmp_path, transport)
     values = "t.transport, len(t.address_book), t.fragment_size"
     code = f"from desk.desk_base import TRANSPORT as t; print({values})"
-    done = subprocess.run(
-        [sys.executable, "-c", code],
-        env=environment(tmp_path),
-        capture_output=True,
-        text=True,
-        timeout=60,
-    )
-    assert done.stdout.strip() == expected, done.stderr
+    done = succeeded([sys.executable, "-c", code], env=environment(tmp_path), timeout=60)
+    assert done.stdout.strip() == expected
     succeeded(
         ["ruff", "format", "--check", "--isolated", "--line-length", "100", "desk", "arm"],
         cwd=tmp_path,
@@ -121,14 +115,8 @@ def test_generated_processes_of_two_hosts_talk_over_tcp(tmp_path):
         for name in ("arm", "leg")
     ]
     try:
-        done = subprocess.run(
-            [sys.executable, "-c", ASK],
-            env=environment(tmp_path),
-            capture_output=True,
-            text=True,
-            timeout=60,
-        )
-        assert done.stdout.strip() == "['10.1.1', '10.1.2']", done.stderr
+        done = succeeded([sys.executable, "-c", ASK], env=environment(tmp_path), timeout=60)
+        assert done.stdout.strip() == "['10.1.1', '10.1.2']"
     finally:
         for process in processes:
             process.terminate()

@@ -21,7 +21,7 @@ OWN = """<?xml version="1.0" encoding="UTF-8"?>
  xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"
  xmlns:jaus="http://www.jausml.org/jaus/1.0" name="own">
  <services name="{name}" urn="{urn}" version="1.0">
-  <inputs name="SetLamp" code="0xD001">{body}</inputs>
+  {inputs}
  </services>
 </jaus:ServiceSet>
 """
@@ -29,9 +29,14 @@ LAMP = """<body xsi:type="jaus:Record" name="LampRec">
  <fields xsi:type="jaus:FixedField" name="Level"/></body>"""
 
 
-def model(tmp_path, body=LAMP, name="Lamp", urn="urn:own:Lamp"):
-    path = tmp_path / "own.xmi"
-    path.write_text(OWN.format(body=body, name=name, urn=urn), encoding="utf-8")
+def model(folder, *bodies, name="Lamp", urn="urn:own:Lamp"):
+    """Returns the path of a model with a message of each body: SetLamp0 with code 0xD000 and on."""
+    inputs = "".join(
+        f'<inputs name="SetLamp{number}" code="0xD0{number:02}">{body}</inputs>'
+        for number, body in enumerate(bodies or [LAMP])
+    )
+    path = folder / "own.xmi"
+    path.write_text(OWN.format(inputs=inputs, name=name, urn=urn), encoding="utf-8")
     return path
 
 
@@ -134,10 +139,10 @@ def test_unknown_codes(catalogue):
 
 def test_own_models_are_known_too(tmp_path):
     catalogue = load_catalogue([model(tmp_path)])
-    decoded = catalogue.decode(bytes.fromhex("01d007"))
+    decoded = catalogue.decode(bytes.fromhex("00d007"))
     assert decoded.to_json() == {
-        "message": "SetLamp",
-        "code": "0xD001",
+        "message": "SetLamp0",
+        "code": "0xD000",
         "service": "urn:own:Lamp",
         "service_version": "1.0",
         "fields": {"LampRec": {"Level": 7}},
@@ -147,66 +152,72 @@ def test_own_models_are_known_too(tmp_path):
 
 def test_an_own_service_takes_the_place_of_the_library_s(tmp_path):
     catalogue = load_catalogue([model(tmp_path, urn=MANAGEMENT, name="Management")])
-    assert [e.name for e in catalogue.services[MANAGEMENT, "1.0"].messages] == ["SetLamp"]
-    assert catalogue.message("SetLamp", "Management").name == "SetLamp"
+    assert [e.name for e in catalogue.services[MANAGEMENT, "1.0"].messages] == ["SetLamp0"]
+    assert catalogue.message("SetLamp0", "Management").name == "SetLamp0"
 
 
 def test_a_model_that_cannot_be_read_says_where(tmp_path):
-    path = model(tmp_path, body="<nonsense/>")
+    path = model(tmp_path, "<nonsense/>")
     with pytest.raises(CatalogueError, match=r"own\.xmi:6:\d+: JML103"):
         load_catalogue([path])
     with pytest.raises(CatalogueError, match=r"absent\.xmi"):
         load_catalogue([tmp_path / "absent.xmi"])
 
 
-@pytest.mark.parametrize(
-    ("body", "reason"),
-    [
-        (
-            '<body xsi:type="jaus:TypeReference" name="B" target="//@services.0/@inputs.0/@body"/>',
-            "SetLamp.B: the type reference leads to no type",
-        ),
-        (
-            '<body xsi:type="jaus:Record" name="R"><fields xsi:type="jaus:List" name="L">'
-            '<element xsi:type="jaus:TypeReference" name="E"'
-            ' target="//@services.0/@inputs.0/@body"/>'
-            "</fields></body>",
-            "SetLamp.R.L.E: it contains itself",
-        ),
-        (
-            '<body xsi:type="jaus:Record" name="R"><fields xsi:type="jaus:FixedField" name="F"/>'
-            '<fields xsi:type="jaus:FixedField" name="F"/></body>',
-            "SetLamp.R: the name 'F' is taken twice",
-        ),
-        (
-            '<body xsi:type="jaus:Record" name="R"><fields xsi:type="jaus:FixedField" name="F"'
-            ' type="int8"><scale lower="0" upper="1"/></fields></body>',
-            r"SetLamp.R.F: 0.0 .. 1.0 is no scale of int8",
-        ),
-        (
-            '<body xsi:type="jaus:List" name="L" countType="int8">'
-            '<element xsi:type="jaus:FixedField" name="F"/></body>',
-            "SetLamp.L: int8 is no unsigned integer",
-        ),
-        (
-            '<body xsi:type="jaus:Array" name="A"><element xsi:type="jaus:FixedField" name="F"/>'
-            "<dimensions>100000</dimensions><dimensions>100000</dimensions></body>",
-            "SetLamp.A: dimensions",
-        ),
-        (
-            '<body xsi:type="jaus:BitField" name="B"><subFields name="S" lowBit="4" highBit="8"/>'
-            "</body>",
-            r"SetLamp.B.S: bits 4 .. 8 do not fit",
-        ),
-    ],
-)
-def test_definitions_without_a_meaning_harm_only_their_message(tmp_path, body, reason):
-    catalogue = load_catalogue([model(tmp_path, body=body)])
-    assert catalogue.decode(REPORT_STATUS).entry.name == "ReportStatus"
-    with pytest.raises(DefinitionError, match=reason):
-        catalogue.decode(bytes.fromhex("01d000"))
-    with pytest.raises(DefinitionError, match=reason):
-        catalogue.message("SetLamp").encode({})
+MEANINGLESS = [
+    (
+        '<body xsi:type="jaus:TypeReference" name="B" target="//@services.0/@inputs.0/@body"/>',
+        "B: the type reference leads to no type",
+    ),
+    (
+        '<body xsi:type="jaus:Record" name="R"><fields xsi:type="jaus:List" name="L">'
+        '<element xsi:type="jaus:TypeReference" name="E"'
+        ' target="//@services.0/@inputs.1/@body"/>'
+        "</fields></body>",
+        "R.L.E: it contains itself",
+    ),
+    (
+        '<body xsi:type="jaus:Record" name="R"><fields xsi:type="jaus:FixedField" name="F"/>'
+        '<fields xsi:type="jaus:FixedField" name="F"/></body>',
+        "R: the name 'F' is taken twice",
+    ),
+    (
+        '<body xsi:type="jaus:Record" name="R"><fields xsi:type="jaus:FixedField" name="F"'
+        ' type="int8"><scale lower="0" upper="1"/></fields></body>',
+        r"R.F: 0.0 .. 1.0 is no scale of int8",
+    ),
+    (
+        '<body xsi:type="jaus:List" name="L" countType="int8">'
+        '<element xsi:type="jaus:FixedField" name="F"/></body>',
+        "L: int8 is no unsigned integer",
+    ),
+    (
+        '<body xsi:type="jaus:Array" name="A"><element xsi:type="jaus:FixedField" name="F"/>'
+        "<dimensions>100000</dimensions><dimensions>100000</dimensions></body>",
+        "A: dimensions",
+    ),
+    (
+        '<body xsi:type="jaus:BitField" name="B"><subFields name="S" lowBit="4" highBit="8"/>'
+        "</body>",
+        r"B.S: bits 4 .. 8 do not fit",
+    ),
+]
+
+
+@pytest.fixture(scope="module")
+def meaningless(tmp_path_factory):
+    bodies = (body for body, _ in MEANINGLESS)
+    return load_catalogue([model(tmp_path_factory.mktemp("meaningless"), *bodies)])
+
+
+@pytest.mark.parametrize("number", range(len(MEANINGLESS)))
+def test_definitions_without_a_meaning_harm_only_their_message(meaningless, number):
+    name, (_, reason) = f"SetLamp{number}", MEANINGLESS[number]
+    assert meaningless.decode(REPORT_STATUS).entry.name == "ReportStatus"
+    with pytest.raises(DefinitionError, match=f"{name}.{reason}"):
+        meaningless.decode(bytes([number, 0xD0, 0]))
+    with pytest.raises(DefinitionError, match=f"{name}.{reason}"):
+        meaningless.message(name).encode({})
 
 
 def test_a_message_is_named_by_name_or_code(catalogue):

@@ -52,56 +52,44 @@ def fields(text, name):
     }
 
 
-def test_feedback_of_an_action(installation):
-    text = installed_definition("yard_msgs/action/Dig_FeedbackMessage", installation)
-    assert fields(text, "yard_msgs/msg/Dig_FeedbackMessage") == {
+CALL = {"ServiceEventInfo": ["event_type"]}
+GOAL_CALL = {**CALL, "UUID": ["uuid"]}
+PARTS = ["info", "request", "response"]
+DEFINITIONS = {
+    "srv/Stop_Event": {
+        "Stop_Event": PARTS,
+        "Stop_Request": ["structure_needs_at_least_one_member"],
+        "Stop_Response": ["done"],
+        **CALL,
+    },
+    "action/Dig_FeedbackMessage": {
         "Dig_FeedbackMessage": ["goal_id", "feedback"],
         "Dig_Feedback": ["where", "left"],
         "Point": ["x"],
         "UUID": ["uuid"],
-    }
+    },
+    "action/Dig_SendGoal_Event": {
+        "Dig_SendGoal_Event": PARTS,
+        "Dig_SendGoal_Request": ["goal_id", "goal"],
+        "Dig_SendGoal_Response": ["accepted", "stamp"],
+        "Dig_Goal": ["depth"],
+        "Time": ["sec", "nanosec"],
+        **GOAL_CALL,
+    },
+    "action/Dig_GetResult_Event": {
+        "Dig_GetResult_Event": PARTS,
+        "Dig_GetResult_Request": ["goal_id"],
+        "Dig_GetResult_Response": ["status", "result"],
+        "Dig_Result": ["structure_needs_at_least_one_member"],
+        **GOAL_CALL,
+    },
+}
 
 
-@pytest.mark.parametrize(
-    ("name", "parts"),
-    [
-        (
-            "Dig_SendGoal",
-            {
-                "Dig_SendGoal_Request": ["goal_id", "goal"],
-                "Dig_SendGoal_Response": ["accepted", "stamp"],
-                "Dig_Goal": ["depth"],
-                "Time": ["sec", "nanosec"],
-            },
-        ),
-        (
-            "Dig_GetResult",
-            {
-                "Dig_GetResult_Request": ["goal_id"],
-                "Dig_GetResult_Response": ["status", "result"],
-                "Dig_Result": ["structure_needs_at_least_one_member"],
-            },
-        ),
-    ],
-)
-def test_calls_of_the_services_of_an_action(installation, name, parts):
-    text = installed_definition(f"yard_msgs/action/{name}_Event", installation)
-    assert fields(text, f"yard_msgs/msg/{name}_Event") == {
-        f"{name}_Event": ["info", "request", "response"],
-        "ServiceEventInfo": ["event_type"],
-        "UUID": ["uuid"],
-        **parts,
-    }
-
-
-def test_calls_of_a_service_with_a_request_without_fields(installation):
-    text = installed_definition("yard_msgs/srv/Stop_Event", installation)
-    assert fields(text, "yard_msgs/msg/Stop_Event") == {
-        "Stop_Event": ["info", "request", "response"],
-        "Stop_Request": ["structure_needs_at_least_one_member"],
-        "Stop_Response": ["done"],
-        "ServiceEventInfo": ["event_type"],
-    }
+@pytest.mark.parametrize("name", DEFINITIONS)
+def test_calls_of_services_and_actions_are_defined(installation, name):
+    text = installed_definition(f"yard_msgs/{name}", installation)
+    assert fields(text, f"yard_msgs/msg/{name.partition('/')[2]}") == DEFINITIONS[name]
 
 
 @pytest.mark.parametrize("name", ["srv/Stop", "srv/Stop_Evil", "action/Dug_FeedbackMessage", "x"])

@@ -7,12 +7,15 @@ import pytest
 from click.testing import CliRunner
 from mcap.writer import Writer
 from ports import free_port
+from rosbags.typesys import get_types_from_msg
 
 from jausml.cli import main
+from jausml.language.interfaces import Installation
 from jausml.language.metamodel.classes import ros
-from jausml.language.model import read_models
+from jausml.language.model import library_root, read_models
 from jausml.live.recording.mcap_reading import UNDEFINED, RecordedDefinition
 from jausml.live.recording.recorded_types import RecordedTypes
+from jausml.live.recording.schemas import full_name, installed_definition, modelled_definition
 
 KIND = "drive_msgs/msg/Drive"
 MODEL = """drive {
@@ -117,3 +120,43 @@ def test_replay_gives_bridges_what_was_recorded_as_their_type(tmp_path, definiti
         assert f"recorded as '{recorded}', and the model has 'float64 speed, float64 turn'" in (
             result.stderr
         )
+
+
+@pytest.fixture(scope="module")
+def types():
+    """The message types of the library, those of services and actions left out."""
+    files = sorted((library_root() / "ros").glob("*.xmi"))
+    found = read_models(files).model.instances(ros.MessageType)
+    return [kind for kind in found if isinstance(kind.eContainer(), ros.InterfacePackage)]
+
+
+def fields(text, name):
+    """What rosbags understands of a definition: names and types of all fields."""
+    return {key: value[1] for key, value in get_types_from_msg(text, name).items()}
+
+
+def test_definitions_of_all_types_of_the_library_are_understood(types):
+    assert len(types) > 50
+    for message_type in types:
+        found = fields(modelled_definition(message_type), full_name(message_type))
+        assert [name for name, _ in found[full_name(message_type)]] == [
+            str(f.name) for f in message_type.fields
+        ]
+
+
+@pytest.mark.needs("interfaces")
+def test_installed_definitions_say_the_same(types):
+    installation = Installation()
+    compared = 0
+    for message_type in types:
+        name = full_name(message_type)
+        installed = installed_definition(name, installation)
+        if installed:
+            assert fields(installed, name) == fields(modelled_definition(message_type), name)
+            compared += 1
+    assert compared
+
+
+def test_type_that_is_not_installed_has_no_definition():
+    assert installed_definition("no_such_msgs/msg/Thing", Installation()) == ""
+    assert installed_definition("std_msgs/msg/../../Thing", Installation()) == ""

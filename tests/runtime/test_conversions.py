@@ -203,16 +203,6 @@ def test_absolute_attitudes_on_the_earth():
     assert near(left(rolled_right), [0, 0, 1])
 
 
-def test_absolute_angles_from_orientations():
-    quarter = math.sqrt(0.5)
-    left_turn = c.Quaternion(0, 0, quarter, quarter)
-    nose_up = c.Quaternion(0, -quarter, 0, quarter)
-    left_side_up = c.Quaternion(quarter, 0, 0, quarter)
-    assert c.flu_quaternion_to_frd_yaw(left_turn) == pytest.approx(-math.pi / 2)
-    assert c.flu_quaternion_to_frd_pitch(nose_up) == pytest.approx(math.pi / 2)
-    assert c.flu_quaternion_to_frd_roll(left_side_up) == pytest.approx(math.pi / 2)
-
-
 def quaternion(rotation):
     """Unit quaternion of a rotation matrix, by its largest part."""
     ((a, b, d), (e, f, g), (h, i, j)) = rotation
@@ -257,32 +247,6 @@ def test_absolute_attitudes_from_orientations_on_the_earth(axes, roll, pitch, he
     for found, expected in zip(angles, (roll, pitch, heading), strict=True):
         assert abs(math.remainder(found - expected, math.tau)) < 1e-12
     assert c.enu_quaternion_to_ned_heading(in_earth(*axes)) == angles.yaw
-
-
-def test_nose_up_and_nose_down_on_the_earth():
-    slope = (math.sqrt(0.75), 0.5)  # 30 degrees
-    nose_up = in_earth((0, *slope), WEST, (0, -slope[1], slope[0]))
-    assert c.enu_quaternion_to_ned_angles(nose_up) == pytest.approx((0, math.pi / 6, 0))
-    nose_down = in_earth((slope[0], 0, -slope[1]), NORTH, (slope[1], 0, slope[0]))
-    assert c.enu_quaternion_to_ned_angles(nose_down) == pytest.approx((0, -math.pi / 6, QUARTER))
-
-
-def test_absolute_angles_of_a_body():
-    # Right turn, nose up and right side down, each about its axis alone.
-    quarter = math.sqrt(0.5)
-    angles = c.flu_quaternion_to_frd_angles
-    assert angles(c.Quaternion(0, 0, -quarter, quarter)) == pytest.approx((0, 0, QUARTER))
-    assert angles(c.Quaternion(0, -0.5, 0, math.sqrt(0.75))) == pytest.approx((0, math.pi / 3, 0))
-    assert angles(c.Quaternion(quarter, 0, 0, quarter)) == pytest.approx((QUARTER, 0, 0))
-
-
-@pytest.mark.parametrize(
-    ("heading", "forward_axis"), [(0, NORTH), (QUARTER, EAST), (math.pi, SOUTH), (-QUARTER, WEST)]
-)
-def test_a_heading_alone_is_a_level_body(heading, forward_axis):
-    orientation = c.ned_heading_to_enu_quaternion(heading)
-    assert near(forward(orientation), forward_axis)
-    assert near([row[2] for row in matrix(orientation)], UP)
 
 
 @given(ANGLE, PITCH, ANGLE, st.floats(0.1, 10))
@@ -336,17 +300,22 @@ def test_earth_orientation_agrees_with_matrices(roll, pitch, heading):
     assert distance(matrix(c.ned_angles_to_enu_quaternion(roll, pitch, heading)), expected) < 1e-12
 
 
+def angles_of(q):
+    """Roll, pitch and yaw, each by the function that gives it alone."""
+    return (
+        c.flu_quaternion_to_frd_roll(q),
+        c.flu_quaternion_to_frd_pitch(q),
+        c.flu_quaternion_to_frd_yaw(q),
+    )
+
+
 @given(*[st.floats(-1, 1)] * 4, st.floats(0.1, 10))
 def test_angles_of_any_orientation_give_it_back(x, y, z, w, length):
     norm = math.sqrt(x * x + y * y + z * z + w * w)
     assume(norm > 1e-3)
     unit = [v / norm for v in (x, y, z, w)]
     q = c.Quaternion(*(v * length for v in unit))  # readers must not rely on unit length
-    roll, pitch, yaw = (
-        c.flu_quaternion_to_frd_roll(q),
-        c.flu_quaternion_to_frd_pitch(q),
-        c.flu_quaternion_to_frd_yaw(q),
-    )
+    roll, pitch, yaw = angles_of(q)
     assert -math.pi <= roll <= math.pi
     assert -math.pi / 2 <= pitch <= math.pi / 2
     assert -math.pi <= yaw <= math.pi
@@ -358,11 +327,7 @@ def test_angles_of_any_orientation_give_it_back(x, y, z, w, length):
 @pytest.mark.parametrize("pitch", [-math.pi / 2, math.pi / 2])
 def test_vertical_attitudes(pitch, yaw):
     q = c.frd_angles_to_flu_quaternion(0.7, pitch, yaw)
-    angles = (
-        c.flu_quaternion_to_frd_roll(q),
-        c.flu_quaternion_to_frd_pitch(q),
-        c.flu_quaternion_to_frd_yaw(q),
-    )
+    angles = angles_of(q)
     assert angles[0] == 0.0
     assert distance(times(FLIP, attitude(*angles), FLIP), matrix(q)) < 1e-5
 

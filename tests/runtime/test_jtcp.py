@@ -10,6 +10,7 @@ import subprocess
 import sys
 import threading
 from contextlib import ExitStack
+from functools import partial
 from typing import TYPE_CHECKING
 
 import ports
@@ -215,28 +216,22 @@ def limited(tmp_path: Path) -> Iterator[Callable[[int], Limited]]:
 
 
 class TestStream:
-    def test_the_version_goes_once_and_messages_follow(self, tcp, host):
+    @pytest.mark.parametrize("is_prepared", [False, True])
+    def test_the_version_goes_once_and_messages_follow(self, tcp, host, is_prepared):
         here = tcp(address_book={PEER: host.endpoint}).attach(DRIVER)
-        for _ in range(3):
-            here.transport.send(DRIVER, PEER, STATUS)
-        stream = host.accept()
-        assert stream.read(1) == b"\x02"
-        packets = [stream.receive() for _ in range(3)]
-        first = packets[0].sequence
-        assert packets == [
-            Packet(PEER, DRIVER, STATUS, first + count & 0xFFFF) for count in range(3)
-        ]
-
-    def test_a_prepared_sender_sends_the_same(self, tcp, host):
-        here = tcp(address_book={PEER: host.endpoint}).attach(DRIVER)
-        send = here.transport.sender(DRIVER, PEER, Priority.HIGH)
+        send = partial(here.transport.send, DRIVER, PEER, priority=Priority.HIGH)
+        if is_prepared:
+            send = here.transport.sender(DRIVER, PEER, Priority.HIGH)
         for number in range(3):
             send(STATUS + bytes([number]))
         stream = host.accept()
         assert stream.read(1) == b"\x02"
         packets = [stream.receive() for _ in range(3)]
-        assert [packet.payload[-1] for packet in packets] == [0, 1, 2]
-        assert {packet.priority for packet in packets} == {Priority.HIGH}
+        first = packets[0].sequence
+        assert packets == [
+            Packet(PEER, DRIVER, STATUS + bytes([count]), first + count & 0xFFFF, Priority.HIGH)
+            for count in range(3)
+        ]
 
     def test_a_peer_that_connects_is_answered_over_its_connection(self, tcp, host, wait_until):
         here = tcp().attach(DRIVER, SENSOR)
@@ -257,18 +252,6 @@ class TestStream:
         wait_until(lambda: here.received)
         assert here.counter("transport.flagless") == 1
         assert here.counter("jtcp.present") == 0
-
-    def test_messages_are_found_however_the_stream_is_cut(self, tcp, host, wait_until):
-        here = tcp().attach(DRIVER)
-        stream = host.connect(here.transport.endpoint)
-        data = b"\x02" + b"".join(from_peer(STATUS + bytes([n]), n) for n in range(40))
-        rest, cuts = data, random.Random(4)
-        while rest:
-            size = cuts.choice([1, 2, 3, 30, 100])
-            stream.send(rest[:size])
-            rest = rest[size:]
-        wait_until(lambda: len(here.received) == 40)
-        assert here.payloads == [STATUS + bytes([n]) for n in range(40)]
 
     @pytest.mark.parametrize("size", [4079, 4080, 300_001])
     def test_large_messages_arrive_whole(self, tcp, free_port, wait_until, size):
@@ -379,13 +362,18 @@ class TestBadStreams:
         for name in names:
             assert here.counter(f"transport.{name}") == 1
 
-    def test_connections_are_bounded(self, tcp, host, wait_until):
+    @pytest.fixture
+    def filled(self, tcp, host, wait_until):
+        """A transport with as many connections as it may have, and these: all of one host."""
         here = tcp(max_connections=4).attach(DRIVER)
         streams = [host.connect(here.transport.endpoint) for _ in range(4)]
         for number, stream in enumerate(streams):
             stream.send(b"\x02" + from_peer(sequence=number))
         wait_until(lambda: len(here.received) == 4)
-        # All are of one host, and all are in use.
+        return here, streams
+
+    def test_connections_are_bounded(self, filled, host, wait_until):
+        here, streams = filled
         assert host.connect(here.transport.endpoint).is_closed()
         wait_until(lambda: here.counter("jtcp.too_many_connections") == 1)
         streams[1].send(from_peer(sequence=9))
@@ -405,12 +393,8 @@ class TestBadStreams:
         honest.send(from_peer(sequence=3))
         wait_until(lambda: len(here.received) == 3)
 
-    def test_another_host_gets_a_connection_of_the_one_that_has_most(self, tcp, host, wait_until):
-        here = tcp(max_connections=4).attach(DRIVER)
-        streams = [host.connect(here.transport.endpoint) for _ in range(4)]
-        for number, stream in enumerate(streams):
-            stream.send(b"\x02" + from_peer(sequence=number))
-        wait_until(lambda: len(here.received) == 4)
+    def test_another_host_gets_a_connection_of_the_one_that_has_most(self, filled, wait_until):
+        here, streams = filled
         with socket.create_connection(here.transport.endpoint, 5, ("127.0.0.9", 0)) as other:
             other.sendall(b"\x02" + from_peer(sequence=9))
             wait_until(lambda: len(here.received) == 5)
@@ -495,13 +479,17 @@ class TestBadStreams:
 
 
 class TestConnecting:
-    def test_a_refused_connection_is_reported(self, tcp, wait_until):
-        here = tcp(address_book={PEER: ("127.0.0.1", ports.free_port())})
+    @pytest.mark.parametrize(
+        ("is_known", "counter"), [(True, "jtcp.connect_failed"), (False, "jtcp.not_connected")]
+    )
+    def test_who_refuses_or_is_unknown_is_reported(self, tcp, wait_until, is_known, counter):
+        nobody = ("127.0.0.1", ports.free_port())
+        here = tcp(address_book={PEER: nobody} if is_known else {})
         results: list[bool] = []
         here.transport.send(DRIVER, PEER, STATUS, on_result=results.append)
         wait_until(lambda: results)
         assert results == [False]
-        assert here.counter("jtcp.connect_failed") >= 1
+        assert here.counter(counter) >= 1
 
     def test_a_peer_that_does_not_answer_is_given_up(self, tcp, wait_until):
         with contextlib.ExitStack() as stack:
@@ -518,14 +506,6 @@ class TestConnecting:
             wait_until(lambda: results)
             assert results == [False]
             assert here.counter("jtcp.connect_failed") >= 1
-
-    def test_an_unknown_destination_is_reported(self, tcp, wait_until):
-        here = tcp()
-        results: list[bool] = []
-        here.transport.send(DRIVER, PEER, STATUS, on_result=results.append)
-        wait_until(lambda: results)
-        assert results == [False]
-        assert here.counter("jtcp.not_connected") == 1
 
     def test_a_lost_connection_is_made_again(self, tcp, host):
         here = tcp(address_book={PEER: host.endpoint}).attach(DRIVER)

@@ -134,29 +134,19 @@ def test_what_a_callback_asks_for_costs_no_wake_up(loop, clock):
     assert idle == [True, True]
 
 
-def test_a_readable_socket_is_reported_until_read(loop, pair):
+@pytest.mark.parametrize("of", [lambda near: near, socket.socket.fileno], ids=["socket", "number"])
+def test_a_readable_descriptor_is_reported_until_read(loop, pair, of):
     near, far = pair
     seen: list[bytes] = []
-    loop.register(near, lambda: seen.append(near.recv(1)))
+    loop.register(of(near), lambda: seen.append(near.recv(1)))
     far.sendall(b"ab")
     loop.run_once(5)
     loop.run_once(5)
     assert seen == [b"a", b"b"]
-    loop.unregister(near)
-    loop.unregister(near)
+    loop.unregister(of(near))
+    loop.unregister(of(near))
     far.sendall(b"c")
     assert loop.run_once(0) == 0
-
-
-def test_a_descriptor_number_is_as_good_as_a_socket(loop, pair):
-    near, far = pair
-    seen: list[bytes] = []
-    loop.register(near.fileno(), lambda: seen.append(near.recv(1)))
-    far.sendall(b"ab")
-    loop.run_once(5)
-    loop.unregister(near.fileno())
-    assert loop.run_once(0) == 0
-    assert seen == [b"a"]
 
 
 def test_a_number_that_is_registered_anew_in_a_turn_is_not_taken_for_the_former(loop):
@@ -289,31 +279,22 @@ def test_a_failing_callback_is_counted_and_the_loop_goes_on(loop, clock, pair):
     assert loop.counters.snapshot() == {"loop.callback_failed": 3}
 
 
-def test_what_would_end_the_thread_is_told_and_the_loop_goes_on(running):
+def test_what_would_end_the_thread_is_counted_or_told_and_the_loop_goes_on(running):
     """User code may raise SystemExit; a process whose loop is gone would be half alive."""
     told: SimpleQueue[object] = SimpleQueue()
-    running.on_failure = told.put
 
     def leave() -> None:
         raise SystemExit(3)
 
+    running.call_soon(leave)
+    running.call_soon(lambda: told.put(running.counters.drops()))
+    assert told.get(timeout=5) == {"loop.callback_failed": 1}
+    running.on_failure = told.put
     running.call_soon(leave)
     error = told.get(timeout=5)
     assert isinstance(error, SystemExit)
     running.call_soon(lambda: told.put("goes on"))
     assert told.get(timeout=5) == "goes on"
-
-
-def test_what_would_end_the_thread_is_counted_unless_somebody_is_told(running):
-    done = threading.Event()
-
-    def leave() -> None:
-        raise SystemExit(3)
-
-    running.call_soon(leave)
-    running.call_later(0.01, done.set)
-    assert done.wait(5)
-    assert running.counters.drops() == {"loop.callback_failed": 1}
 
 
 @pytest.mark.parametrize("how", ["call_soon", "call_later", "register"])

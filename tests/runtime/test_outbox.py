@@ -381,15 +381,6 @@ def test_one_lost_message_does_not_take_those_behind_it_along(clock):
     assert sum(arrived) / len(arrived) >= 8.5
 
 
-def test_what_waits_for_a_silent_destination_is_given_up_with_the_first(line):
-    for name in "abc":
-        line.send(name, packets=3)
-    for _ in range(200):
-        line.pass_time(0.05)
-    assert line.results == {"a": False, "b": False, "c": False}
-    assert len(line.carrier.packets) < 20
-
-
 COMMAND = b"\x0a\x00"
 
 

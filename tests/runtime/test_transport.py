@@ -203,15 +203,6 @@ class TestAcknowledge:
         assert peer.receive().source == DRIVER
         wait_until(lambda: driver.payloads == [STATUS])
 
-    def test_success_is_reported_once(self, station, wait_until):
-        here, there = station().attach(DRIVER), station().attach(OCU)
-        results: list[bool] = []
-        here.transport.send(DRIVER, OCU, STATUS, acknowledge=True, on_result=results.append)
-        wait_until(lambda: results and there.received)
-        assert results == [True]
-        assert there.payloads == [STATUS]
-        assert not here.transport._messenger.outbox
-
     def test_four_transmissions_then_failure(self, station, peer, wait_until):
         here = station(acknowledge_timeout=0.02).attach(DRIVER)
         join(peer, here, wait_until)
@@ -277,15 +268,6 @@ class TestUnknownDestination:
         wait_until(lambda: here.counter("transport.unmatched_acknowledgement") == 1)
         here.transport.send(DRIVER, PEER, STATUS)
         assert peer.receive().acknowledge is AckNak.NONE
-
-    def test_two_transports_find_each_other(self, station, wait_until):
-        here, there = station().attach(DRIVER), station().attach(OCU)
-        here.transport.send(DRIVER, OCU, STATUS)
-        wait_until(lambda: there.received)
-        there.transport.send(OCU, DRIVER, STATUS)
-        wait_until(lambda: here.received)
-        assert here.transport.address_book.find(OCU) == there.transport.endpoint
-        assert there.transport.address_book.find(DRIVER) == here.transport.endpoint
 
     def test_a_component_that_moved_is_found_again(self, station, wait_until):
         station()  # owns the port, and is told where the others are

@@ -1,4 +1,4 @@
-"""pcap and pcapng files as frames."""
+"""pcap and pcapng files as frames, and hexadecimal text as people copy it."""
 
 import contextlib
 import gzip
@@ -10,7 +10,7 @@ from capture_files import block, interface, option, packet, pcap, section
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jausml.live.traffic.captures import CaptureError, read_frames
+from jausml.live.traffic.captures import CaptureError, TrafficError, parse_hex, read_frames
 
 FRAMES = [b"first frame", b"x", b""]
 
@@ -158,3 +158,55 @@ def test_times_are_kept_to_the_nanosecond():
     (frame,) = read(data)
     assert frame.nanoseconds == begin + 5 * 10**9
     assert frame.time == pytest.approx(begin / 1e9 + 5)
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "0240",
+        "02 40\n",
+        "\t02:40\r\n",
+        "02-40",
+        "0x0240",
+        "0x02, 0x40",
+        "0X02 0X40  # a comment",
+        r"\x02\x40",
+        "02 40 // ReportStatus",
+        "02 40 ; ReportStatus",
+        "02_40",
+    ],
+)
+def test_notations(line):
+    assert parse_hex(line) == b"\x02\x40"
+
+
+@pytest.mark.parametrize("line", ["", "   \n", "# only a comment", "// another", ";"])
+def test_lines_without_bytes(line):
+    assert parse_hex(line) == b""
+
+
+@pytest.mark.parametrize(
+    ("line", "reason"),
+    [
+        ("02 4g", "column 5: 'g' is no hexadecimal digit"),
+        ("0x02 0xé0", "column 8: 'é' is no hexadecimal digit"),
+        ("hello", "column 1: 'h'"),
+        ("02 4", "3 hexadecimal digits make no whole number of bytes"),
+        ("{}", "column 1: '{'"),
+    ],
+)
+def test_other_text_says_where(line, reason):
+    with pytest.raises(TrafficError) as caught:
+        parse_hex(line)
+    assert str(caught.value).startswith(reason)
+
+
+@given(st.binary(), st.sampled_from([" ", ":", ""]))
+def test_every_byte_string_comes_back(data, separator):
+    assert parse_hex(separator.join(f"{byte:02x}" for byte in data)) == data
+
+
+@given(st.text())
+def test_no_text_raises_anything_else(text):
+    with contextlib.suppress(TrafficError):
+        assert isinstance(parse_hex(text), bytes)

@@ -16,8 +16,9 @@ from jausml.runtime.wire.message import Message
 
 V1_0, V1_1 = (1, 0), (1, 1)
 
-Step = tuple[str, Message] | Callable[["Stage"], object]
-"""A message that a named peer sends to the component, or something done to it."""
+Step = tuple[Any, ...] | Callable[["Stage"], object]
+"""A message that a named peer sends to the component with what it is answered, or something done
+to the component."""
 
 CORE_NAMES = ("Transport", "Events", "AccessControl", "Management", "Time", "Liveness", "Discovery")
 
@@ -34,8 +35,8 @@ class Row:
     Attributes:
         name: The row, as the test's id.
         given: What leads to the situation.
-        when: What happens.
-        then: What each peer hears, in order; the other peers hear nothing.
+        when: What happens; a message is followed by what its sender hears, in order.
+        then: What other peers hear, in order; those that are not named hear nothing.
         status: Status of the component afterwards, if the row tells.
         controller: Name of the controlling peer afterwards; "" for nobody; None if untold.
         authority: Authority code afterwards, if the row tells.
@@ -118,8 +119,7 @@ class Stage:
         if callable(step):
             step(self)
         else:
-            name, message = step
-            self.peers[name].send(message, self.component)
+            self.peers[step[0]].send(step[1], self.component)
         self.world.settle()
 
     def heard(self) -> dict[str, list[Message]]:
@@ -138,7 +138,8 @@ def play(world: Any, row: Row, kind: Any = None) -> Stage:
     called = 0 if row.calls is None else len(stage.component.calls)
     stage.do(row.when)
     heard = stage.heard()
-    assert heard == row.then, f"heard {heard}"
+    answers = {} if callable(row.when) or not row.when[2:] else {row.when[0]: [*row.when[2:]]}
+    assert heard == {**answers, **row.then}, f"heard {heard}"
     component = stage.component
     if row.status is not None:
         assert component.status == row.status

@@ -92,22 +92,25 @@ def test_joins_have_parameters(setting):
 # ------------------------------------------------------------------ changes while it runs
 
 
-def test_rate_of_events_changes_while_the_bridge_runs(world, setting):
-    peer_component(world)
-    connection = setting.open(event(rate=1.0))
+@pytest.mark.parametrize(
+    ("of", "least", "state"), [(event, 30, "confirmed"), (query, 18, "source")]
+)
+def test_rate_changes_while_the_bridge_runs(world, setting, of, least, state):
+    peer_component(world, event_timeout=4)
+    connection = setting.open(of(rate=1.0))
     world.run(2.0)
     before = len(setting.ros.numbers("timeout"))
     setting.ros.changed["timeout.rate"](20.0)
     world.run(2.0)
     assert before <= 4
-    assert len(setting.ros.numbers("timeout")) - before >= 30
+    assert len(setting.ros.numbers("timeout")) - before >= least
     setting.ros.changed["timeout.rate"](2.0)
     world.run(0.5)
     before = len(setting.ros.numbers("timeout"))
     world.run(2.0)
     assert 3 <= len(setting.ros.numbers("timeout")) - before <= 6
     assert connection.declared_rate == 2.0
-    assert connection.describe_peers() == [("peer 1.1.1", "confirmed")]
+    assert connection.describe_peers() == [("peer 1.1.1", state)]
 
 
 @pytest.mark.parametrize("of", [event, query])
@@ -130,17 +133,6 @@ def test_who_states_no_rate_follows_the_frequency_of_the_bridge(
     world.run(3.0)
     assert connection.rate == rate
     assert abs(len(setting.ros.numbers("timeout")) - 3 * rate) <= 2
-
-
-def test_rate_of_queries_changes_while_the_bridge_runs(world, setting):
-    peer_component(world, event_timeout=4)
-    setting.open(query(rate=1.0))
-    world.run(2.0)
-    before = len(setting.ros.numbers("timeout"))
-    setting.ros.changed["timeout.rate"](20.0)
-    world.run(2.0)
-    assert before <= 4
-    assert len(setting.ros.numbers("timeout")) - before >= 18
 
 
 def test_silence_timeout_changes_while_the_bridge_runs(world, setting):

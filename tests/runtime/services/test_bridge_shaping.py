@@ -131,6 +131,13 @@ def test_decimation_comes_before_the_pace(world, setting):
 # ------------------------------------------------------------------ age
 
 
+def stamped(time):
+    """A message that tells its time."""
+    sent = time_to_timestamp(time)
+    fields = (sent.milliseconds, sent.seconds, sent.minutes, sent.hour, sent.day)
+    return SetTime(time_stamp=SetTime.TimeStamp(*fields))
+
+
 def test_commands_that_are_late_do_not_pass_and_the_stop_stands(world, setting, caplog):
     peer = world.probe(str(PEER))
     connection = setting.open(
@@ -174,17 +181,7 @@ def test_age_of_jaus_messages():
     ros = Ros()
     age = jaus_age(SetTime, ros.now)
     now = ros.now()
-    sent = time_to_timestamp(Time(now.sec - 3, 500_000_000))
-    stamped = SetTime(
-        time_stamp=SetTime.TimeStamp(
-            milliseconds=sent.milliseconds,
-            seconds=sent.seconds,
-            minutes=sent.minutes,
-            hour=sent.hour,
-            day=sent.day,
-        )
-    )
-    assert age(stamped.encode(), PEER) == 2.5
+    assert age(stamped(Time(now.sec - 3, 500_000_000)).encode(), PEER) == 2.5
     assert age(SetTime().encode(), PEER) is None
     assert age(b"", PEER) is None
     assert (
@@ -367,12 +364,7 @@ def test_age_is_that_of_a_simulation(world, setting):
     connection = setting.open(message_connection(shape=Shape(age_limit=1.5)))
     ros.say_time(clock[0])
     sender = world.probe(str(PEER))
-    stamp = time_to_timestamp(ros.now())
-    message = SetTime(
-        time_stamp=SetTime.TimeStamp(
-            seconds=stamp.seconds, minutes=stamp.minutes, hour=stamp.hour, day=stamp.day
-        )
-    )
+    message = stamped(ros.now())
     sender.send(message, OWN)
     world.run(5.0, step=0.1)
     sender.send(message, OWN)

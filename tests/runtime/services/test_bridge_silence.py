@@ -166,10 +166,7 @@ def events(peer):
 def test_after_a_halt_no_old_report_is_sent_as_if_it_were_new(world, setting, empty):
     """Timers of events may run before that of the silence: they judge the age themselves."""
     peer = world.probe(str(PEER))
-    connection = setting.open(
-        report("heard", freshness=1.0, empty=empty),
-        services=CORE,
-    )
+    connection = setting.open(report("heard", freshness=1.0, empty=empty), services=CORE)
     setting.ros.deliver["numbers"](Number(7.0))
     query = QueryTime(presence_vector=1).encode()
     create = CreateEvent(event_type=0, requested_periodic_rate=20.0, query_message=query)

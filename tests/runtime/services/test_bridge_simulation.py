@@ -4,12 +4,7 @@ import pytest
 
 from jausml.runtime.bridge.ends.simulation import CLOCK_TIMEOUT
 from jausml.runtime.bridge.reports.states import StopReason
-from jausml.runtime.messages import (
-    CreateEvent,
-    Event,
-    QueryEventTimeout,
-    QueryTime,
-)
+from jausml.runtime.messages import CreateEvent, Event, QueryEventTimeout, QueryTime
 
 from .bridge_support import (
     CORE,

@@ -11,7 +11,6 @@ from jausml.runtime.bridge.ends.topics import RosService
 from jausml.runtime.bridge.light_message import LightMessage
 from jausml.runtime.messages import (
     QueryStatus,
-    QueryTimeout,
     RejectControl,
     RejectEventRequest,
     ReportStatus,
@@ -191,13 +190,6 @@ def test_peer_that_does_not_obey(world, setting, client):
     assert world.count(SetTime.CODE) == 0
 
 
-def test_peer_that_is_gone_does_not_answer(world, setting, client):
-    setting.open(connection(QueryTimeout(), ReportTimeout))
-    client.call()
-    world.run(1.6, step=0.05)
-    assert client.told == [(False, f"{PEER} did not answer within 1.5 s")]
-
-
 def test_emergency_ends_commands(world, setting, client):
     served = setting.open(command(), services=CORE)
     client.call()
@@ -219,19 +211,24 @@ def test_emergency_lets_queries_be(world, setting, client):
     assert client.told == [(True, "")]
 
 
-def test_a_rejection_says_why_in_its_text(world, setting):
-    asked = JausToRosService(
+def asked_of_ros(rejection, **options):
+    """A call of a JAUS component that a service of ROS answers."""
+    service = RosService(
+        "ask", "test_srvs/srv/Trigger", Request, Response, success="success", reason="message"
+    )
+    return JausToRosService(
         "ask",
-        service=RosService(
-            "ask", "test_srvs/srv/Trigger", Request, Response, success="success", reason="message"
-        ),
+        service=service,
         request=SetTime,
         response=ReportTimeout,
-        rejections=[RejectEventRequest],
-        reason=("error_message", 12),
+        rejections=[rejection],
         timeout=1.5,
+        **options,
     )
-    setting.open(asked)
+
+
+def test_a_rejection_says_why_in_its_text(world, setting):
+    setting.open(asked_of_ros(RejectEventRequest, reason=("error_message", 12)))
     caller = world.probe(str(PEER))
     (told,) = caller.ask(minutes(5), OWN)
     assert told.error_message == "nobody serve"
@@ -242,17 +239,7 @@ def test_a_rejection_says_why_in_its_text(world, setting):
 
 def test_a_service_that_is_absent_is_told_and_found_when_it_comes(world, setting):
     """A JAUS component calls a service of ROS: it is rejected, and never left without a word."""
-    asked = JausToRosService(
-        "ask",
-        service=RosService(
-            "ask", "test_srvs/srv/Trigger", Request, Response, success="success", reason="message"
-        ),
-        request=SetTime,
-        response=ReportTimeout,
-        rejections=[RejectControl],
-        timeout=1.5,
-    )
-    setting.open(asked)
+    asked = setting.open(asked_of_ros(RejectControl))
     caller = world.probe(str(PEER))
     (told,) = caller.ask(minutes(5), OWN)
     assert isinstance(told, RejectControl)
@@ -269,15 +256,7 @@ def test_a_service_that_is_absent_is_told_and_found_when_it_comes(world, setting
 
 
 def test_a_call_that_cannot_be_sent_is_rejected_once(world, setting):
-    asked = JausToRosService(
-        "ask",
-        service=RosService("ask", "test_srvs/srv/Trigger", Request, Response, success="success"),
-        request=SetTime,
-        response=ReportTimeout,
-        rejections=[RejectControl],
-        timeout=1.5,
-    )
-    setting.open(asked)
+    asked = setting.open(asked_of_ros(RejectControl))
 
     def fail(_request):
         raise RuntimeError("the middleware refuses")

@@ -95,16 +95,13 @@ def test_types(world, client, kind, asked, expected):
     assert answer.type_ == expected
 
 
-def test_long_names_are_cut(world, client):
-    tested = server(world, name="x" * 300)
+@pytest.mark.parametrize(
+    ("name", "told"), [("x" * 300, "x" * 255), ("Σ-Gerät", "?-Gerät")], ids=["long", "spelling"]
+)
+def test_names_that_do_not_fit_are_cut_and_spelt_otherwise(world, client, name, told):
+    tested = server(world, name=name)
     (answer,) = client.ask(QueryIdentification(query_type=COMPONENT), tested)
-    assert answer.identification == "x" * 255
-
-
-def test_names_that_jaus_cannot_spell(world, client):
-    tested = server(world, name="Σ-Gerät")
-    (answer,) = client.ask(QueryIdentification(query_type=COMPONENT), tested)
-    assert answer.identification == "?-Gerät"
+    assert answer.identification == told
 
 
 @pytest.mark.usefixtures("member")
@@ -165,15 +162,11 @@ class TestRegistration:
         (report,) = client.ask(query_service_list(*address), tested)
         assert report.subsystem_list == []
 
-    def test_service_list_with_a_filter(self, tested, client):
+    @pytest.mark.parametrize("others", [[], ["Nothing"]])
+    def test_service_list_with_filters_for_one_address(self, tested, client, others):
         query = query_service_list(65535, 255, 255, "Velocity")
-        (report,) = client.ask(query, tested)
-        (node,) = report.subsystem_list[0].node_list
-        assert node.node_rec.node_id == 2
-
-    def test_service_list_with_two_filters_for_one_address(self, tested, client):
-        query = query_service_list(65535, 255, 255, "Velocity")
-        query.subsystem_list += query_service_list(65535, 255, 255, "Nothing").subsystem_list
+        for other in others:
+            query.subsystem_list += query_service_list(65535, 255, 255, other).subsystem_list
         (report,) = client.ask(query, tested)
         (node,) = report.subsystem_list[0].node_list
         assert node.node_rec.node_id == 2

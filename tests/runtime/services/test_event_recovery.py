@@ -140,7 +140,9 @@ class TestRecovery:
         assert len(status) == pytest.approx(10, abs=1)
         assert "event_client.bad_report" not in world.counters.snapshot()
 
-    def test_events_from_before_our_own_restart(self, world):
+    @pytest.fixture
+    def second(self, world):
+        """A client that begins anew, to which an event goes that it knows nothing of."""
         provider(world)
         first = world.component("2.1.1", services=())
         first.start()
@@ -149,6 +151,9 @@ class TestRecovery:
         kill(world, first)
         second = world.component("2.1.1", services=())
         second.start()
+        return second
+
+    def test_events_from_before_our_own_restart(self, world, second):
         inbox = Inbox()
         pulses(second, inbox, rate=10)
         world.log.clear()
@@ -156,15 +161,8 @@ class TestRecovery:
         assert len(inbox) == pytest.approx(11, abs=1)
         assert world.count(Event.CODE) == pytest.approx(11, abs=1)
 
+    @pytest.mark.usefixtures("second")
     def test_events_that_nobody_wants_are_cancelled(self, world):
-        provider(world)
-        first = world.component("2.1.1", services=())
-        first.start()
-        pulses(first, Inbox(), rate=10)
-        world.run(1.0)
-        kill(world, first)
-        second = world.component("2.1.1", services=())
-        second.start()
         world.run(1.0)
         world.log.clear()
         world.run(5.0)

@@ -66,15 +66,6 @@ def test_provider_that_comes_later(world, client):
     assert len(inbox) == 1
 
 
-def test_lost_requests_are_sent_again(world, client):
-    provider(world)
-    world.lost = lambda *message: message[2] == CreateEvent.CODE and len(world.log) < 2
-    inbox = Inbox()
-    statuses(client, inbox)
-    world.run(1.0)
-    assert len(inbox) == 1
-
-
 def test_lost_confirmation_keeps_one_event(world, client):
     provider(world)
     confirmations = []
@@ -198,16 +189,6 @@ class TestSharing:
         slow.clear()
         world.run(4.0)
         assert len(slow) == pytest.approx(8, abs=1)
-
-    def test_highest_rate_wins_before_the_confirmation(self, world, client):
-        provider(world)
-        inbox = Inbox()
-        pulses(client, Inbox(), rate=2)
-        pulses(client, inbox, rate=20)
-        world.run(1.0)
-        inbox.clear()
-        world.run(2.0)
-        assert len(inbox) == pytest.approx(40, abs=1)
 
     def test_later_subscriber_gets_the_last_report(self, world, client):
         provider(world)

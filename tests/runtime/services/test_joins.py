@@ -41,15 +41,6 @@ def present(setting):
     return stamp.minutes, stamp.hour
 
 
-def test_the_latest_fresh_message_is_given(world, setting):
-    setting.open(pose(angle_join()))
-    setting.ros.deliver["angles"](Angle(3.0))
-    setting.ros.deliver["angles"](Angle(7.0))
-    world.run(0.4)
-    setting.ros.deliver["numbers"](Number(11.0))
-    assert present(setting) == (11, 7)
-
-
 def test_freshness_ends_when_it_says(world, setting):
     setting.open(pose(angle_join()))
     setting.ros.deliver["angles"](Angle(7.0))
@@ -133,10 +124,7 @@ def test_several_joins_and_topics(setting):
             (source.data, {name: message and message.yaw for name, message in joined.items()})
         )
 
-    joins = [
-        Join("front", Angle, [Topic("a"), Topic("b")]),
-        Join("rear", Angle, [Topic("c")]),
-    ]
+    joins = [Join("front", Angle, [Topic("a"), Topic("b")]), Join("rear", Angle, [Topic("c")])]
     setting.open(report("pose", translate, joins=joins))
     setting.ros.deliver["a"](Angle(1.0))
     setting.ros.deliver["b"](Angle(2.0))

@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from jausml.language.semantics.connections.calls import ELEMENTS
 from jausml.runtime import ElementList, JausComponent, ServiceIdentity, Status, chain
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.messages import (
@@ -16,7 +17,7 @@ from jausml.runtime.messages import (
     ReportElement,
     SetElement,
 )
-from jausml.runtime.services.list_elements import ListElement
+from jausml.runtime.services.list_elements import ELEMENTS_OF_DRIVERS, ListElement
 from jausml.runtime.services.list_manager import ListError
 from jausml.runtime.wire.message import EncodeError
 
@@ -239,3 +240,7 @@ def test_list_stays_valid_whatever_is_asked_for(requests):
             assert list(tested) == before
         assert_valid(tested)
         assert len(tested) <= 5
+
+
+def test_both_know_the_same_elements():
+    assert ELEMENTS == ELEMENTS_OF_DRIVERS

@@ -397,3 +397,11 @@ def test_a_machine_lets_go_of_its_controller_and_does_not_take_one(spooler, worl
     spooler.raise_event("Work")
     assert spooler.machine.state == "Receiving.Ready.NotControlled.Available"
     assert count(world, "component.core_state_refused") == 1
+
+
+def test_private_attributes_of_a_subclass_do_not_meet_those_of_the_base(world):
+    """A user's `self._events` once replaced the Events service of the component."""
+    component = world.component("1.1.1")
+    private = [name for name in vars(component) if name.startswith("_")]
+    assert private
+    assert [name for name in private if not name.startswith("_jaus_")] == []

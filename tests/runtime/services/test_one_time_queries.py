@@ -3,7 +3,7 @@
 import pytest
 
 from jausml.runtime.base.address import JausAddress
-from jausml.runtime.messages import QueryStatus, ReportStatus
+from jausml.runtime.messages import QueryStatus, QueryTime, ReportStatus, ReportTime
 
 TARGET = JausAddress(1, 1, 1)
 
@@ -23,14 +23,6 @@ class TestQuery:
         assert answers == [(ReportStatus(status=2, reserved=0), TARGET)]
         world.run(5.0)
         assert world.count(QueryStatus.CODE) == 1
-
-    def test_lost_query_is_repeated(self, world, client):
-        target(world)
-        world.lost = lambda *_: len(world.log) <= 3
-        answers = []
-        client.query(TARGET, QueryStatus(), ReportStatus, lambda *answer: answers.append(answer))
-        world.run(3.5)
-        assert len(answers) == 1
 
     def test_failure(self, world, client):
         answers, failures = [], []
@@ -136,3 +128,35 @@ class TestQuery:
         late.start()
         world.settle()
         assert answers == [1]
+
+
+FULL = ReportTime(
+    time_stamp=ReportTime.TimeStamp(minutes=7), date_stamp=ReportTime.DateStamp(month=3)
+)
+
+
+@pytest.fixture
+def clock(world):
+    component = world.component("1.1.1")
+    component.provide(QueryTime, ReportTime, lambda _query, _sender: FULL)
+    component.start()
+    return component
+
+
+@pytest.mark.parametrize(
+    ("wanted", "presence"), [(0, 0), (1, 1), (2, 2), (3, 3), (0xFF, 3), (0xFC, 0)]
+)
+def test_an_answer_has_the_fields_that_were_asked_for(world, clock, wanted, presence):
+    (report,) = world.probe("2.1.1").ask(QueryTime(wanted), clock)
+    assert report.encode()[2] == presence
+    assert FULL.encode()[2] == 3
+
+
+def test_an_event_has_the_fields_that_were_asked_for(world, clock):
+    client, taken = world.component("2.1.1"), []
+    client.start()
+    client.subscribe(
+        clock.address, QueryTime(2), ReportTime, lambda report, _: taken.append(report), rate=10.0
+    )
+    world.run(0.5)
+    assert taken[0] == ReportTime(date_stamp=FULL.date_stamp)

@@ -130,18 +130,6 @@ def test_a_peer_that_is_gone_is_replaced_by_another_one(world):
     assert searcher.told == [("100.1.1",), (), ("200.1.1",)]
 
 
-def test_a_peer_that_comes_back_under_another_address_is_bound_anew(world):
-    first = provider(world, "100.1.1")
-    searcher = Searcher(world, search())
-    world.run(2)
-    kill(world, first)
-    world.run(10)
-    assert searcher.peers == ()
-    provider(world, "100.1.5")
-    world.run(2)
-    assert searcher.told == [("100.1.1",), (), ("100.1.5",)]
-
-
 def test_one_lost_check_is_no_loss(world):
     provider(world, "100.1.1")
     searcher = Searcher(world, search())

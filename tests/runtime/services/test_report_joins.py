@@ -49,14 +49,6 @@ def test_main_report_drives_and_the_joined_one_is_given(world, setting):
     assert 9 <= len(published(setting)) <= 12
 
 
-def test_joined_report_of_another_component(world, setting):
-    peer(world, event_timeout=3, control_timeout=7)
-    peer(world, OTHER, event_timeout=4, control_timeout=8)
-    setting.open(connection(peers=[OTHER], drop=True))
-    world.run(1.0)
-    assert set(published(setting)) == {803.0}
-
-
 @pytest.mark.parametrize("is_asked", [False, True])
 def test_joined_report_of_a_component_that_is_searched_for(world, setting, is_asked):
     search = PeerSearch(("urn:jaus:jss:core:AccessControl",))
@@ -92,13 +84,6 @@ def test_nothing_is_published_without_what_is_needed(world, setting):
     status = setting.ros.statuses[-1]["timeout"]
     assert (status.level, status.message) == ("warning", "nothing fresh from control")
     assert values(status)["join control age (s)"] == "never"
-
-
-def test_none_is_given_for_what_is_not_needed(world, setting):
-    peer(world, event_timeout=3)
-    setting.open(connection(peers=[OTHER]))
-    world.run(1.0)
-    assert set(published(setting)) == {-97.0}
 
 
 def test_one_of_two_components_dies_and_comes_back(world, setting):

@@ -33,64 +33,56 @@ def request(authority):
     return RequestControl(authority_code=authority)
 
 
-def row(name, *given, when, then=None, **expected):
+def row(name, *given, when, **expected):
     """A row of a component with default authority 10 that times out after 4 s."""
     settings = {"default_authority": 10, "control_timeout": 4, **expected.pop("settings", {})}
-    return Row(name, given, when, then or {}, settings=settings, **expected)
+    return Row(name, given, when, settings=settings, **expected)
 
 
 NOT_CONTROLLED = (
     row(
         "NotControlled, RequestControl, unavailable: Confirm 1",
         unavailable,
-        when=("client", request(255)),
-        then={"client": [NOT_AVAILABLE]},
+        when=("client", request(255), NOT_AVAILABLE),
         controller="",
     ),
     row(
         "NotControlled, RequestControl, default > a: Confirm 2",
-        when=("client", request(9)),
-        then={"client": [INSUFFICIENT]},
+        when=("client", request(9), INSUFFICIENT),
         controller="",
         authority=10,
     ),
     row(
         "NotControlled, RequestControl, default = a: Confirm 0",
-        when=("client", request(10)),
-        then={"client": [ACCEPTED]},
+        when=("client", request(10), ACCEPTED),
         controller="client",
         authority=10,
     ),
     row(
         "NotControlled, RequestControl, default < a: Confirm 0",
-        when=("client", request(50)),
-        then={"client": [ACCEPTED]},
+        when=("client", request(50), ACCEPTED),
         controller="client",
         authority=50,
     ),
     row(
         "NotControlled, ReleaseControl, unavailable, no emergency client: Reject 1",
         unavailable,
-        when=("client", ReleaseControl()),
-        then={"client": [REJECTED]},
+        when=("client", ReleaseControl(), REJECTED),
     ),
     row(
         "NotControlled, ReleaseControl, unavailable, emergency client: Reject 0",
         ("client", SetEmergency()),
-        when=("client", ReleaseControl()),
-        then={"client": [RELEASED]},
+        when=("client", ReleaseControl(), RELEASED),
     ),
     row(
         "NotControlled, ReleaseControl, unavailable, v1.0: Reject 0",
         unavailable,
-        when=("client", ReleaseControl()),
-        then={"client": [RELEASED]},
+        when=("client", ReleaseControl(), RELEASED),
         version=V1_0,
     ),
     row(
         "NotControlled, ReleaseControl, available: Reject 0",
-        when=("client", ReleaseControl()),
-        then={"client": [RELEASED]},
+        when=("client", ReleaseControl(), RELEASED),
     ),
     row(
         "NotControlled, SetAuthority: ignored",
@@ -101,8 +93,7 @@ NOT_CONTROLLED = (
     row(
         "NotControlled, entry: authority is the default",
         *controlled(),
-        when=("client", ReleaseControl()),
-        then={"client": [RELEASED]},
+        when=("client", ReleaseControl(), RELEASED),
         authority=10,
     ),
 )
@@ -112,23 +103,20 @@ CONTROLLED = (
         "Controlled, RequestControl of another, unavailable: Confirm 1",
         *controlled(),
         unavailable,
-        when=("rival", request(255)),
-        then={"rival": [NOT_AVAILABLE]},
+        when=("rival", request(255), NOT_AVAILABLE),
         controller="client",
     ),
     row(
         "Controlled, RequestControl of the controller, unavailable: Confirm 1",
         *controlled(),
         unavailable,
-        when=("client", request(50)),
-        then={"client": [NOT_AVAILABLE]},
+        when=("client", request(50), NOT_AVAILABLE),
         controller="client",
     ),
     row(
         "Controlled, RequestControl of the controller, default <= a: Confirm 0",
         *controlled(),
-        when=("client", request(10)),
-        then={"client": [ACCEPTED]},
+        when=("client", request(10), ACCEPTED),
         controller="client",
         authority=10,
     ),
@@ -143,8 +131,7 @@ CONTROLLED = (
     row(
         "Controlled, RequestControl of the controller, default > a: Reject 0",
         *controlled(),
-        when=("client", request(9)),
-        then={"client": [RELEASED]},
+        when=("client", request(9), RELEASED),
         controller="",
         authority=10,
     ),
@@ -167,16 +154,14 @@ CONTROLLED = (
     row(
         "Controlled, RequestControl of another, current = a: Confirm 2",
         *controlled(),
-        when=("rival", request(50)),
-        then={"rival": [INSUFFICIENT]},
+        when=("rival", request(50), INSUFFICIENT),
         controller="client",
         authority=50,
     ),
     row(
         "Controlled, RequestControl of another, current > a: Confirm 2",
         *controlled(),
-        when=("rival", request(49)),
-        then={"rival": [INSUFFICIENT]},
+        when=("rival", request(49), INSUFFICIENT),
         controller="client",
     ),
     row(
@@ -215,16 +200,14 @@ CONTROLLED = (
     row(
         "Controlled, ReleaseControl of the controller, available: Reject 0",
         *controlled(),
-        when=("client", ReleaseControl()),
-        then={"client": [RELEASED]},
+        when=("client", ReleaseControl(), RELEASED),
         controller="",
     ),
     row(
         "Controlled, ReleaseControl of the controller, unavailable: Reject 1",
         *controlled(),
         unavailable,
-        when=("client", ReleaseControl()),
-        then={"client": [REJECTED]},
+        when=("client", ReleaseControl(), REJECTED),
         controller="client",
     ),
     row(
@@ -246,8 +229,7 @@ CONTROLLED = (
         "Controlled, ReleaseControl of another, unavailable, v1.0: Reject 1",
         *controlled(),
         unavailable,
-        when=("rival", ReleaseControl()),
-        then={"rival": [REJECTED]},
+        when=("rival", ReleaseControl(), REJECTED),
         controller="client",
         version=V1_0,
     ),
@@ -292,35 +274,26 @@ CONTROLLED = (
 QUERIES = (
     row(
         "any, QueryControl, uncontrolled: 0.0.0 and the default authority",
-        when=("bystander", QueryControl()),
-        then={"bystander": [NO_CONTROL]},
+        when=("bystander", QueryControl(), NO_CONTROL),
     ),
     row(
         "any, QueryControl, controlled: the controller and its authority",
         *controlled(),
-        when=("bystander", QueryControl()),
-        then={"bystander": [CONTROL]},
+        when=("bystander", QueryControl(), CONTROL),
     ),
     row(
         "any, QueryAuthority, uncontrolled: the default",
-        when=("bystander", QueryAuthority()),
-        then={"bystander": [ReportAuthority(authority_code=10)]},
+        when=("bystander", QueryAuthority(), ReportAuthority(authority_code=10)),
     ),
     row(
         "any, QueryAuthority, controlled: the controller's",
         *controlled(),
-        when=("bystander", QueryAuthority()),
-        then={"bystander": [ReportAuthority(authority_code=50)]},
+        when=("bystander", QueryAuthority(), ReportAuthority(authority_code=50)),
     ),
-    row(
-        "any, QueryTimeout: seconds",
-        when=("bystander", QueryTimeout()),
-        then={"bystander": [ReportTimeout(timeout=4)]},
-    ),
+    row("any, QueryTimeout: seconds", when=("bystander", QueryTimeout(), ReportTimeout(timeout=4))),
     row(
         "any, QueryTimeout, disabled: 0",
-        when=("bystander", QueryTimeout()),
-        then={"bystander": [ReportTimeout(timeout=0)]},
+        when=("bystander", QueryTimeout(), ReportTimeout(timeout=0)),
         settings={"control_timeout": 0},
     ),
 )

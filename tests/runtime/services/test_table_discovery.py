@@ -34,9 +34,9 @@ OWN, MEMBER = JausAddress(1, 1, 1), JausAddress(1, 5, 6)
 LOOK = QueryIdentification(query_type=SUBSYSTEM)
 
 
-def row(name, *given, when, then=None, scope=SUBSYSTEM, **expected):
+def row(name, *given, when, scope=SUBSYSTEM, **expected):
     settings = {"discovery_scope": scope, "subsystem_name": "robot", **expected.pop("settings", {})}
-    return Row(name, given, when, then or {}, settings=settings, **expected)
+    return Row(name, given, when, settings=settings, **expected)
 
 
 def asks(query_type):
@@ -58,38 +58,28 @@ def registers(address, *services):
 
 
 def configuration(*pairs):
-    return {
-        "client": [
-            ReportConfiguration(
-                node_list=[
-                    ReportConfiguration.NodeSeq(
-                        node_rec=ReportConfiguration.NodeRec(node_id=node),
-                        component_list=[
-                            ReportConfiguration.ComponentRec(component_id=component, instance_id=0)
-                        ],
-                    )
-                    for node, component in pairs
-                ]
+    return ReportConfiguration(
+        node_list=[
+            ReportConfiguration.NodeSeq(
+                node_rec=ReportConfiguration.NodeRec(node_id=node),
+                component_list=[
+                    ReportConfiguration.ComponentRec(component_id=component, instance_id=0)
+                ],
             )
+            for node, component in pairs
         ]
-    }
+    )
 
 
 def subsystems(*addresses):
-    return {
-        "client": [
-            ReportSubsystemList(
-                subsystem_list=[
-                    ReportSubsystemList.SubsystemRec(
-                        subsystem_id=address.subsystem,
-                        node_id=address.node,
-                        component_id=address.component,
-                    )
-                    for address in addresses
-                ]
+    return ReportSubsystemList(
+        subsystem_list=[
+            ReportSubsystemList.SubsystemRec(
+                subsystem_id=address.subsystem, node_id=address.node, component_id=address.component
             )
+            for address in addresses
         ]
-    }
+    )
 
 
 def services_of(node, component):
@@ -108,7 +98,7 @@ def own(version=V1_1):
 
 
 def services(catalog, query=None):
-    return {"client": [report_services(query or query_services(), catalog, 1)]}
+    return report_services(query or query_services(), catalog, 1)
 
 
 JOINED = registers(MEMBER, SENSOR)
@@ -136,14 +126,12 @@ CATALOG = (
     row(
         "QueryConfiguration subsystem: nodes and components",
         JOINED,
-        when=("client", QueryConfiguration(query_type=SUBSYSTEM)),
-        then=configuration((1, 1), (5, 6)),
+        when=("client", QueryConfiguration(query_type=SUBSYSTEM), configuration((1, 1), (5, 6))),
     ),
     row(
         "QueryConfiguration node: those of the own node",
         JOINED,
-        when=("client", QueryConfiguration(query_type=NODE)),
-        then=configuration((1, 1)),
+        when=("client", QueryConfiguration(query_type=NODE), configuration((1, 1))),
     ),
     row(
         "QueryConfiguration subsystem, scope NODE: silence",
@@ -155,23 +143,17 @@ CATALOG = (
         when=("client", QueryConfiguration(query_type=NODE)),
         scope=COMPONENT,
     ),
-    row(
-        "QuerySubsystemList: the own one",
-        when=("client", QuerySubsystemList()),
-        then=subsystems(OWN),
-    ),
+    row("QuerySubsystemList: the own one", when=("client", QuerySubsystemList(), subsystems(OWN))),
     row(
         "QuerySubsystemList: those that identified themselves",
         OCU,
-        when=("client", QuerySubsystemList()),
-        then=subsystems(JausAddress(2, 1, 1), OWN),
+        when=("client", QuerySubsystemList(), subsystems(JausAddress(2, 1, 1), OWN)),
     ),
     row(
         "QuerySubsystemList: not those that were not heard of lately",
         OCU,
         after(301.0),
-        when=("client", QuerySubsystemList()),
-        then=subsystems(OWN),
+        when=("client", QuerySubsystemList(), subsystems(OWN)),
     ),
     row(
         "QuerySubsystemList, scope NODE: silence", when=("client", QuerySubsystemList()), scope=NODE
@@ -179,35 +161,32 @@ CATALOG = (
     row(
         "QueryServices 255/255: all",
         JOINED,
-        when=("client", query_services()),
-        then=services({OWN: own(), MEMBER: (SENSOR,)}),
+        when=("client", query_services(), services({OWN: own(), MEMBER: (SENSOR,)})),
     ),
     row(
         "QueryServices, v1.0: the same",
         JOINED,
-        when=("client", query_services()),
-        then=services({OWN: own(V1_0), MEMBER: (SENSOR,)}),
+        when=("client", query_services(), services({OWN: own(V1_0), MEMBER: (SENSOR,)})),
         version=V1_0,
     ),
     row(
         "QueryServices of one component: it alone",
         JOINED,
-        when=("client", services_of(5, 6)),
-        then=services({MEMBER: (SENSOR,)}),
+        when=("client", services_of(5, 6), services({MEMBER: (SENSOR,)})),
     ),
     row(
         "QueryServices of an unknown node: an empty list",
         JOINED,
-        when=("client", services_of(9, 255)),
-        then={"client": [ReportServices()]},
+        when=("client", services_of(9, 255), ReportServices()),
     ),
     row(
         "QueryServiceList 65535/255/255: all",
         JOINED,
-        when=("client", query_service_lists()),
-        then={
-            "client": [report_service_list(query_service_lists(), {OWN: own(), MEMBER: (SENSOR,)})]
-        },
+        when=(
+            "client",
+            query_service_lists(),
+            report_service_list(query_service_lists(), {OWN: own(), MEMBER: (SENSOR,)}),
+        ),
     ),
     row(
         "QueryServiceList of an unknown subsystem: an empty list",
@@ -221,8 +200,8 @@ CATALOG = (
                     )
                 ]
             ),
+            ReportServiceList(),
         ),
-        then={"client": [ReportServiceList()]},
     ),
     row(
         "QueryServiceList, v1.0: unknown, ignored",
@@ -234,8 +213,7 @@ CATALOG = (
         "RegisterServices again: replaces",
         registers(MEMBER, *own()),
         JOINED,
-        when=("client", services_of(5, 6)),
-        then=services({MEMBER: (SENSOR,)}),
+        when=("client", services_of(5, 6), services({MEMBER: (SENSOR,)})),
     ),
     row(
         "RegisterServices of another subsystem: ignored",
@@ -252,8 +230,7 @@ CATALOG = (
         "RegisterServices, not heard of lately: forgotten",
         JOINED,
         after(301.0),
-        when=("client", services_of(5, 6)),
-        then={"client": [ReportServices()]},
+        when=("client", services_of(5, 6), ReportServices()),
     ),
 )
 

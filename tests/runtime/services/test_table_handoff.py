@@ -47,7 +47,7 @@ def decide(*decisions):
     return ConfirmReleaseControl(release_control_list=[record(*decision) for decision in decisions])
 
 
-def row(name, *given, when, then=None, **expected):
+def row(name, *given, when, **expected):
     """A row of a component with default authority 10."""
     settings = {
         "default_authority": 10,
@@ -56,7 +56,7 @@ def row(name, *given, when, then=None, **expected):
         "enhanced_timeout": 4,
         **expected.pop("settings", {}),
     }
-    return Row(name, given, when, then or {}, settings=settings, services=(SERVICE,), **expected)
+    return Row(name, given, when, settings=settings, services=(SERVICE,), **expected)
 
 
 told = after(PAUSE + 0.01)
@@ -66,32 +66,27 @@ both_wait = (*waits, ("bystander", request()), told)
 TABLE = (
     row(
         "NotControlled, RequestHandoff: Confirm DENIED",
-        when=("rival", request()),
-        then={"rival": [answer(DENIED)]},
+        when=("rival", request(), answer(DENIED)),
         controller="",
     ),
     row(
         "NotControlled, RemoveHandoffRequest: Confirm DENIED",
-        when=("rival", RemoveHandoffRequest(id_=0)),
-        then={"rival": [answer(DENIED)]},
+        when=("rival", RemoveHandoffRequest(id_=0), answer(DENIED)),
     ),
     row(
         "NotControlled, RequestHandoff, unavailable: Confirm NOT_AVAILABLE",
         unavailable,
-        when=("rival", request()),
-        then={"rival": [answer(NOT_AVAILABLE)]},
+        when=("rival", request(), answer(NOT_AVAILABLE)),
     ),
     row(
         "NotControlled, RemoveHandoffRequest, unavailable: Confirm NOT_AVAILABLE",
         unavailable,
-        when=("rival", RemoveHandoffRequest(id_=0)),
-        then={"rival": [answer(NOT_AVAILABLE)]},
+        when=("rival", RemoveHandoffRequest(id_=0), answer(NOT_AVAILABLE)),
     ),
     row(
         "Controlled, RequestHandoff: Confirm QUEUED",
         *controlled(),
-        when=("rival", request()),
-        then={"rival": [answer(QUEUED, 0)]},
+        when=("rival", request(), answer(QUEUED, 0)),
         controller="client",
     ),
     row(
@@ -112,14 +107,12 @@ TABLE = (
     row(
         "Controlled, RequestHandoff again: same number",
         *waits,
-        when=("rival", request()),
-        then={"rival": [answer(QUEUED, 0)]},
+        when=("rival", request(), answer(QUEUED, 0)),
     ),
     row(
         "Controlled, RequestHandoff, default > a: Confirm INSUFFICIENT_AUTHORITY",
         *controlled(),
-        when=("rival", request(9)),
-        then={"rival": [answer(INSUFFICIENT)]},
+        when=("rival", request(9), answer(INSUFFICIENT)),
     ),
     row(
         "Controlled, RequestHandoff, default > a, queued: removed, the controller is told",
@@ -131,8 +124,7 @@ TABLE = (
     row(
         "Controlled, RequestHandoff of the controller: Confirm GRANTED, its authority",
         *controlled(),
-        when=("client", request(20)),
-        then={"client": [answer(GRANTED)]},
+        when=("client", request(20), answer(GRANTED)),
         controller="client",
         authority=20,
     ),
@@ -140,14 +132,12 @@ TABLE = (
         "Controlled, RequestHandoff, unavailable: Confirm NOT_AVAILABLE",
         *controlled(),
         unavailable,
-        when=("rival", request()),
-        then={"rival": [answer(NOT_AVAILABLE)]},
+        when=("rival", request(), answer(NOT_AVAILABLE)),
     ),
     row(
         "Controlled, RemoveHandoffRequest, queued: Confirm DENIED",
         *waits,
-        when=("rival", RemoveHandoffRequest(id_=0)),
-        then={"rival": [answer(DENIED, 0)]},
+        when=("rival", RemoveHandoffRequest(id_=0), answer(DENIED, 0)),
     ),
     row(
         "Controlled, RemoveHandoffRequest of another's request: ignored",
@@ -284,13 +274,11 @@ TABLE = (
     ),
     row(
         "QueryHandoffTimeout",
-        when=("rival", QueryHandoffTimeout()),
-        then={"rival": [ReportHandoffTimeout(timeout=6)]},
+        when=("rival", QueryHandoffTimeout(), ReportHandoffTimeout(timeout=6)),
     ),
     row(
         "QueryEnhancedTimeout",
-        when=("rival", QueryEnhancedTimeout()),
-        then={"rival": [ReportEnhancedTimeout(timeout=4)]},
+        when=("rival", QueryEnhancedTimeout(), ReportEnhancedTimeout(timeout=4)),
     ),
 )
 

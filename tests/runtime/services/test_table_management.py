@@ -29,9 +29,9 @@ LOST = ("not ready", "control lost", "controller None")
 """Hooks that are called where control ends in Ready."""
 
 
-def row(name, *given, when, then=None, **expected):
+def row(name, *given, when, **expected):
     settings = {"control_timeout": 4, **expected.pop("settings", {})}
-    return Row(name, given, when, then or {}, settings=settings, **expected)
+    return Row(name, given, when, settings=settings, **expected)
 
 
 def fails(stage):
@@ -45,8 +45,7 @@ def status(value):
 LIFE = (
     row(
         "Init, Initialized: Standby",
-        when=("client", QueryStatus()),
-        then={"client": [status(2)]},
+        when=("client", QueryStatus(), status(2)),
         status=Status.STANDBY,
         controller="",
     ),
@@ -89,8 +88,7 @@ LIFE = (
     row(
         "Ready, Shutdown of the controller: Reject 1, Shutdown",
         *ready(),
-        when=("client", Shutdown()),
-        then={"client": [REJECTED]},
+        when=("client", Shutdown(), REJECTED),
         status=Status.SHUTDOWN,
         controller="",
         calls=(*LOST, "shutdown"),
@@ -98,8 +96,7 @@ LIFE = (
     row(
         "Ready, Shutdown of the controller, v1.0: Reject 0, Shutdown",
         *ready(),
-        when=("client", Shutdown()),
-        then={"client": [RELEASED]},
+        when=("client", Shutdown(), RELEASED),
         status=Status.SHUTDOWN,
         version=V1_0,
     ),
@@ -122,8 +119,7 @@ LIFE = (
     row(
         "Ready, Reset of the controller: Init, Reject 0",
         *ready(),
-        when=("client", Reset()),
-        then={"client": [RELEASED]},
+        when=("client", Reset(), RELEASED),
         status=Status.STANDBY,
         controller="",
         calls=(*LOST, "initialize"),
@@ -131,8 +127,7 @@ LIFE = (
     row(
         "Ready, Reset of the controller, v1.0: Init, Reject 0",
         *ready(),
-        when=("client", Reset()),
-        then={"client": [RELEASED]},
+        when=("client", Reset(), RELEASED),
         status=Status.STANDBY,
         controller="",
         version=V1_0,
@@ -140,8 +135,7 @@ LIFE = (
     row(
         "Standby, Reset of the controller: Init, Reject 0",
         *controlled(),
-        when=("client", Reset()),
-        then={"client": [RELEASED]},
+        when=("client", Reset(), RELEASED),
         status=Status.STANDBY,
         controller="",
         calls=(*LOST[1:], "initialize"),
@@ -165,8 +159,7 @@ LIFE = (
     row(
         "Ready, ReleaseControl: Standby",
         *ready(),
-        when=("client", ReleaseControl()),
-        then={"client": [RELEASED]},
+        when=("client", ReleaseControl(), RELEASED),
         status=Status.STANDBY,
         controller="",
         calls=LOST,
@@ -214,8 +207,7 @@ EMERGENCIES = (
     row(
         "Ready, SetEmergency of the controller: Emergency, Reject 1",
         *ready(),
-        when=("client", SetEmergency()),
-        then={"client": [REJECTED]},
+        when=("client", SetEmergency(), REJECTED),
         status=Status.EMERGENCY,
     ),
     row("Failure, SetEmergency: Emergency", fails, when=EMERGENCY, status=Status.EMERGENCY),
@@ -292,8 +284,7 @@ EMERGENCIES = (
         fails,
         EMERGENCY,
         CLEARED,
-        when=("client", RequestControl(authority_code=255)),
-        then={"client": [NOT_AVAILABLE]},
+        when=("client", RequestControl(authority_code=255), NOT_AVAILABLE),
         status=Status.FAILURE,
     ),
     row(
@@ -345,8 +336,7 @@ EMERGENCIES = (
     row(
         "Emergency, RequestControl: Confirm 1",
         EMERGENCY,
-        when=("client", RequestControl(authority_code=255)),
-        then={"client": [NOT_AVAILABLE]},
+        when=("client", RequestControl(authority_code=255), NOT_AVAILABLE),
         status=Status.EMERGENCY,
         controller="",
     ),
@@ -437,8 +427,7 @@ FAILURES = (
     row(
         "Failure, RequestControl: Confirm 1",
         fails,
-        when=("client", RequestControl(authority_code=255)),
-        then={"client": [NOT_AVAILABLE]},
+        when=("client", RequestControl(authority_code=255), NOT_AVAILABLE),
         status=Status.FAILURE,
     ),
 )
@@ -447,8 +436,7 @@ QUERIES = tuple(
     row(
         f"{name}, QueryStatus: {value}",
         *given,
-        when=("rival", QueryStatus()),
-        then={"rival": [status(value)]},
+        when=("rival", QueryStatus(), status(value)),
         version=version,
     )
     for version in ((1, 1), V1_0)

@@ -65,8 +65,7 @@ PULSE = ReportHeartbeatPulse()
     *(
         Row(
             f"QueryHeartbeatPulse {version}: ReportHeartbeatPulse",
-            when=("client", QueryHeartbeatPulse()),
-            then={"client": [PULSE]},
+            when=("client", QueryHeartbeatPulse(), PULSE),
             version=version,
         )
         for version in ((1, 1), V1_0)
@@ -140,21 +139,16 @@ def raw_time(time_bits, date_bits):
 
 
 def reported(time=None, date=None):
-    return {
-        "rival": [
-            ReportTime(
-                time_stamp=None if time is None else ReportTime.TimeStamp(**stamp(*time)),
-                date_stamp=None if date is None else ReportTime.DateStamp(*date),
-            )
-        ]
-    }
+    return ReportTime(
+        time_stamp=None if time is None else ReportTime.TimeStamp(**stamp(*time)),
+        date_stamp=None if date is None else ReportTime.DateStamp(*date),
+    )
 
 
 TIME_REPORTS = tuple(
     Row(
         f"QueryTime, presence vector {bits}: {name}",
-        when=("rival", QueryTime(presence_vector=bits)),
-        then=reported(time, date),
+        when=("rival", QueryTime(presence_vector=bits), reported(time, date)),
     )
     for bits, name, time, date in (
         (3, "time and date", (23, 59, 58, 250, 31), (31, 1, 26)),
@@ -294,12 +288,11 @@ CIRCLE = sets(element(10, 0, 20), element(20, 10, 30), element(30, 20, 10))
 LINE_LINKS = [(10, 0, 20), (20, 10, 30), (30, 20, 0)]
 
 
-def row(name, *given, when, then=None, **expected):
+def row(name, *given, when, **expected):
     return Row(
         name,
         (*controlled(), *given),
         when,
-        then or {},
         services=(LIST_MANAGER,),
         settings={"max_list_elements": 6, "control_timeout": 0},
         **expected,
@@ -308,15 +301,15 @@ def row(name, *given, when, then=None, **expected):
 
 def taken(name, *given, when, links, request=1):
     """A request that is confirmed, with the list that it leads to."""
-    then = {"client": [ConfirmElementRequest(request_id=request)]}
-    return pytest.param(row(name, *given, when=when, then=then), links, id=name)
+    when = (*when, ConfirmElementRequest(request_id=request))
+    return pytest.param(row(name, *given, when=when), links, id=name)
 
 
 def refused(name, *given, when, code, links=LINE_LINKS, request=1):
     """A request that is rejected and changes nothing."""
-    then = {"client": [RejectElementRequest(request_id=request, response_code=code)]}
-    counted = "list_manager.rejected"
-    return pytest.param(row(name, *given, when=when, then=then, counted=counted), links, id=name)
+    when = (*when, RejectElementRequest(request_id=request, response_code=code))
+    refusal = row(name, *given, when=when, counted="list_manager.rejected")
+    return pytest.param(refusal, links, id=name)
 
 
 def ignored(name, *given, when, links=LINE_LINKS, counted=REFUSED):
@@ -480,43 +473,36 @@ def test_list(world, row, links):
     row(
         "QueryElement: the element",
         ABC,
-        when=("rival", QueryElement(element_uid=20)),
-        then={
-            "rival": [
-                ReportElement(
-                    element_uid=20,
-                    previous_uid=10,
-                    next_uid=30,
-                    element_data=ReportElement.ElementData(0, WAYPOINT),
-                )
-            ]
-        },
+        when=(
+            "rival",
+            QueryElement(element_uid=20),
+            ReportElement(
+                element_uid=20,
+                previous_uid=10,
+                next_uid=30,
+                element_data=ReportElement.ElementData(0, WAYPOINT),
+            ),
+        ),
     ),
     row("QueryElement, unknown: silence", ABC, when=("rival", QueryElement(element_uid=21))),
     row(
         "QueryElementList: the order",
         sets(element(30, 0, 10), element(10, 30, 20), element(20, 10, 0)),
-        when=("rival", QueryElementList()),
-        then={
-            "rival": [
-                ReportElementList(
-                    element_list=[
-                        ReportElementList.ElementListRec(element_uid=uid) for uid in (30, 10, 20)
-                    ]
-                )
-            ]
-        },
+        when=(
+            "rival",
+            QueryElementList(),
+            ReportElementList(
+                element_list=[
+                    ReportElementList.ElementListRec(element_uid=uid) for uid in (30, 10, 20)
+                ]
+            ),
+        ),
     ),
-    row(
-        "QueryElementList, empty",
-        when=("rival", QueryElementList()),
-        then={"rival": [ReportElementList()]},
-    ),
+    row("QueryElementList, empty", when=("rival", QueryElementList(), ReportElementList())),
     row(
         "QueryElementCount",
         ABC,
-        when=("rival", QueryElementCount()),
-        then={"rival": [ReportElementCount(element_count=3)]},
+        when=("rival", QueryElementCount(), ReportElementCount(element_count=3)),
     ),
 )
 def test_list_queries(world, row):
@@ -525,11 +511,7 @@ def test_list_queries(world, row):
 
 def test_list_is_set_in_ready_too(world):
     row = Row(
-        "Ready",
-        ready(),
-        when=ABC,
-        then={"client": [ConfirmElementRequest(request_id=1)]},
-        services=(LIST_MANAGER,),
+        "Ready", ready(), when=(*ABC, ConfirmElementRequest(request_id=1)), services=(LIST_MANAGER,)
     )
     play(world, row, Robot)
 
@@ -543,8 +525,7 @@ def test_list_manager_of_every_set(world, urn):
     row = Row(
         urn,
         controlled(),
-        when=ABC,
-        then={"client": [ConfirmElementRequest(request_id=1)]},
+        when=(*ABC, ConfirmElementRequest(request_id=1)),
         services=(ServiceIdentity(urn, 1, 0),),
         version=V1_0,
     )

@@ -64,21 +64,6 @@ class TestTimes:
         world.run_until(lambda: times, limit=1)
         assert times == [pytest.approx(0.010 + 0.003 + 0.020, abs=1e-9)]
 
-    def test_a_question_without_an_answer_is_given_up_when_it_should(self, world):
-        asker = component(world.transport(), SECOND)
-        failed = []
-        asker.query(
-            FIRST,
-            QueryStatus(),
-            ReportStatus,
-            pytest.fail,
-            on_failure=lambda: failed.append(world.now()),
-            timeout=2.0,
-            retries=4,
-        )
-        world.run_until(lambda: failed, limit=60)
-        assert failed == [pytest.approx(10.0)]
-
     def test_repetitions_are_paced_by_the_settings(self, world):
         sender = world.transport(
             Link(loss=1), settings=TransportSettings(acknowledge_timeout=0.5, acknowledge_retries=2)
