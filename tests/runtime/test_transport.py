@@ -370,6 +370,10 @@ class TestNetworkFailure:
             assert former[1] != free_port
         wait_until(lambda: here.transport.endpoint == ("127.0.0.1", free_port))
         wait_until(lambda: here.counter("judp.port_taken_over") == 1)
+        receiving = []
+        here.transport.receive_by(lambda sock, _by_group: receiving.append(sock) or sock.recvfrom)
+        # A core waits at the last one.
+        assert [sock.getsockname() for sock in receiving[-2:]] == [former, here.transport.endpoint]
         for sequence, endpoint in enumerate([former, here.transport.endpoint]):
             peer.send(from_peer(sequence=sequence), endpoint)
         wait_until(lambda: len(here.received) == 2)

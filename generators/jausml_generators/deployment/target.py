@@ -27,10 +27,11 @@ class DeploymentView:
     source: str
     deployed: tuple[Deployed, ...]
     policies: tuple[tuple[str, str], ...]
-    packages_apart: tuple[str, ...] = ()
+    """Enclave of each SROS 2 policy, and the path of its file in the bring-up package."""
+    unprovided_packages: tuple[str, ...] = ()
     """Packages of messages that the workspace needs, and that nothing in it or in ROS provides."""
     user: str = "jaus"
-    """The user that the processes run as; it is no person, and owns nothing."""
+    """System user that the processes run as, without a login."""
     user_number: int = 3794
     """Its number in containers; on hosts the system picks one."""
 
@@ -50,8 +51,8 @@ class DeploymentView:
         return f"{self.name}_deployment"
 
     @property
-    def bringup(self) -> str:
-        """The bring-up package."""
+    def bringup_package(self) -> str:
+        """Name of the bring-up package."""
         return package_name(f"{self.system.name}_bringup")
 
     @property
@@ -60,18 +61,18 @@ class DeploymentView:
         return f"{self.name}:{self.system.version}"
 
     @property
-    def workspace(self) -> str:
-        """Where the packages are installed."""
+    def workspace_folder(self) -> str:
+        """Folder in which the packages are installed."""
         return f"/opt/jaus/{self.name}"
 
     @property
-    def settings(self) -> str:
-        """Where the settings of a host are installed."""
+    def settings_folder(self) -> str:
+        """Folder in which the settings of a host are installed."""
         return f"/etc/jaus/{self.name}"
 
     @property
-    def start(self) -> str:
-        """What starts a process."""
+    def start_script(self) -> str:
+        """Path of the script that starts each process."""
         return f"/usr/local/lib/jaus/{self.name}/start.sh"
 
     @property
@@ -128,8 +129,8 @@ class HostView:
         return dds_ports(self.deployment.system.rosDomain)
 
     @property
-    def target(self) -> str:
-        """The systemd target that starts all of its processes."""
+    def target_unit(self) -> str:
+        """Name of the systemd target that starts all of its processes."""
         return f"jaus-{self.deployment.name}.target"
 
     @property
@@ -185,7 +186,7 @@ class UnitView:
 
     @property
     def deployment(self) -> DeploymentView:
-        """The system."""
+        """The deployment that it belongs to."""
         return self.host.deployment
 
     @property
@@ -194,8 +195,8 @@ class UnitView:
         return self.process.package
 
     @property
-    def file(self) -> str:
-        """Name of its unit."""
+    def unit_file(self) -> str:
+        """Name of the file of its unit."""
         return f"jaus-{self.deployment.name}-{self.name}.service"
 
     @property
@@ -209,17 +210,17 @@ class UnitView:
         return resolve_topic(self.process.name, self.process.namespace, self.process.name)
 
     @property
-    def parameters(self) -> str:
-        """Where its parameter file is installed."""
-        return f"{self.deployment.settings}/{self.name}.yaml"
+    def parameter_file(self) -> str:
+        """Path at which its parameter file is installed."""
+        return f"{self.deployment.settings_folder}/{self.name}.yaml"
 
     @property
     def command(self) -> tuple[str, ...]:
         """Module and options that it is started with."""
         if not self.process.speaks_ros:
             return (self.process.module,)
-        ros = ("--ros-args", "--params-file", self.parameters, "--enclave", self.enclave)
-        return (self.process.module, *ros)
+        options = ("--ros-args", "--params-file", self.parameter_file, "--enclave", self.enclave)
+        return (self.process.module, *options)
 
     @property
     def environment_files(self) -> tuple[str, ...]:
@@ -234,44 +235,47 @@ def tasks(model: Model) -> list[Task]:
     Raises:
         GenerationError: The model has no host, or hosts that do not reach each other.
     """
-    whole = _view(model)
-    hosts, units = whole.hosts, whole.units
+    deployment = _view(model)
+    hosts, units = deployment.hosts, deployment.units
     with_jaus = [host for host in hosts if host.deployed.speaks_jaus]
     with_ros = [host for host in hosts if host.deployed.speaks_ros]
     return [
-        FileTask("README.md.j2", [whole], lambda view: f"{view.folder}/README.md"),
-        FileTask("Containerfile.j2", [whole], lambda view: f"{view.folder}/Containerfile"),
-        FileTask("sysusers.conf.j2", [whole], lambda view: f"{view.folder}/sysusers.conf"),
-        FileTask("start.sh.j2", [whole], lambda view: f"{view.folder}/start.sh", executable=True),
+        FileTask("README.md.j2", [deployment], lambda view: f"{view.folder}/README.md"),
+        FileTask("Containerfile.j2", [deployment], lambda view: f"{view.folder}/Containerfile"),
+        FileTask("sysusers.conf.j2", [deployment], lambda view: f"{view.folder}/sysusers.conf"),
+        FileTask(
+            "start.sh.j2", [deployment], lambda view: f"{view.folder}/start.sh", executable=True
+        ),
         FileTask(
             "keystore.sh.j2",
-            [whole] if whole.policies else [],
+            [deployment] if deployment.policies else [],
             lambda view: f"{view.folder}/keystore.sh",
             executable=True,
         ),
         FileTask("install.sh.j2", hosts, _of_host("install.sh"), executable=True),
-        FileTask("system.target.j2", hosts, lambda host: f"{host.folder}/{host.target}"),
+        FileTask("system.target.j2", hosts, lambda host: f"{host.folder}/{host.target_unit}"),
         FileTask("firewall.nft.j2", hosts, _of_host("firewall.nft")),
         FileTask("compose.yaml.j2", hosts, _of_host("compose.yaml")),
         FileTask("jaus.env.j2", with_jaus, _of_host("jaus.env")),
         FileTask("ros.env.j2", with_ros, _of_host("ros.env")),
-        *_yours(hosts, units),
-        FileTask("unit.service.j2", units, lambda unit: f"{unit.host.folder}/{unit.file}"),
+        *_user_files(hosts, units),
+        FileTask("unit.service.j2", units, lambda unit: f"{unit.host.folder}/{unit.unit_file}"),
     ]
 
 
-def _yours(hosts: Sequence[HostView], units: Sequence[UnitView]) -> list[Task]:
-    """Returns what is written once, and then holds what differs from the model."""
-    yours = Kind.SKELETON
+def _user_files(hosts: Sequence[HostView], units: Sequence[UnitView]) -> list[Task]:
+    """Returns files that are written once and belong to users then: what differs from the model."""
     nodes = [unit for unit in units if unit.process.speaks_ros]
     return [
-        FileTask("local.env.j2", hosts, _of_host("local.env"), kind=yours),
-        FileTask("firewall.local.nft.j2", hosts, _of_host("firewall.local.nft"), kind=yours),
+        FileTask("local.env.j2", hosts, _of_host("local.env"), kind=Kind.SKELETON),
+        FileTask(
+            "firewall.local.nft.j2", hosts, _of_host("firewall.local.nft"), kind=Kind.SKELETON
+        ),
         FileTask(
             "parameters.yaml.j2",
             nodes,
             lambda unit: f"{unit.host.folder}/{unit.name}.yaml",
-            kind=yours,
+            kind=Kind.SKELETON,
         ),
     ]
 
@@ -282,19 +286,20 @@ def _of_host(name: str) -> Callable[[HostView], str]:
 
 def _view(model: Model) -> DeploymentView:
     bringup = bringup_view(model)
-    policies = (
-        (policy, f"{bringup.name}/security/{policy.name}.policy.xml") for policy in bringup.policies
-    )
     return DeploymentView(
         system=bringup.system,
         source=bringup.source,
         deployed=deployed_hosts(model, bringup.processes),
-        policies=tuple((policy.enclave, path) for policy, path in policies),
-        packages_apart=_packages_apart(model),
+        policies=tuple(
+            (policy.enclave, f"{bringup.name}/security/{policy.name}.policy.xml")
+            for policy in bringup.policies
+        ),
+        unprovided_packages=_unprovided_packages(model),
     )
 
 
-def _packages_apart(model: Model) -> tuple[str, ...]:
+def _unprovided_packages(model: Model) -> tuple[str, ...]:
+    """Returns packages of interfaces that the model describes, and the workspace does not make."""
     own = model.instances(ros.InterfacePackage, library=False)
     declared = declared_packages(model)
     return tuple(sorted({str(package.name) for package in own if package not in declared}))

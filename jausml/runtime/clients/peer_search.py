@@ -26,8 +26,10 @@ class PeerChoice(Enum):
 
     NEAREST = "nearest"
     """One: of the same node, else of the same subsystem, else any; then the lowest address."""
-    FIRST = "first"  # one: that which answers first
-    ALL = "all"  # every one
+    FIRST = "first"
+    """One: that which answers first."""
+    ALL = "all"
+    """Every one."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +68,8 @@ class PeerSearch:
             address != own
             and self.subsystem in (0, address.subsystem)
             and self.node in (0, address.node)
-            and self.within + distance(own, address) <= Scope.NODE
+            # SYSTEM lets a distance of 2 pass, SUBSYSTEM of 1, NODE none.
+            and distance(own, address) <= Scope.NODE - self.within
             and all(urn in urns for urn in self.services)
         )
 
@@ -102,7 +105,8 @@ def distance(own: JausAddress, address: JausAddress) -> int:
 CHECK_INTERVAL = 1.0
 """Seconds between two checks of a peer, and between two looks around at the fastest."""
 
-MISSED_CHECKS = 3  # checks without acknowledgement after which a peer is taken for gone
+MISSED_CHECKS = 3
+"""Checks without acknowledgement after which a peer is taken for gone."""
 
 COLLECTING_TIME = 0.3
 """Seconds from the first answer to the choice, in which further components may answer."""
@@ -110,7 +114,8 @@ COLLECTING_TIME = 0.3
 SLOWEST_SEARCH = 5.0
 """Longest time in seconds between two looks around while a search has found nobody."""
 
-STEADY_SEARCH = 15.0  # seconds between two looks around of a search that takes all and has some
+STEADY_SEARCH = 15.0
+"""Seconds between two looks around of a search that takes all and has some."""
 
 MAX_PROVIDERS = 1024
 """Components that are remembered; inventions of a peer must not fill the memory."""
@@ -126,8 +131,8 @@ class _Provider:
     missed: int = 0
 
 
-class _Finder:
-    """One search, whoever of the component's connections share it."""
+class _RunningSearch:
+    """A search under way, and all of the component who are told what it finds."""
 
     def __init__(self, component: Host, search: PeerSearch) -> None:
         self.search = search
@@ -173,7 +178,7 @@ class PeerClient:
         """Listens to what Discovery tells; nothing is asked before there is a search."""
         self._component = component
         self._discovery = component.part(DiscoveryClient)
-        self._finders: dict[PeerSearch, _Finder] = {}
+        self._finders: dict[PeerSearch, _RunningSearch] = {}
         # In the order in which they were found to live.
         self._providers: dict[JausAddress, _Provider] = {}
         self._timer = Alarm(component.loop)
@@ -189,7 +194,7 @@ class PeerClient:
             self._discovery.watch(self._sighted)
             self._component.when_started(self._check)
         if search not in self._finders:
-            self._finders[search] = _Finder(self._component, search)
+            self._finders[search] = _RunningSearch(self._component, search)
             self._interval, self._next_search = CHECK_INTERVAL, 0.0
         self._finders[search].add(on_change)
 
@@ -210,7 +215,7 @@ class PeerClient:
         if searching and loop.now() >= self._next_search:
             self._look_around(searching)
 
-    def _look_around(self, searching: Sequence[_Finder]) -> None:
+    def _look_around(self, searching: Sequence[_RunningSearch]) -> None:
         own = self._component.address
         for place in {finder.search.where_to_ask(own) for finder in searching}:
             self._discovery.ask_for_services(place)
@@ -224,7 +229,7 @@ class PeerClient:
         return {address for finder in self._finders.values() for address in finder.bound}
 
     @staticmethod
-    def _is_open(finder: _Finder) -> bool:
+    def _is_open(finder: _RunningSearch) -> bool:
         return not finder.bound or finder.search.choice is PeerChoice.ALL
 
     def _newcomer(self, _query: QueryIdentification, sender: JausAddress) -> None:

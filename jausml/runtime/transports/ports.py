@@ -154,10 +154,10 @@ class SharedPort:
 
     @property
     def sockets(self) -> list[socket.socket]:
-        """The sockets that are open."""
+        """The sockets that are open; that to which others send comes last."""
         return [
             open_socket
-            for open_socket in (self.multicast, self.unicast, self.former)
+            for open_socket in (self.multicast, self.former, self.unicast)
             if open_socket is not None
         ]
 

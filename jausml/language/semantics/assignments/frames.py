@@ -1,4 +1,4 @@
-"""Axes: the direction that a number has in its frame, and what conversions make of it.
+"""Frames of numbers: the axis that a number lies along, and what conversions make of it.
 
 Body, local and earth axes are three families. Within one, each frame has the same directions, some
 of them with the opposite sign: left of forward-left-up is right of forward-right-down. Between
@@ -17,25 +17,23 @@ from jausml.language.semantics.assignments.steps import Step
 from jausml.language.semantics.assignments.units import attribute_measure
 from jausml.language.semantics.conversions import CONVERSIONS, Conversion
 from jausml.language.semantics.conversions.conversion import DOWN, ENU, FLU, FRD, NED, UP
-from jausml.language.semantics.paths.attributes import NUMBER, UNSTATED, Attribute
+from jausml.language.semantics.paths.attributes import NUMBER, Attribute
 
 BODY, LOCAL, EARTH = "body", "local", "earth"
 
 FAMILIES = {FLU: BODY, FRD: BODY, UP: LOCAL, DOWN: LOCAL, ENU: EARTH, NED: EARTH}
 IS_DOWN = {FLU: False, FRD: True, UP: False, DOWN: True, ENU: False, NED: True}
 
-_AXES = {
-    **dict.fromkeys(("x", "roll"), "x"),
-    **dict.fromkeys(("y", "pitch"), "y"),
-    **dict.fromkeys(("z", "yaw", "heading", "bearing"), "z"),
-}
+ALTITUDE = "altitude"
+
+_AXES = {"x": "x", "roll": "x", "y": "y", "pitch": "y"}
+_AXES |= dict.fromkeys(("z", "yaw", "heading", "bearing"), "z")
 _ANGLES = frozenset({"roll", "pitch", "yaw", "heading", "bearing"})
 _NOT_ANGLES = frozenset({"rate", "velocity", "acceleration", "effort", "torque"})
 _WITHOUT_SIGN = frozenset({"rms", "variance", "covariance", "tolerance", "error", "limit"})
 _RADIANS = (("rad", Fraction(1)),)
 _METRES = (("m", Fraction(1)),)
 _GEODETIC = "geodetic"
-ALTITUDE = "altitude"
 _COORDINATES = frozenset({"latitude", "longitude", ALTITUDE})
 
 
@@ -44,8 +42,10 @@ class Axis:
     """The direction of a number.
 
     Attributes:
+        frame: One of `FAMILIES`.
         name: `x`, `y` or `z`; empty for a whole orientation.
         is_angle: Whether it is an angle about the axis, and no rate or length.
+        sign: -1 behind conversions that turn the number round.
     """
 
     frame: str
@@ -56,15 +56,16 @@ class Axis:
 
 @dataclass(frozen=True, slots=True)
 class Passage:
-    """The way of axes through an assignment, from its sources to its targets.
+    """What an assignment makes of axes: those of its sources, and what happens to them.
 
     Attributes:
-        sign: What the other conversions make of the sign; None when nothing is known of it.
+        conversion: The one between two frames; None without one.
+        sign: 1, or -1 where the other conversions turn the number round.
     """
 
     sources: tuple[Axis | None, ...]
     conversion: Conversion | None
-    sign: int | None
+    sign: int
 
 
 def axis_of(attribute: Attribute) -> Axis | None:
@@ -85,7 +86,7 @@ def axis_of(attribute: Attribute) -> Axis | None:
 
 
 def geodetic(attribute: Attribute) -> str:
-    """Returns which coordinate on the earth a number is: `latitude`, `longitude`, `altitude`."""
+    """Returns `latitude`, `longitude` or `altitude`, if a number is one; else an empty text."""
     name = attribute.label.lower().rpartition("_")[2]
     return name if attribute.frame == _GEODETIC and name in _COORDINATES else ""
 
@@ -115,8 +116,8 @@ def passage(steps: Iterable[Step], sources: Iterable[Attribute]) -> Passage | No
     return Passage(axes, between, sign)
 
 
-def of_other_frames(conversion: Conversion) -> Conversion | None:
-    """Returns what does the same as a conversion between two frames between two others."""
+def counterpart(conversion: Conversion) -> Conversion | None:
+    """Returns the same conversion between two other frames, as local ones for body ones."""
     conversions = (
         candidate
         for candidate in CONVERSIONS.values()
@@ -128,19 +129,15 @@ def of_other_frames(conversion: Conversion) -> Conversion | None:
     return next(conversions, None)
 
 
-def of_an_angle(taken: str, target_frame: str) -> Conversion | None:
+def angle_conversion(source_frame: str, target_frame: str) -> Conversion | None:
     """Returns the conversion of an angle from one frame to another."""
     conversions = (
         conversion
         for conversion in CONVERSIONS.values()
-        if conversion.frames == (taken, target_frame)
+        if conversion.frames == (source_frame, target_frame)
         and conversion.inputs == conversion.outputs == (NUMBER,)
     )
     return next(conversions, None)
-
-
-def _shape(conversion: Conversion) -> tuple[tuple[str, ...], ...]:
-    return (conversion.inputs, conversion.outputs, conversion.takes_axes, conversion.gives_axes)
 
 
 def direction(axis: Axis) -> tuple[str, int]:
@@ -159,13 +156,13 @@ def with_sign(axis: Axis, sign: int) -> Axis:
     return replace(axis, sign=axis.sign * sign)
 
 
-def is_stated(frame: str) -> bool:
-    """Tells whether a frame says anything."""
-    return frame not in ("", UNSTATED)
+def _shape(conversion: Conversion) -> tuple[tuple[str, ...], ...]:
+    return (conversion.inputs, conversion.outputs, conversion.takes_axes, conversion.gives_axes)
 
 
 @lru_cache(maxsize=1024)
 def _words(label: str) -> tuple[str, ...]:
+    # "rollRate", "ROLL_RATE" and "Roll2" are words and numbers.
     parts = re.findall("[A-Z]+(?![a-z])|[A-Z][a-z]*|[a-z]+|[0-9]+", label)
     return tuple(part.lower() for part in parts)
 

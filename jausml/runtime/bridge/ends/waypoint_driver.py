@@ -1,4 +1,4 @@
-"""The waypoint driver that a bridge provides: the waypoint of its controller, and who goes there.
+"""Waypoint driver of a bridge: takes waypoints of its controller, and has an executor go there.
 
 AS6009, Global and Local Waypoint Driver: each waypoint takes the place of the one before. It is
 executed as a list of one element.
@@ -17,14 +17,14 @@ from ...services.list_manager import NO_UID
 from ...wire.message import Message
 from .list_driver import ListDriver, ListMessages
 
-ONLY = 1  # UID of the waypoint, while the robot goes there
+_WAYPOINT_UID = 1  # UID of the waypoint as the only element of its list
 
 
 @dataclass(frozen=True)
 class WaypointMessages(ListMessages):
-    """The messages of a waypoint driver: what sets the waypoint executes it.
+    """The messages of a waypoint driver.
 
-    The query and the report, laid out as that is, tell the waypoint.
+    To set the waypoint (`execute`) is to go there. The report has the layout of that message.
     """
 
     def driver(self, component: Host) -> WaypointDriver:
@@ -33,7 +33,7 @@ class WaypointMessages(ListMessages):
 
 
 class WaypointDriver(ListDriver):
-    """Executes the waypoint of a bridge, as its controller says."""
+    """Goes to the waypoint that the controller has set."""
 
     def __init__(self, component: Host, messages: WaypointMessages) -> None:
         """Takes the waypoint, and tells the last one to whoever asks."""
@@ -41,37 +41,37 @@ class WaypointDriver(ListDriver):
         self._waypoint: ListElement | None = None
 
     def supports(self, element: ListElement) -> bool:  # noqa: ARG002
-        """A waypoint is no list of ListManager."""
+        """Returns False: no element of a list of ListManager is a waypoint."""
         return False
 
     def list_changed(self) -> None:
-        """The list of ListManager is none of a waypoint."""
+        """Does nothing: the waypoint is in no list of ListManager."""
 
     def elements_from(self, uid: int) -> list[ListElement]:
         """Returns the waypoint, if it is the one that is meant."""
-        return [self._waypoint] if uid == ONLY and self._waypoint is not None else []
+        return [self._waypoint] if uid == _WAYPOINT_UID and self._waypoint is not None else []
 
     @property
     def first_again(self) -> int:
-        """A waypoint that is reached stays so."""
+        """Returns that no element follows the waypoint."""
         return NO_UID
 
     def _execute(self, message: Any, sender: JausAddress) -> Completion:
-        """Goes to a waypoint in the place of the one before; one that is said again is the same.
+        """Goes to a waypoint instead of the one before; if it is the same, nothing begins anew.
 
         A waypoint that cannot be translated is dropped, and the one before stands.
         """
         begun = Completion()
-        waypoint = ListElement(ONLY, data=message.encode())
-        executor = self._executor_of([waypoint], ONLY, sender)
+        waypoint = ListElement(_WAYPOINT_UID, data=message.encode())
+        executor = self._executor_of([waypoint], _WAYPOINT_UID, sender)
         if executor is None or not executor.can_carry(waypoint):
             begun.fail()
             return begun
-        goes_there = self._running is executor and waypoint == self._waypoint
+        is_under_way = self._running is executor and waypoint == self._waypoint
         self._waypoint = waypoint
         self._take_over(executor, begun)
-        if not goes_there:
-            executor.begin(ONLY, None)
+        if not is_under_way:
+            executor.begin(_WAYPOINT_UID, None)
             self._component.report_changed(self._messages.report)
         return begun
 
@@ -81,4 +81,4 @@ class WaypointDriver(ListDriver):
         return None if waypoint is None else self._told_as(self._messages.report.CODE, waypoint)
 
     def _element(self, uid: int) -> ListElement | None:
-        return self._waypoint if uid == ONLY else None
+        return self._waypoint if uid == _WAYPOINT_UID else None

@@ -37,7 +37,7 @@ NEEDED: dict[str, tuple[str, ...]] = {
     "Subscription": (*_HANDLE, "take_message"),
     "WaitSet": (
         *("add_event", "add_guard_condition", "add_service", "add_subscription", "clear_entities"),
-        *("get_ready_entities", "is_ready", "wait"),
+        *("destroy_when_not_in_use", "get_ready_entities", "is_ready", "wait"),
     ),
 }
 """Classes of the extension module and what is used of them."""

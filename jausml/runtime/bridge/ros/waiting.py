@@ -17,6 +17,7 @@ from .internals import internals
 from .taking import AT_ONCE, Subscription, reader
 
 Read = Callable[[], object]
+"""Takes what a topic or an event has to tell."""
 
 
 class WaitSets:
@@ -42,7 +43,7 @@ class WaitSets:
         self._events.add(event, read)
 
     def start(self, fail: Callable[[BaseException], None]) -> None:
-        """Begins to wait; told on a thread is why nobody waits any more, unless this was closed."""
+        """Starts the threads; `fail` is called on one that ends before `close`, with its error."""
         self._topics.start(fail)
         self._events.start(fail)
 
@@ -152,15 +153,15 @@ class Listener:
 
     def __init__(self, loop: Loop) -> None:
         self._loop = loop
-        self._callback, self._on_message, self._on_event = _functions()
+        self._callback, self._on_message, self._on_event = _callback_and_setters()
         self._unset: list[Callable[[], int]] = []
-        self._events: list[Callable[[], object]] = []
+        self._events: list[Read] = []
         self._events_number = -1
-        self._ready: dict[int, Callable[[], object]] = {}
+        self._reads: dict[int, Read] = {}
         self._is_started = False
 
     def try_out(self, subscription: Any, event: Any) -> None:
-        """Tells whether the middleware takes the callbacks."""
+        """Sets both callbacks and takes them back; raises NoListenerError where that is refused."""
         number = _eventfd()
         try:
             for function, handle in ((self._on_message, subscription), (self._on_event, event)):
@@ -179,10 +180,10 @@ class Listener:
             partial(os.eventfd_write, number),
             number,
         )
-        self._keep(number, read)
+        self._register(number, read)
         self._listen(self._on_message, subscription.handle, number)
 
-    def event(self, event: Any, read: Callable[[], object]) -> None:
+    def event(self, event: Any, read: Read) -> None:
         """Runs `read` on the loop when an event has something to tell, and now and then besides.
 
         Some events share an eventfd: they are rare, and a process may have 1024 descriptors.
@@ -191,7 +192,7 @@ class Listener:
             self._events = []
             self._events_number = _eventfd()
             read_all = partial(self._read_events, self._events_number, self._events)
-            self._keep(self._events_number, read_all)
+            self._register(self._events_number, read_all)
         self._events.append(read)
         self._listen(self._on_event, event, self._events_number)
 
@@ -199,19 +200,19 @@ class Listener:
         """Begins to serve what was registered so far; the loop counts what fails there."""
         self._is_started = True
         with self._loop.lock:
-            for number, read in self._ready.items():
+            for number, read in self._reads.items():
                 self._loop.register(number, read)
 
     def close(self) -> None:
         """Serves nothing any more; the handles may be destroyed then."""
         with self._loop.lock:
-            for number in self._ready:
+            for number in self._reads:
                 self._loop.unregister(number)
         # First the callbacks: a number that is closed may soon be that of something else.
         self._unset_all()
-        for number in self._ready:
+        for number in self._reads:
             os.close(number)
-        self._ready.clear()
+        self._reads.clear()
 
     def _unset_all(self) -> None:
         for unset in self._unset:
@@ -225,12 +226,12 @@ class Listener:
             raise NoListenerError(f"{function.__name__} gives {code}")
         self._unset.append(partial(function, handle.pointer, None, None))
 
-    def _keep(self, number: int, read: Callable[[], object]) -> None:
-        self._ready[number] = read
+    def _register(self, number: int, read: Read) -> None:
+        self._reads[number] = read
         if self._is_started:
             self._loop.register(number, read)
 
-    def _read_events(self, number: int, events: list[Callable[[], object]]) -> None:
+    def _read_events(self, number: int, events: list[Read]) -> None:
         os.eventfd_read(number)
         for read in events:
             try:
@@ -243,7 +244,7 @@ def _eventfd() -> int:
     return os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
 
 
-def _functions() -> tuple[ctypes.c_void_p, Any, Any]:
+def _callback_and_setters() -> tuple[ctypes.c_void_p, Any, Any]:
     """Returns the callback, and what sets it for messages and for events."""
     if sys.platform != "linux" or platform.machine() not in _MACHINES:
         raise NoListenerError(f"not tried on {sys.platform} {platform.machine()}")

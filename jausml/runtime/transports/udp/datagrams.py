@@ -61,7 +61,7 @@ class DatagramTransport(Transport):
         def send(payload: bytes) -> None:
             messenger.send(source, destination, payload, priority, False, None)  # noqa: FBT003
 
-        # A core sends from one component to one place.
+        # The compiled core of a bridge sends from one component to one place.
         if not (source.is_concrete and destination.is_concrete):
             return send
         outlet = partial(
@@ -76,21 +76,21 @@ class DatagramTransport(Transport):
         return through(send, outlet)
 
     def count_by(self, counting: Callable[[int], Iterator[int]]) -> None:
-        """Number packets by other means; to be called before there is a sender."""
+        """Has packets numbered by what is made of the first number; before there is a sender."""
         self._messenger.packetizer.counting = counting
 
     def is_unheard(self, address: JausAddress) -> bool:
-        """Returns whether a component is silent that was asked; see ``Transport.is_unheard``."""
+        """Returns whether a component would have been heard; see ``Transport.is_unheard``."""
         with self.loop.lock:
             if address in self.inbox.receivers:
                 return False
             entry = self.address_book.learnt.get(address)
-            longest = self.address_book.lifetime + _TIME_TO_ANSWER
+            longest_silence = self.address_book.lifetime + _TIME_TO_ANSWER
             if entry is None:
                 return True
             # Without proof it counts as never heard, though it may have spoken a moment ago.
             heard = entry.heard if entry.claim is None else entry.spoke
-            return self.loop.now() - heard > longest
+            return self.loop.now() - heard > longest_silence
 
     def is_proved(self, address: JausAddress) -> bool:
         """Returns whether a component is where it says; see ``Transport.is_proved``."""
@@ -99,15 +99,15 @@ class DatagramTransport(Transport):
 
     def place_of(self, address: JausAddress) -> tuple[str, str]:
         """Returns where a component is; see ``Transport.place_of``."""
-        host, port = self.address_book.find(address) or ("", 0)
-        return host, f"{host}:{port}"
+        endpoint = self.address_book.find(address)
+        return ("", "") if endpoint is None else (endpoint[0], f"{endpoint[0]}:{endpoint[1]}")
 
     def is_kept(self, address: JausAddress) -> bool:
-        """Returns whether a component has a place of its own; see ``Transport.is_kept``."""
+        """Returns whether a component gives way to nobody; see ``Transport.is_kept``."""
         return self.address_book.is_kept(address)
 
     def keep_place(self, owner: JausAddress, address: JausAddress | None) -> None:
-        """Keeps the place of a controller; see ``Transport.keep_place``."""
+        """Has a controller give way to nobody; see ``Transport.keep_place``."""
         self.address_book.keep_place(owner, address)
 
     def when_proved(self, listener: Callable[[JausAddress], None]) -> None:

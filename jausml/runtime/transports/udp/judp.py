@@ -136,10 +136,10 @@ class JudpTransport(DatagramTransport):
         self._allowed = AllowedHosts(settings, self.counters)
         self._drops = KernelDrops(self.counters)
         self._receive_by: Callable[[socket.socket, bool], Receiver] | None = None
-        self._standstill: Watch | None = None
-        self._takeover = Alarm(loop)
-        self._drops_watch = Alarm(loop)
-        self._manager_watch = Alarm(loop)
+        self._standstill_watch: Watch | None = None
+        self._takeover_alarm = Alarm(loop)
+        self._drops_alarm = Alarm(loop)
+        self._manager_alarm = Alarm(loop)
 
     def open(self) -> None:
         """Opens the sockets and begins to receive."""
@@ -147,21 +147,21 @@ class JudpTransport(DatagramTransport):
         with self.loop.lock:
             self._port.open()
             for sock in (self._port.multicast, self._port.unicast):
-                self._watch(sock)
+                self._listen_at(sock)
             self._share_port()
-            self._watch_for_manager()
-            self._watch_for_drops()
-            self._standstill = self.loop.standstill.watch(
+            self._look_for_manager()
+            self._look_for_drops()
+            self._standstill_watch = self.loop.standstill.watch(
                 self._settings.standstill, self._throw_away
             )
 
     def close(self) -> None:
         """Closes the sockets; messages that wait for acknowledgement are reported as lost."""
         with self.loop.lock:
-            for timer in (self._takeover, self._manager_watch, self._drops_watch):
+            for timer in (self._takeover_alarm, self._manager_alarm, self._drops_alarm):
                 timer.cancel()
-            if self._standstill is not None:
-                self._standstill.cancel()
+            if self._standstill_watch is not None:
+                self._standstill_watch.cancel()
             # The last look: a closed socket tells nothing.
             self._drops.look()
             for sock in self._port.sockets:
@@ -201,18 +201,20 @@ class JudpTransport(DatagramTransport):
         super()._attach(address, take)
         self._announce()
 
-    def _watch(self, sock: socket.socket | None) -> None:
+    def _listen_at(self, sock: socket.socket | None) -> None:
         if sock is not None:
             self.loop.register(sock, self._reader(sock, by_multicast=sock is self._port.multicast))
 
     def receive_by(self, make: Callable[[socket.socket, bool], Receiver] | None) -> None:
-        """Receives by what is made of a socket and whether it is the group's, or by the sockets."""
+        """Has what `make` returns for a socket receive from it; None: the sockets themselves.
+
+        It is told too whether the socket is that of the group.
+        """
         with self.loop.lock:
             self._receive_by = make
-            for sock in (self._port.multicast, self._port.unicast):
-                if sock is not None:
-                    self.loop.unregister(sock)
-                    self._watch(sock)
+            for sock in self._port.sockets:
+                self.loop.unregister(sock)
+                self._listen_at(sock)
 
     def _reader(self, sock: socket.socket, *, by_multicast: bool) -> Callable[[], None]:
         take = partial(self.receive_datagram, by_multicast=by_multicast)
@@ -287,15 +289,15 @@ class JudpTransport(DatagramTransport):
     def _share_port(self) -> None:
         """Tries to own the port; until then tells its owner again and again who lives here."""
         if not self._port.is_owner and self._port.take_over():
-            # The core rests on the socket and on the own endpoints, which are others now.
+            # The compiled core relies on the socket and on the own endpoints, which have changed.
             self.loop.revision.changed()
-            self._watch(self._port.unicast)
+            self._listen_at(self._port.unicast)
             self.counters.add("judp.port_taken_over")
         if not self._port.is_owner:
             self._announce()
-            self._takeover.set(self._settings.takeover_interval, self._share_port)
+            self._takeover_alarm.set(self._settings.takeover_interval, self._share_port)
 
-    def _watch_for_manager(self) -> None:
+    def _look_for_manager(self) -> None:
         """Warns of a node manager that started later, and cannot have the port.
 
         Node managers want the standard port; Junior's goes on without a network if it is taken.
@@ -304,7 +306,7 @@ class JudpTransport(DatagramTransport):
             return
         folder = manager_folder(self._settings) if self._port.is_owner else None
         if folder is None:
-            self._manager_watch.set(_MANAGER_INTERVAL_S, self._watch_for_manager)
+            self._manager_alarm.set(_MANAGER_INTERVAL_S, self._look_for_manager)
             return
         LOGGER.warning(
             "a node manager runs on this host (its socket is in %s), but this process owns UDP "
@@ -314,10 +316,10 @@ class JudpTransport(DatagramTransport):
             JUDP_PORT,
         )
 
-    def _watch_for_drops(self) -> None:
+    def _look_for_drops(self) -> None:
         """Counts each second what the kernel has dropped."""
         self._drops.look()
-        self._drops_watch.set(_DROPS_INTERVAL_S, self._watch_for_drops)
+        self._drops_alarm.set(_DROPS_INTERVAL_S, self._look_for_drops)
 
     def _throw_away(self, still: float) -> None:
         """Throws away what waited while the process stood still; what is acknowledged comes again.

@@ -10,19 +10,19 @@ from math import dist
 from jausml.views.diagrams.layout.settling import Area, area_of
 from jausml.views.diagrams.layout.sheet import Line, Places, Point, Route, Sheet, on_curve, samples
 
-_Path = tuple["Point", "Point", "Point", "Point"]
+_Path = tuple[Point, Point, Point, Point]
 
 APART = 12
 """Room between two lines of the same boxes."""
 
-_ENDS = (0.15, 0.3, 0.5, 0.7, 0.85)
-"""Where on the side of a box another way may begin or end."""
+_END_POSITIONS = (0.15, 0.3, 0.5, 0.7, 0.85)
+"""Where on the side of a box another route may begin or end, as parts of its length."""
 
 
-def parted(sheet: Sheet, places: Places) -> dict[str, Route]:
-    """Returns the ways of lines; of two of the same boxes that come too near one has another.
+def with_parallels_apart(sheet: Sheet, places: Places) -> dict[str, Route]:
+    """Returns the routes of all lines, of which one of each two that come too near is another.
 
-    It stays where there is no room for another.
+    Both stay where there is no room. Only lines between the same two boxes are compared.
     """
     areas = {box.id: area_of(box, places.boxes[box.id]) for box in sheet.boxes}
     lines = dict(places.lines)
@@ -32,6 +32,7 @@ def parted(sheet: Sheet, places: Places) -> dict[str, Route]:
         if source != target:
             beside[frozenset((source, target))].append(line)
     pairs = (pair for bundle in beside.values() for pair in combinations(bundle, 2))
+    # Once: a third line of the same boxes may still come near.
     for one, other in pairs:
         if nearness(lines[one.id], lines[other.id]) < APART:
             for line, kept in ((one, other), (other, one)):
@@ -43,38 +44,45 @@ def parted(sheet: Sheet, places: Places) -> dict[str, Route]:
 
 
 def nearness(one: Route, other: Route) -> float:
-    """Returns how near two ways come to each other."""
+    """Returns how near two routes come to each other."""
     return min(dist(*pair) for pair in product(samples(one.points), samples(other.points)))
 
 
 def _another(
     line: Line, kept: Route, areas: Mapping[str, Area], lines: Mapping[str, Route]
 ) -> Route | None:
-    """Returns a way apart from one that is kept, through no box; that over the fewest lines."""
+    """Returns the route over the fewest lines that is apart from `kept` and through no box."""
     others = [samples(kept_route.points) for name, kept_route in lines.items() if name != line.id]
     candidates: list[tuple[int, float, Route]] = []
     for points in _paths(areas[line.source[0]], areas[line.target[0]]):
         x, y = on_curve(points, 0.5)
         label = (round(x, 1), round(y, 1)) if lines[line.id].label is not None else None
-        route, way = Route(points, label), samples(points)
-        is_clear = not any(a.left < x < a.right and a.top < y < a.bottom
-                           for a in areas.values() for x, y in way)  # fmt: skip
-        if is_clear and nearness(route, kept) >= APART:
-            crossed = sum(_cross(way, other) for other in others)
+        route, path = Route(points, label), samples(points)
+        if not _hits_a_box(path, areas) and nearness(route, kept) >= APART:
+            crossed = sum(_do_cross(path, other) for other in others)
             candidates.append((crossed, dist(points[0], points[-1]), route))
-    return min(candidates, default=(0, 0.0, None), key=lambda candidate: candidate[:2])[2]
+    best = min(candidates, key=lambda candidate: candidate[:2], default=None)
+    return None if best is None else best[2]
+
+
+def _hits_a_box(path: Sequence[Point], areas: Mapping[str, Area]) -> bool:
+    return any(
+        area.left < x < area.right and area.top < y < area.bottom
+        for area in areas.values()
+        for x, y in path
+    )
 
 
 def _paths(source: Area, target: Area) -> Iterator[_Path]:
-    """Yields simple ways between boxes of which one is above the other, or beside it."""
-    yield from _downwards(source, target)
-    for path in _downwards(source.transposed, target.transposed):
+    """Yields simple routes between boxes of which one is above the other, or beside it."""
+    yield from _vertical(source, target)
+    for path in _vertical(source.transposed, target.transposed):
         a, b, c, d = ((x, y) for y, x in path)
         yield a, b, c, d
 
 
-def _downwards(source: Area, target: Area) -> Iterator[_Path]:
-    """Yields ways between boxes of which one is above the other."""
+def _vertical(source: Area, target: Area) -> Iterator[_Path]:
+    """Yields routes between boxes of which one is above the other."""
     if source.bottom < target.top:
         y0, y1 = source.bottom, target.top
     elif target.bottom < source.top:
@@ -82,17 +90,18 @@ def _downwards(source: Area, target: Area) -> Iterator[_Path]:
     else:
         return
     middle = round((y0 + y1) / 2, 1)
-    for a, b in product(_ENDS, _ENDS):
+    for a, b in product(_END_POSITIONS, repeat=2):
         x0 = round(source.left + a * (source.right - source.left), 1)
         x1 = round(target.left + b * (target.right - target.left), 1)
         yield (x0, y0), (x0, middle), (x1, middle), (x1, y1)
 
 
-def _cross(one: Sequence[Point], other: Sequence[Point]) -> bool:
-    return any(_is_crossed(*a, *b) for a in pairwise(one) for b in pairwise(other))
+def _do_cross(one: Sequence[Point], other: Sequence[Point]) -> bool:
+    return any(_do_segments_cross(*a, *b) for a in pairwise(one) for b in pairwise(other))
 
 
-def _is_crossed(a: Point, b: Point, c: Point, d: Point) -> bool:
+def _do_segments_cross(a: Point, b: Point, c: Point, d: Point) -> bool:
+    # Each has the ends of the other on both sides.
     return _side(a, b, c) * _side(a, b, d) < 0 and _side(c, d, a) * _side(c, d, b) < 0
 
 

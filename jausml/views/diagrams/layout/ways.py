@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import reduce
 
-from jausml.views.diagrams.layout.parallel import parted
+from jausml.views.diagrams.layout.parallel import with_parallels_apart
 from jausml.views.diagrams.layout.settling import Area, area_of, covered, surrounding
 from jausml.views.diagrams.layout.sheet import Places, Point, Sheet
 
@@ -26,7 +26,7 @@ def spaced(sheet: Sheet, places: Places) -> Places:
         for at, (name, _) in ((0, line.source), (-1, line.target)):
             points[at] = _off_corners(areas[name], points[at])
         lines[line.id] = replace(route, points=tuple(points))
-    lines = parted(sheet, replace(places, lines=lines))
+    lines = with_parallels_apart(sheet, replace(places, lines=lines))
     frames = surrounding(sheet, places.boxes, lines)
     return fitted(
         sheet,

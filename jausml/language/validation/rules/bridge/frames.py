@@ -91,7 +91,7 @@ def _finding(placed: Placed[bridge.FieldAssignment]) -> Finding | None:
     if not placed.source_attributes or not placed.target_attributes or units_clash(placed):
         return None
     passage = frames.passage(steps_of(placed), placed.source_attributes)
-    if passage is None or passage.sign is None:
+    if passage is None:
         return None
     targets = [frames.axis_of(target_attribute) for target_attribute in placed.target_attributes]
     if passage.conversion is not None:
@@ -126,7 +126,7 @@ def _direct(placed: Placed[bridge.FieldAssignment], source: Axis, target: Axis) 
             return _mismatch(placed, source, target, _OPPOSITE, _negation(placed))
         return None
     if _is_heading(source, target):
-        other = frames.of_an_angle(source.frame, target.frame)
+        other = frames.angle_conversion(source.frame, target.frame)
         hint = f"convert it by {other.name}" if other is not None else ""
         return _mismatch(placed, source, target, "have different zeros", hint)
     from_, to = frames.direction(source), frames.direction(target)
@@ -214,7 +214,7 @@ def _ends_problem(source: Axis | None, target: Axis | None, taken: str, target_f
 
 def _other(conversion: Conversion, source: Axis | None, target: Axis | None) -> str:
     is_of_earth = EARTH in {FAMILIES[axis.frame] for axis in (source, target) if axis is not None}
-    other = frames.of_other_frames(conversion)
+    other = frames.counterpart(conversion)
     if other is None or is_of_earth != (FAMILIES[other.frames[0]] == EARTH):
         return ""
     return f"use {other.name}"
@@ -276,7 +276,7 @@ def _exchanged(
     elif frames.ALTITUDE in (coordinate, wanted):
         passage = frames.passage(steps_of(placed), placed.source_attributes)
         axis = frames.axis_of(target if coordinate else source)
-        if passage is None or passage.sign is None or axis is None or axis.name != "z":
+        if passage is None or axis is None or axis.name != "z":
             return
         if (passage.sign < 0) != IS_DOWN[axis.frame]:
             down = "down" if IS_DOWN[axis.frame] else "up"
