@@ -1,6 +1,8 @@
 """Messages that a compiled core passes on alone, and those among them that it leaves to Python."""
 
 import random
+import re
+import signal
 import socket
 import struct
 import threading
@@ -49,6 +51,24 @@ def running(path, log, monkeypatch, compiled):
     return System(path, log, compiled=compiled)
 
 
+LATE_END = Path(__file__).with_name("late_end.py")
+
+
+def test_what_passes_while_a_bridge_ends_is_counted(path, tmp_path, monkeypatch):
+    monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
+    log, may_end = tmp_path / "bridge.log", tmp_path / "may_end"
+    with System(path, log, compiled=True, program=(LATE_END, may_end)) as system:
+        wait_for(lambda: system.alone("point_up"), "core")
+        system.process.popen.send_signal(signal.SIGINT)
+        wait_for(lambda: system.process.of_kind("ends"), "end")
+        heard = len(system.points)
+        system.peer.send(point(1.0))
+        wait_for(lambda: len(system.points) > heard, "message of the core")
+        may_end.touch()
+    (passed,) = re.findall(r"account of point_up: .*messages passed (\d+)", log.read_text())
+    assert int(passed) == system.greeted + 1
+
+
 FORMS = [pytest.param(True, id="core"), pytest.param(False, id="Python")]
 
 
@@ -73,9 +93,9 @@ def report(x, y=0.0):
 class Connected:
     """A bridge, its JAUS peer on a socket of the test, and a node of the test."""
 
-    def __init__(self, path, log, *parameters, **environment):
+    def __init__(self, path, log, *parameters, program=("-m", "fast.main"), **environment):
         port = free_port()
-        line = ["-m", "fast.main", "--jaus-port", str(port), "--ros-args"]
+        line = [*program, "--jaus-port", str(port), "--ros-args"]
         line += [word for parameter in parameters for word in ("-p", parameter.lower())]
         self.peer = RawPeer(port)
         self.process = Process(line, path, log, environment=environment)
@@ -94,12 +114,13 @@ class Connected:
 class System(Connected):
     """Hears what the topics of the bridge carry."""
 
-    def __init__(self, path, log, *, compiled):
+    def __init__(self, path, log, *, compiled, **options):
         from diagnostic_msgs.msg import DiagnosticArray
         from geometry_msgs.msg import Point, PointStamped, TwistStamped
 
         self.is_compiled = compiled
-        super().__init__(path, log, f"compiled:={compiled}", "diagnostics_frequency:=10.0")
+        parameters = (f"compiled:={compiled}", "diagnostics_frequency:=10.0")
+        super().__init__(path, log, *parameters, **options)
         wait_for(lambda: " runs as " in log.read_text(), "start")
         self.points = self.ros.listen_to_publisher(PointStamped, "point_up", 1000)
         self.speeds = self.ros.listen_to_publisher(TwistStamped, "speed_up", 1000)

@@ -1,4 +1,9 @@
-"""Blocks of a text as they will be: what stands there, what has changed, and what comes new."""
+"""Blocks of a text as they will be: what stands there, what has changed, and what comes new.
+
+A *copy* is an element as it will be; its *part* is the node of the parsed tree that stands for it,
+if one does. A *piece* is what a list of the tree has of one element. Whatever no command touches
+stays the very node that was parsed.
+"""
 
 from __future__ import annotations
 
@@ -37,13 +42,13 @@ _BY_ARROW = frozenset({"target", "source", "value"})
 
 
 class Blocks:
-    """Makes the blocks of one text.
+    """Makes the blocks of one text; its planner says what changes.
 
     Attributes:
-        changed: The features that have other values, and whether they have any.
-        touched: Elements in which something changes, by id of what stands for them.
-        gone: Ids of what stands for elements that go, or that go elsewhere.
-        placed: Elements that are new, or that go elsewhere.
+        changed: Features of each element that have new values; False for one without values now.
+        touched: Elements in which something changes, by id of their part.
+        gone: Ids of the parts of elements that are removed, or moved away.
+        placed: Elements that are new, or are moved to here.
         implied: Root elements that the text does not write.
     """
 
@@ -60,17 +65,17 @@ class Blocks:
         self.implied = [root for root in roots if self.part(root) is None]
 
     def part_of(self, obj: EObject) -> Part | None:
-        """Returns what stands for an element in the tree, None if nothing does."""
+        """Returns the part of an element that was read; None without one."""
         node = self._context.model.node_of(obj)
         return None if node is None else self.written.source_of(node)
 
     def part(self, copy: ElementCopy) -> Part | None:
-        """Returns what stands for an element in the tree as it was parsed."""
+        """Returns the part of a copy; None without one in this text."""
         is_here = copy.obj is not None and copy.file == self._context.file
         return self.part_of(cast("EObject", copy.obj)) if is_here else None
 
     def refusal(self, copy: ElementCopy) -> EditError:
-        """Returns why an element cannot be changed that the text does not write."""
+        """Returns the error for a change of an element that the text does not write."""
         kind, name = copy.table.name, copy.obj and name_of(copy.obj)
         what = f"{kind} '{name}'" if name else f"this {kind}"
         message = f"{what} follows from the rest of {self._context.file}: edit the text"
@@ -79,7 +84,7 @@ class Blocks:
             message += f", and put {keyword} {name or 'NAME'} {{ ... }} around what it has"
         return EditError(message)
 
-    def top(self, items: Sequence[tree.Item]) -> list[tree.Item]:
+    def items(self, items: Sequence[tree.Item]) -> list[tree.Item]:
         """Returns the items of the text."""
         pieces = self._kept(items)
         for placed in self.placed:
@@ -88,7 +93,7 @@ class Blocks:
                 continue
             if placed.feature not in IMPLIED_PARTS.get(owner.table.qualified_name, ()):
                 raise self.refusal(owner)
-            self._put_in(pieces, placed, owner)
+            self._insert_element(pieces, placed, owner)
         return list_of(pieces)
 
     def _kept(self, items: Iterable[tree.Item]) -> list[Piece]:
@@ -112,10 +117,10 @@ class Blocks:
         """Returns what stands in the block of an element."""
         pieces = self._kept(items)
         for name, is_said in self.changed.get(copy, {}).items():
-            self._say(pieces, copy, name, is_said=is_said)
+            self._write_feature(pieces, copy, name, is_said=is_said)
         for placed in self.placed:
             if placed.owner is copy:
-                self._put_in(pieces, placed, copy)
+                self._insert_element(pieces, placed, copy)
         return list_of(pieces)
 
     # What changes where it stands
@@ -126,9 +131,9 @@ class Blocks:
             # The block may be the value of a feature, whose own words stay.
             block = replace(part)
             item = block if piece.item is part else replace(piece.item, values=[block])  # type: ignore[call-arg]
-            if "name" in changed and not _says(part, "name"):
-                self._name(block, copy, part)
-            self._document(item, copy, part)
+            if "name" in changed and not _has_feature(part, "name"):
+                self._rename(block, copy, part)
+            self._write_documentation(item, copy, part)
             block.items = self._block(part.items, copy)  # type: ignore[assignment]
             return Piece(item, part, piece.origin)
         merged: tree.Item | None = None
@@ -137,15 +142,16 @@ class Blocks:
         elif isinstance(part, tree.Table | tree.Vector):
             merged = self._pairs(part, copy)
         if merged is not None:
-            self._document(merged, copy, cast("tree.Item", part))
+            self._write_documentation(merged, copy, cast("tree.Item", part))
             return Piece(merged, part, piece.origin)
         around = self.part(copy.owner) if copy.owner is not None else None
         new = in_place_of(piece.item, self._writer.item(copy, around))
+        # What is written as another kind of item cannot share the brackets of its neighbours.
         is_alike = type(new) is type(piece.item) or isinstance(new, tree.Assignment | tree.Ignored)
         return Piece(new, part, piece.origin if is_alike else None)
 
-    def _name(self, block: tree.Element, copy: ElementCopy, part: tree.Element) -> None:
-        """Gives a block the words for a new name; a name that no word is has a feature."""
+    def _rename(self, block: tree.Element, copy: ElementCopy, part: tree.Element) -> None:
+        """Writes a new name before a block; one that is no word is left to the feature `name`."""
         kind, word = tree.Name(tree.snake_case(copy.table.name)), tree.Name(copy.name)
         is_sayable = is_name(copy.name)
         if block.keyword is not None:
@@ -162,8 +168,10 @@ class Blocks:
         spans = [self.written.value_span(child) for child in children if child.tag == "name"]
         return part.name is not None and any(span is part.name.span for span in spans)
 
-    def _document(self, item: tree.Item, copy: ElementCopy, part: tree.Item) -> None:
-        if "documentation" in self.changed.get(copy, {}) and not _says(part, "documentation"):
+    def _write_documentation(self, item: tree.Item, copy: ElementCopy, part: tree.Item) -> None:
+        if "documentation" in self.changed.get(copy, {}) and not _has_feature(
+            part, "documentation"
+        ):
             text = next(iter(copy.values.get("documentation", ())), None)
             item.documentation = text if text is not None and is_comment(text) else ""
 
@@ -230,8 +238,10 @@ class Blocks:
 
     # Values of features
 
-    def _say(self, pieces: list[Piece], copy: ElementCopy, name: str, *, is_said: bool) -> None:
-        """Has a block say what a feature has now."""
+    def _write_feature(
+        self, pieces: list[Piece], copy: ElementCopy, name: str, *, is_said: bool
+    ) -> None:
+        """Writes the values that a feature has now."""
         is_assignment = isinstance(self.part(copy), tree.Assignment)
         if is_assignment and name in _BY_ARROW:
             return
@@ -240,15 +250,15 @@ class Blocks:
             text = next(iter(copy.values.get(name, ())), None)
             is_sayable = is_name(text) if name == "name" else is_comment(text)
             is_said = text is not None and not is_sayable
-        item = self._said(copy, name, old) if is_said else None
+        item = self._feature_item(copy, name, old) if is_said else None
         if old and item is not None:
             old[0].item = in_place_of(old[0].item, item)
         elif item is not None:
-            self._insert(pieces, Piece(item), copy, rank_of(item, copy.table, {}))
+            self._insert_by_rank(pieces, Piece(item), copy, rank_of(item, copy.table, {}))
         kept = old[:1] if item is not None else []
         pieces[:] = [piece for piece in pieces if piece in kept or piece not in old]
 
-    def _said(self, copy: ElementCopy, name: str, old: Sequence[Piece]) -> tree.Item:
+    def _feature_item(self, copy: ElementCopy, name: str, old: Sequence[Piece]) -> tree.Item:
         is_end = copy.table.qualified_name == MAP and name in _ENDS
         if is_end and not (old and isinstance(old[0].item, tree.Feature)):
             feature = copy.table.features[name]
@@ -260,17 +270,17 @@ class Blocks:
 
     # What comes new, or comes from elsewhere
 
-    def _put_in(self, pieces: list[Piece], copy: ElementCopy, owner: ElementCopy) -> None:
-        """Puts an element where its siblings say."""
+    def _insert_element(self, pieces: list[Piece], copy: ElementCopy, owner: ElementCopy) -> None:
+        """Inserts an element beside its siblings; without any, by the order of the metamodel."""
         around = self.part(owner)
         is_conversion = isinstance(around, tree.Assignment) and copy.feature == "conversions"
         if is_conversion and not self._has_blocks(owner):
             return  # it stands behind the arrow
-        piece = self._coming(copy, owner)
+        piece = self._piece_for(copy, owner)
         places = {id(present.part): at for at, present in enumerate(pieces)}
         earlier, later = (
-            [places[at] for sibling in some if (at := id(self.part(sibling))) in places]
-            for some in copy.siblings
+            [places[key] for sibling in siblings if (key := id(self.part(sibling))) in places]
+            for siblings in copy.siblings
         )
         is_way = owner.table.qualified_name == MAP and copy.feature in ("toRos", "toJaus")
         is_arrow = is_way and isinstance(piece.item, tree.Assignment | tree.Ignored)
@@ -292,7 +302,7 @@ class Blocks:
         elif around is None:
             self._insert_at(pieces, len(pieces), piece, is_top=True)
         else:
-            self._insert(pieces, piece, owner, rank(owner.table, copy.feature))
+            self._insert_by_rank(pieces, piece, owner, rank(owner.table, copy.feature))
 
     def _put_arrow(
         self,
@@ -320,30 +330,34 @@ class Blocks:
                 pieces.insert(at + 1, piece)
                 return
         owner = cast("ElementCopy", copy.owner)
-        self._insert(pieces, piece, owner, rank(owner.table, copy.feature))
+        self._insert_by_rank(pieces, piece, owner, rank(owner.table, copy.feature))
 
-    def _coming(self, copy: ElementCopy, owner: ElementCopy) -> Piece:
+    def _piece_for(self, copy: ElementCopy, owner: ElementCopy) -> Piece:
         """Returns an element as it is written in an owner, with the comments that it has."""
         around, part = self.part(owner), self.part(copy)
         if around is None and owner not in self.implied:
-            raise EditError(
-                f"{owner.label} follows from the rest of {self._context.file}: edit the text"
-            )
+            raise self.refusal(owner)
         old = piece_of(part, self.written.tree.items) if isinstance(part, tree.Item) else None
         if old is None:
             new = self._writer.item(copy, around)
             if around is None and not isinstance(new, tree.Element):
                 raise EditError(f"text has no place for this element of {copy.feature}")
             return Piece(new, part)
-        if _can_go(old, copy, owner, around):
+        if _keeps_its_words(old, copy, owner, around):
             return Piece(old.item, part)
         return Piece(in_place_of(old.item, self._writer.item(copy, around)), part)
 
-    def _insert(self, pieces: list[Piece], piece: Piece, owner: ElementCopy, wanted: int) -> None:
-        """Puts a piece behind the last that does not come after it by the metamodel."""
-        owned = {id(self.part(e)): e.feature for some in owner.owned.values() for e in some}
+    def _insert_by_rank(
+        self, pieces: list[Piece], piece: Piece, owner: ElementCopy, wanted: int
+    ) -> None:
+        """Inserts a piece behind the last one that does not come after it by the metamodel."""
+        owned = {
+            id(self.part(child)): child.feature
+            for children in owner.owned.values()
+            for child in children
+        }
         ranks = (rank_of(present.item, owner.table, owned, present.part) for present in pieces)
-        at = max((i + 1 for i, rank in enumerate(ranks) if rank <= wanted), default=0)
+        at = max((at + 1 for at, present in enumerate(ranks) if present <= wanted), default=0)
         self._insert_at(pieces, at, piece, is_top=False)
 
     def _insert_at(self, pieces: list[Piece], at: int, piece: Piece, *, is_top: bool) -> None:
@@ -363,8 +377,8 @@ class Blocks:
         pieces.insert(at, piece)
 
 
-def _says(part: tree.Item, name: str) -> bool:
-    """Tells whether a feature of a block says a name or a documentation."""
+def _has_feature(part: tree.Item, name: str) -> bool:
+    """Tells whether a block has a feature of this name written out."""
     items = part.items if isinstance(part, tree.Element | tree.Assignment) else ()
     return any(isinstance(item, tree.Feature) and item.name.text == name for item in items)
 
@@ -376,8 +390,10 @@ def _is_of(item: tree.Item, name: str, table: ClassTable) -> bool:
     return isinstance(item, tree.Feature) and item.name.text == name
 
 
-def _can_go(piece: Piece, copy: ElementCopy, owner: ElementCopy, around: Part | None) -> bool:
-    """Tells whether the same words stand for an element in another list."""
+def _keeps_its_words(
+    piece: Piece, copy: ElementCopy, owner: ElementCopy, around: Part | None
+) -> bool:
+    """Tells whether a moved element can keep the words that it was written with."""
     if isinstance(piece.item, tree.Feature):
         return piece.item.name.text == copy.feature
     if isinstance(piece.item, tree.Element):

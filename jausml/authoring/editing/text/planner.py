@@ -70,7 +70,7 @@ class _Plan:
         if not self._is_touched and not words:
             return None
         tree = self._blocks.written.tree
-        items: list[Any] = self._blocks.top(tree.items) if self._is_touched else [*tree.items]
+        items: list[Any] = self._blocks.items(tree.items) if self._is_touched else [*tree.items]
         self._keep_roots(items)
         imports = [Import(location) for location in self._names.imports]
         if imports:

@@ -1,4 +1,8 @@
-"""The fast path of one bridge: usual messages pass in the compiled core while its loop waits."""
+"""Fast path of one bridge: while its loop waits, the compiled core passes messages on by itself.
+
+A message is usual where the core can do that. Any other is left to Python, and what the core has
+done is written down ("settled") when the next turn of the loop begins.
+"""
 
 from __future__ import annotations
 
@@ -27,6 +31,9 @@ from .receiving import FastReceiver
 
 _NOT_TOLD = (1 << 64) - 1
 """Stands for the number of a message where a middleware does not number them."""
+
+_FOREVER = -1.0
+"""Seconds for which the core waits without a limit."""
 
 
 class SharedNumbers:
@@ -105,7 +112,7 @@ class FastSubscriber:
         shared.lost = 0
 
     def pending(self) -> Other | None:
-        """Returns a message that is not usual, which was taken; None when there is none."""
+        """Returns the message that the core has taken and left to Python; None without one."""
         message = self._pending
         if not self.is_current or not message.data:
             return None
@@ -116,21 +123,19 @@ class FastSubscriber:
         return Other(data, message_number, message.received, message.published, message.left)
 
     def look(self) -> None:
-        """Tells the core what Python has learnt when it took a message."""
+        """Tells the core which message is next, and when the destination was heard."""
         place = self._path.outlet.endpoint()
+        # What nobody has told is -1 in Python, and all bits in the core.
         self._shared.expected = self._feed.expected & _NOT_TOLD
         if place is not None:
-            self._to.heard = place[2]
-
-
-_FOREVER = -1.0
+            _sock, _endpoint, self._to.heard = place
 
 
 class FastSide:
-    """Lets a compiled core have the usual messages of a bridge alone, while the loop waits.
+    """Has the compiled core wait for the loop of a bridge, and pass usual messages meanwhile.
 
-    What the core has done is written down with the lock of the loop, before anything else of the
-    turn.
+    Raises:
+        NoFastPathError: The network or the clock is not that of the system, or memory is lacking.
     """
 
     def __init__(self, code: ctypes.CDLL, component: Component) -> None:
@@ -146,7 +151,7 @@ class FastSide:
         self._revision = -1
         # One for all waits: it is large, and its address is handed over with each call.
         self._waited = Waited()
-        self._place = ctypes.pointer(self._waited)
+        self._waited_pointer = ctypes.pointer(self._waited)
         self._has_passed = False
         self._subscribers: list[FastSubscriber] = []
         self._receiver = FastReceiver(library, self._core, transport, component)
@@ -182,6 +187,8 @@ class FastSide:
             self._loop.revision.changed()
             self._loop.revision.stop_by(None)
             self._loop.wait_by(None, None)
+            # The loop may still wait in the core, or for the lock, and would not settle it.
+            self._write_down()
             self._end_subscribers()
             self._transport.receive_by(None)
 
@@ -205,7 +212,7 @@ class FastSide:
             self._revision = number
         due = self._loop.standstill.due
         wait = _FOREVER if seconds is None else seconds
-        only = library.core_wait(self._core, wait, due, self._place)
+        only = library.core_wait(self._core, wait, due, self._waited_pointer)
         # The usual wake-up is one descriptor, told by the result alone: no memory is read for it.
         if only != SEVERAL:
             return [] if only == NONE else [(only, EPOLLIN)]
@@ -217,8 +224,11 @@ class FastSide:
         return [(descriptor, EPOLLIN) for descriptor in ready]
 
     def _settle(self) -> None:
-        if not self._has_passed:
-            return
+        if self._has_passed:
+            self._write_down()
+
+    def _write_down(self) -> None:
+        """Writes down, once, what the last wait has passed and left."""
         waited = self._waited
         if waited.taken_count or waited.left_count:
             self._receiver.settle(waited)
@@ -230,3 +240,4 @@ class FastSide:
                 )
                 senders[index].settle(when, published, unknown, datagrams, error)
                 senders[index].settle_numbers()
+        waited.taken_count = waited.left_count = waited.sent_count = 0
