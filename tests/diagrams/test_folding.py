@@ -4,12 +4,11 @@ import json
 from itertools import pairwise
 
 import pytest
+from generated import model_in
 from large_systems import large_system
 
 from jausml.authoring.studio.drawing import Drawings, difference
-from jausml.language.model import read_models
 from jausml.language.model.diagnostics import Diagnostic, Location, Severity
-from jausml.language.text.notation import NOTATIONS
 from jausml.views.diagrams.bundling import framed
 from jausml.views.diagrams.folding import CLOSED, MOST_SHOWN, folded, frames_of, is_large
 from jausml.views.diagrams.graph import Edge, End, Finding, Graph, Group, Node, Port
@@ -86,9 +85,7 @@ def test_what_is_opened_is_shown_and_a_frame_in_a_closed_one_is_not_seen():
 
 @pytest.fixture(scope="module")
 def model(tmp_path_factory):
-    file = tmp_path_factory.mktemp("large") / "large.ros2jaus"
-    file.write_text(large_system(GROUPS, HOSTS), encoding="utf-8")
-    return read_models([file], notations=NOTATIONS).model
+    return model_in(tmp_path_factory.mktemp("large"), large_system(GROUPS, HOSTS), "large.ros2jaus")
 
 
 @pytest.fixture(scope="module")

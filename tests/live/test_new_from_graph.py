@@ -3,6 +3,7 @@
 import needs
 import pytest
 from click.testing import CliRunner
+from generated import model_of
 from nav2 import nav2
 from ports import free_domain
 from ros_nodes import SpinningNode
@@ -11,9 +12,7 @@ needs.ask("rclpy")
 
 from jausml.cli import main
 from jausml.language.metamodel.classes import bridge
-from jausml.language.model import read_models
 from jausml.language.model.names import name_of
-from jausml.language.text.notation import NOTATIONS
 
 pytestmark = pytest.mark.live
 
@@ -92,7 +91,7 @@ def test_it_lists_what_runs_and_proposes_a_bridge(tmp_path, monkeypatch):
         "next: jausml new service-connection car/lamp:std_srvs/SetBool MESSAGE --side operator",
     ):
         assert f"left out: {told}\n" in done.output
-    model = read_models([tmp_path / "car.ros2jaus"], notations=NOTATIONS).model
+    model = model_of(tmp_path / "car.ros2jaus")
     [made] = model.instances(bridge.Bridge, library=False)
     # Relative names, which a namespace of the bridge would move.
     found = {
@@ -134,7 +133,7 @@ def test_it_lists_what_runs_and_proposes_a_bridge(tmp_path, monkeypatch):
         main, ["new", "connection", *words[:3], "/car/odom:local_pose_enu", *words[4:]]
     )
     assert "odom: ROS -> JAUS, local_pose_enu" in inside.output
-    model = read_models([tmp_path / "car.ros2jaus"], notations=NOTATIONS).model
+    model = model_of(tmp_path / "car.ros2jaus")
     [made] = model.instances(bridge.Bridge, library=False)
     assert [bridge_connection.topics[0].name for bridge_connection in made.bridgeConnections][
         -2:
@@ -253,7 +252,7 @@ def test_names_of_frames_go_into_maps_and_parameters_are_shown(tmp_path, monkeyp
         output_line for output_line in told if output_line.startswith("crane/cmd_vel: JAUS -> ROS")
     ]
     assert line.endswith("; the frame base_link is crane/chassis")
-    model = read_models([tmp_path / file], notations=NOTATIONS).model
+    model = model_of(tmp_path / file)
     [made] = model.instances(bridge.Bridge, library=False)
     frames = {
         assignment.target: assignment.value
