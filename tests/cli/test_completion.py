@@ -41,35 +41,30 @@ def test_of_an_unknown_shell_the_known_ones_are_told(jausml):
     assert "'bash', 'zsh', 'fish'" in result.stderr
 
 
-def complete(command, start, folder):
+# Colours and bracketed paste write between the letters of the line.
+BASH = "bind 'set enable-bracketed-paste off'; PS1='$ '"
+ZSH = "PS1='$ '; unsetopt zle_bracketed_paste; autoload -Uz compinit; compinit -u"
+
+
+@pytest.mark.parametrize(
+    ("shell", "start"),
+    [
+        pytest.param("bash --norc --noprofile", BASH, marks=pytest.mark.needs("bash")),
+        pytest.param("zsh -f", ZSH, marks=[pytest.mark.needs("zsh"), pytest.mark.slow]),
+    ],
+)
+def test_a_shell_completes_what_is_typed(jausml, folder, shell, start):
     """Types what TYPED has into an interactive shell, and waits for what becomes of it."""
+    command = [*shell.split(), "-i"]
+    (folder / "script").write_text(jausml("completion", command[0]).stdout, encoding="utf-8")
     with at_terminal(*command, cwd=folder, environment=with_jausml()) as terminal:
-        terminal.type(f"{start}\necho rea''dy\n")
+        terminal.type(f"{start}; source ./script\necho rea''dy\n")
         terminal.wait_for("ready\r\n")
         for typed, completed in TYPED.items():
             seen = len(terminal.shown)
             terminal.type(f"{typed}\t")
             terminal.wait_for(completed, seen)
             terminal.type("\x15")  # wipes the line
-
-
-@pytest.mark.needs("bash")
-def test_bash_completes(jausml, folder):
-    (folder / "script").write_text(jausml("completion", "bash").stdout, encoding="utf-8")
-    bash = ("bash", "--norc", "--noprofile", "-i")
-    # Colours and bracketed paste write between the letters of the line.
-    plain = "bind 'set enable-bracketed-paste off'; PS1='$ '; source ./script"
-    complete(bash, plain, folder)
-
-
-@pytest.mark.needs("zsh")
-@pytest.mark.slow
-def test_zsh_completes(jausml, folder):
-    (folder / "script").write_text(jausml("completion", "zsh").stdout, encoding="utf-8")
-    zsh = ("zsh", "-f", "-i")
-    plain = "PS1='$ '; unsetopt zle_bracketed_paste"
-    start = f"{plain}; autoload -Uz compinit; compinit -u; source ./script"
-    complete(zsh, start, folder)
 
 
 @pytest.mark.needs("fish")

@@ -10,27 +10,14 @@ import subprocess
 import sys
 
 import pytest
-from click.testing import CliRunner
 from ports import free_port
 
-from jausml.cli import main
 from jausml.runtime.transports.ports import FRAME
 
-pytestmark = pytest.mark.ports
+pytestmark = [pytest.mark.ports, pytest.mark.usefixtures("here")]
 
 STATUS = "02400100000000"
 DATAGRAM = bytes.fromhex("02 00 1000 01 0201c800 01016500 0220 0700")
-
-
-@pytest.fixture
-def jausml(tmp_path, monkeypatch):
-    """Runs the command line in an empty folder, with text on stdin."""
-    monkeypatch.chdir(tmp_path)
-
-    def run(*arguments, text=""):
-        return CliRunner().invoke(main, [str(argument) for argument in arguments], input=text)
-
-    return run
 
 
 def objects(result):
@@ -184,7 +171,8 @@ def test_a_name_chooses_between_meanings_of_one_service(jausml):
     for name in ("RNDetailedMeasurement", "CBDetailedMeasurement"):
         result = jausml("decode", "--message", name, payload)
         assert result.exit_code == 0, result.stderr
-        assert [decoded_message["message"] for decoded_message in objects(result)] == [name]
+        (decoded,) = objects(result)
+        assert decoded["message"] == name
 
 
 def test_a_service_chooses_between_several_meanings(jausml):
@@ -193,10 +181,8 @@ def test_a_service_chooses_between_several_meanings(jausml):
     assert "QueryJointPosition of" in result.stderr
     result = jausml("decode", "--service", "ManipulatorJointPositionSensor/2.0", "0226", STATUS)
     assert result.exit_code == 0
-    assert [decoded_message["message"] for decoded_message in objects(result)] == [
-        "QueryJointPositions",
-        "ReportStatus",
-    ]
+    first, second = objects(result)
+    assert (first["message"], second["message"]) == ("QueryJointPositions", "ReportStatus")
 
 
 @pytest.mark.parametrize(
@@ -262,11 +248,7 @@ def test_datagrams(jausml):
     assert "no hexadecimal digit" in malformed["error"]
     assert "bytes follow" in rest["error"]
     problems = result.stderr.splitlines()
-    assert [problem.split(": ")[0] for problem in problems] == [
-        "<stdin>:2",
-        "<stdin>:3",
-        "<stdin>:4",
-    ]
+    assert [problem[:9] for problem in problems] == ["<stdin>:2", "<stdin>:3", "<stdin>:4"]
     assert problems[1] == "<stdin>:3: column 1: 'z' is no hexadecimal digit"
     text = jausml("decode", "--format", "text", "--datagram", DATAGRAM.hex())
     assert text.exit_code == 0
@@ -295,18 +277,10 @@ def test_captures(jausml, tmp_path):
     path.write_bytes(capture(DATAGRAM, FRAME + b"P\1\1\1\1", DATAGRAM))
     result = jausml("decode", "--pcap", path)
     assert result.exit_code == 0
-    assert [
-        (
-            decoded_message["number"],
-            decoded_message["time"],
-            decoded_message["from"],
-            decoded_message["to"],
-        )
-        for decoded_message in objects(result)
-    ] == [
-        (1, 1000.0, "10.9.0.1:5000", "10.9.0.2:3794"),
-        (3, 1002.0, "10.9.0.1:5000", "10.9.0.2:3794"),
-    ]
+    ends = {"from": "10.9.0.1:5000", "to": "10.9.0.2:3794"}
+    first, second = objects(result)
+    assert first.items() >= {"number": 1, "time": 1000.0, **ends}.items()
+    assert second.items() >= {"number": 3, "time": 1002.0, **ends}.items()
     assert result.stderr == "skipped 1 frames between jausml processes of one host\n"
     assert jausml("decode", "--pcap", path, "--port", 5001).stdout == ""
     assert len(objects(jausml("decode", "--pcap", path, "--count", 1))) == 1
@@ -363,18 +337,9 @@ def listening(port):
     started = []
 
     def start(*options):
-        command = [
-            sys.executable,
-            "-m",
-            "jausml",
-            "decode",
-            "--listen",
-            "--port",
-            str(port),
-            *options,
-        ]
+        command = [sys.executable, "-m", "jausml", "decode", "--listen", "--port", str(port)]
         process = subprocess.Popen(
-            command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=os.environ
+            [*command, *options], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
         )
         started.append(process)
         assert process.stderr.readline().startswith("listening to 239.255.0.1:")
@@ -560,13 +525,9 @@ def test_list_services(jausml):
 
 def test_list_messages(jausml):
     everything = objects(jausml("list", "messages", "--format", "json"))
-    assert {
-        key: value
-        for message in everything
-        if message["message"] == "Shutdown"
-        for key, value in message.items()
-        if key != "services"
-    } == {"message": "Shutdown", "code": "0x0002", "command": True}
+    (shutdown,) = (message for message in everything if message["message"] == "Shutdown")
+    del shutdown["services"]
+    assert shutdown == {"message": "Shutdown", "code": "0x0002", "command": True}
     assert len(everything) > 300
     inherited = jausml("list", "messages", "--service", "GlobalPoseSensor").stdout
     assert "ReportGlobalPose" in inherited
@@ -604,7 +565,7 @@ def test_fields_that_are_nested_too_deep_are_told(jausml, form):
     assert result.stderr == "<stdin>:1: the fields are nested too deep\n"
 
 
-def test_a_message_of_ocu_that_is_nested_too_deep_is_refused():
-    result = CliRunner().invoke(main, ["ocu", "query", "100.1.1", '{"a":' * 100_000])
+def test_a_message_of_ocu_that_is_nested_too_deep_is_refused(jausml):
+    result = jausml("ocu", "query", "100.1.1", '{"a":' * 100_000)
     assert result.exit_code == 2
     assert "the message is no JSON: it is nested too deep" in result.stderr

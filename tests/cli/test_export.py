@@ -11,13 +11,6 @@ WINCH = EXAMPLES / "winch" / "service.xmi"
 NAME = "urn.jausml.examples.Winch-1.0.xml"
 
 
-@pytest.fixture
-def here(tmp_path, monkeypatch):
-    """An empty current folder."""
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
 def names(folder):
     return sorted(path.name for path in folder.iterdir())
 

@@ -8,10 +8,7 @@ LOOSE = "component  front{id:100.1.1}// one\n"
 TIGHT = "component front { id: 100.1.1 }  // one\n"
 
 
-@pytest.fixture(autouse=True)
-def here(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
+pytestmark = pytest.mark.usefixtures("here")
 
 
 @pytest.fixture

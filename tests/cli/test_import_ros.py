@@ -10,9 +10,8 @@ WINCH = "# A winch.\n\nstd_msgs/Header header\nfloat64 speed # Of the rope [m/s]
 
 
 @pytest.fixture
-def folder(tmp_path, monkeypatch):
+def folder(here, monkeypatch):
     """A current folder with a package in source form, and one that is installed."""
-    monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("AMENT_PREFIX_PATH", "prefix")
     definitions = {
         "src/winch_msgs/msg/Winch.msg": WINCH,
@@ -21,9 +20,9 @@ def folder(tmp_path, monkeypatch):
         "prefix/share/ship_msgs/msg/Ship.msg": "rope_msgs/Rope[] ropes\n",
     }
     for name, text in definitions.items():
-        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
-        (tmp_path / name).write_text(text, encoding="utf-8")
-    return tmp_path
+        (here / name).parent.mkdir(parents=True, exist_ok=True)
+        (here / name).write_text(text, encoding="utf-8")
+    return here
 
 
 def test_a_folder_becomes_a_model_that_is_valid(jausml, folder):

@@ -44,11 +44,10 @@ import pytest
         ("new map m A b/C --copy x --fill", "--fill: not with --copy"),
     ],
 )
-def test_what_would_have_no_effect_is_refused(jausml, tmp_path, monkeypatch, line, told):
-    monkeypatch.chdir(tmp_path)
+def test_what_would_have_no_effect_is_refused(jausml, here, line, told):
     for name in ("e.pcap", "e.mcap"):
-        (tmp_path / name).touch()
+        (here / name).touch()
     done = jausml(*shlex.split(line))
     assert (done.exit_code, told in done.stderr) == (2, True), done.output
     assert done.stdout == ""
-    assert {path.name for path in tmp_path.iterdir()} == {"e.pcap", "e.mcap"}
+    assert {path.name for path in here.iterdir()} == {"e.pcap", "e.mcap"}

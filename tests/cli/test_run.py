@@ -30,28 +30,20 @@ DEAF = READY.format(
 
 
 @pytest.fixture
-def workspace(tmp_path, monkeypatch):
+def workspace(here):
     """Makes a generated workspace of processes with the given programs."""
-    monkeypatch.chdir(tmp_path)
 
     def make(kind="component", **programs):
         processes = []
         for name, program in programs.items():
-            package = tmp_path / "out" / name / name
+            package = here / "out" / name / name
             package.mkdir(parents=True)
             (package / "__init__.py").write_text("")
             (package / "main.py").write_text(program)
-            processes.append(
-                {
-                    "name": name,
-                    "kind": kind,
-                    "package": name,
-                    "module": f"{name}.main",
-                    "arguments": ["--jaus-port", "4000"],
-                }
-            )
-        write_manifest(tmp_path / "out", processes)
-        return tmp_path / "out"
+            process = {"name": name, "kind": kind, "package": name, "module": f"{name}.main"}
+            processes.append({**process, "arguments": ["--jaus-port", "4000"]})
+        write_manifest(here / "out", processes)
+        return here / "out"
 
     return make
 
@@ -505,20 +497,10 @@ def test_processes_end_when_the_command_is_killed(workspace):
     assert len(pids) == 2
     process.kill()
     process.wait(timeout=30)
-    end = time.monotonic() + 30
-    while any(map(alive, pids)):
-        assert time.monotonic() < end, "orphans"
-        time.sleep(0.05)
+    for pid in pids:
+        wait_until_gone(pid)
     process.stdout.close()
     process.stderr.close()
-
-
-def alive(pid):
-    try:
-        os.kill(pid, 0)
-        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
-    except OSError:
-        return False
 
 
 def test_a_file_of_the_current_folder_is_not_run_instead(jausml, workspace, tmp_path):

@@ -88,20 +88,16 @@ def test_output_goes_to_a_file(jausml, folder):
 
 
 def test_references_out_of_the_project_need_permission(jausml, folder, model_text):
-    inside = folder / "project"
-    inside.mkdir()
+    (folder / "project").mkdir()
     (folder / "other.xmi").write_text(model_text)
-    (inside / "model.xmi").write_text(
-        model_text.replace('peers="sensor"', "").replace(
-            "<topics", '<peers href="../other.xmi#sensor"/><topics'
-        )
-    )
-    refused = jausml("validate", "project/model.xmi", "--project-root", "project")
+    reference = '<peers href="../other.xmi#sensor"/><topics'
+    text = model_text.replace('peers="sensor"', "").replace("<topics", reference)
+    (folder / "project" / "model.xmi").write_text(text)
+    arguments = ("validate", "project/model.xmi", "--project-root", "project")
+    refused = jausml(*arguments)
     assert refused.exit_code == 1
     assert "JML209" in refused.stdout
-    allowed = jausml(
-        "validate", "project/model.xmi", "--project-root", "project", "--allow-outside"
-    )
+    allowed = jausml(*arguments, "--allow-outside")
     assert allowed.exit_code == 0, allowed.stdout
 
 
@@ -182,14 +178,10 @@ def test_formats_for_build_servers(jausml, name, start):
     assert "bad.xmi" in result.stdout
 
 
-def test_the_copies_of_the_library_in_a_project_are_not_judged(jausml, tmp_path):
+def test_copies_of_the_library_in_a_project_are_judged_as_the_library_if_named(jausml, tmp_path):
     assert jausml("init", tmp_path / "rover", "--from", "empty").exit_code == 0
     result = jausml("validate", "--strict", tmp_path / "rover")
     assert (result.exit_code, result.stderr) == (0, "no problems in 1 file\n")
-
-
-def test_copies_of_the_library_that_are_named_are_judged_as_the_library(jausml, tmp_path):
-    assert jausml("init", tmp_path / "rover", "--from", "empty").exit_code == 0
     copy = tmp_path / "rover" / "library" / "jaus" / "iop.xmi"
     result = jausml("validate", copy)
     assert result.exit_code == 0
@@ -204,9 +196,8 @@ def test_copies_of_the_library_that_are_named_are_judged_as_the_library(jausml, 
 @pytest.mark.parametrize("verb", ["validate", "diagram", "generate", "diff", "merge"])
 @pytest.mark.parametrize("kind", ["endless", "pipe"])
 def test_what_is_no_regular_file_is_refused(jausml, folder, verb, kind):
-    place = folder / "sub"
-    place.mkdir()
-    file = place / "a.xmi"
+    file = folder / "sub" / "a.xmi"
+    file.parent.mkdir()
     if kind == "endless":
         file.symlink_to("/dev/zero")
     else:

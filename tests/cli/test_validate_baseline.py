@@ -16,7 +16,7 @@ def baseline(jausml, folder):
     return folder / "known.json"
 
 
-def test_it_lists_findings_as_people_read_them(baseline):
+def test_findings_are_listed_as_people_read_them_and_do_not_count(jausml, baseline):
     content = json.loads(baseline.read_text())
     assert content["schema"] == 1
     assert [(finding["rule"], finding["file"]) for finding in content["findings"]] == [
@@ -24,9 +24,6 @@ def test_it_lists_findings_as_people_read_them(baseline):
         ("JML426", "doubtful.xmi"),
     ]
     assert all("line" not in finding and "count" not in finding for finding in content["findings"])
-
-
-def test_known_findings_do_not_count(jausml, baseline):
     result = jausml("validate", "--strict", ".", "--baseline", baseline)
     assert (result.exit_code, result.stdout) == (0, "")
 
@@ -130,15 +127,12 @@ def test_a_baseline_that_is_not_there(jausml):
     assert result.exit_code == 2
 
 
-def test_sarif_has_known_findings_as_suppressed(jausml, baseline):
+def test_sarif_has_known_findings_as_suppressed_and_json_has_them_apart(jausml, baseline):
     result = jausml("validate", ".", "--baseline", baseline, "--format", "sarif")
     (run,) = json.loads(result.stdout)["runs"]
     assert [sarif_result["suppressions"] for sarif_result in run["results"]] == [
         [{"kind": "external", "status": "accepted", "justification": "listed in known.json"}]
     ] * 2
-
-
-def test_json_has_them_apart(jausml, baseline):
     content = json.loads(jausml("validate", ".", "--baseline", baseline, "--format", "json").stdout)
     assert content["diagnostics"] == []
     assert [(e["rule"], e["ground"], e["saidAt"]) for e in content["setAside"]] == [

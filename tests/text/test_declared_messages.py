@@ -199,10 +199,8 @@ def test_documentation(texts):
         "ROS std_msgs/Float64 }"
     )
     [message] = model.instances(jaus.MessageDef, library=False)
-    assert (message.documentation, message.body.fields[0].documentation) == (
-        "A state.",
-        "Its length.",
-    )
+    assert message.documentation == "A state."
+    assert message.body.fields[0].documentation == "Its length."
 
 
 FAULTS = {

@@ -292,10 +292,8 @@ def test_a_fault_leaves_its_neighbours_alone():
     element, last = document.items
     direction, feature = element.items
     assert isinstance(direction, Direction)
-    assert (
-        direction.assignments[0].sources[0].text,
-        direction.assignments[-1].sources[0].text,
-    ) == ("a", "f")
+    assert direction.assignments[0].sources[0].text == "a"
+    assert direction.assignments[-1].sources[0].text == "f"
     assert feature.name.text == "a"
     assert last.name.text == "n"
 
