@@ -5,6 +5,7 @@ import subprocess
 
 import pytest
 import warm
+from scripts import ran
 from terminal import at_terminal
 
 from jausml.cli.shared.options import SHELLS
@@ -72,12 +73,10 @@ def test_a_shell_completes_what_is_typed(jausml, folder, shell, start):
 def test_fish_completes(jausml, folder):
     (folder / "script").write_text(jausml("completion", "fish").stdout, encoding="utf-8")
     lines = [f"complete -C '{typed}'" for typed in TYPED]
-    done = subprocess.run(
+    done = ran(
         ["fish", "--no-config", "-c", "\n".join(["source ./script", *lines])],
         cwd=folder,
         env={**os.environ, **with_jausml()},
-        capture_output=True,
-        text=True,
         timeout=60,
     )
     offered = {line.split("\t")[0] for line in done.stdout.splitlines()}
@@ -117,9 +116,7 @@ def offered(tmp_path):
             "_JAUSML_COMPLETE": "bash_complete",
         }
         environment = {**os.environ, **asked}
-        done = subprocess.run(
-            warm.command(), cwd=folder, env=environment, capture_output=True, text=True
-        )
+        done = ran(warm.command(), cwd=folder, env=environment)
         assert not done.stderr
         lines = (output_line.split(",") for output_line in done.stdout.splitlines())
         # Where nothing fits, the shell is told to look for files.

@@ -1,10 +1,10 @@
 """How much the command line says, and to whom."""
 
-import subprocess
 import sys
 
 import pytest
 import warm
+from scripts import ran
 from terminal import at_terminal
 
 from jausml.cli.shared.terminal import Verbosity, verbosity
@@ -32,14 +32,7 @@ def test_a_long_step_is_shown_on_a_terminal_and_wiped_away(tmp_path):
 
 
 def test_no_log_has_progress(tmp_path):
-    done = subprocess.run(
-        [sys.executable, "-c", STEP],
-        cwd=tmp_path,
-        input="\n",
-        capture_output=True,
-        text=True,
-        timeout=60,
-    )
+    done = ran([sys.executable, "-c", STEP], cwd=tmp_path, input="\n", timeout=60)
     assert done.stderr == "done\n"
 
 

@@ -3,13 +3,13 @@
 import os
 import re
 import shutil
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 import warm
 from merging_support import MESSAGE, NODE, PACKAGE, PLANT
+from scripts import ran
 
 from jausml.language.model import LIBRARY_URI, read_models
 
@@ -40,14 +40,7 @@ class Repository:
         }
 
     def run(self, *command, status=0):
-        done = subprocess.run(
-            command,
-            cwd=self.folder,
-            env=self.environment,
-            capture_output=True,
-            text=True,
-            timeout=120,
-        )
+        done = ran(command, cwd=self.folder, env=self.environment, timeout=120)
         assert done.returncode == status, done.stdout + done.stderr
         return done.stdout + done.stderr
 

@@ -11,6 +11,7 @@ import check_jsonschema
 import pytest
 import yaml
 from click.testing import CliRunner
+from scripts import ran
 from sweeps import sweep
 
 from jausml.cli import main
@@ -91,12 +92,10 @@ def run_action(folder, **given):
     }
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     # So GitHub calls a script of `shell: bash`.
-    return subprocess.run(
+    return ran(
         ["bash", "--noprofile", "--norc", "-eo", "pipefail", "-c", step["run"]],
         cwd=folder,
         env={**os.environ, **values, "PATH": path},
-        capture_output=True,
-        text=True,
         timeout=120,
     )
 

@@ -1,11 +1,11 @@
 """Maps of joints: each robot has its own names, and those of the library are used by nobody."""
 
 import re
-import subprocess
 import sys
 
 import needs
 import pytest
+from scripts import ran
 from sweeps import sweep
 
 from jausml.language.metamodel.classes import bridge
@@ -87,10 +87,8 @@ def test_its_messages_pass_by_name(rover, jausml, tmp_path):
     script = tmp_path / "translate.py"
     script.write_text(TRANSLATED, "utf-8")
     folders = sorted({str(path.parents[1]) for path in (model.parents[1] / "src").rglob("*.py")})
-    ran = subprocess.run(
-        [sys.executable, script, *folders], capture_output=True, text=True, check=False
-    )
-    assert ran.stdout.splitlines() == ["[0.1, 0.2, 0.3]", "dropped"], ran.stderr
+    done = ran([sys.executable, script, *folders])
+    assert done.stdout.splitlines() == ["[0.1, 0.2, 0.3]", "dropped"], done.stderr
 
 
 @NOTATION

@@ -2,12 +2,12 @@
 
 import os
 import re
-import subprocess
 import sys
 from pathlib import Path
 
 import needs
 import pytest
+from scripts import ran
 from sweeps import sweep
 
 from jausml.live.programs import PROGRAMS
@@ -59,12 +59,10 @@ def run(tmp_path):
     def run_(text, *options, **environment):
         (tmp_path / "test_cases.py").write_text(text, encoding="utf-8")
         plugins = ("-p", "needs", "-p", "expected_skips", f"--basetemp={tmp_path / 'kept'}")
-        return subprocess.run(
+        return ran(
             [sys.executable, "-m", "pytest", *plugins, *options],
             cwd=tmp_path,
             env={**os.environ, **PLUGINS, **environment},
-            capture_output=True,
-            text=True,
         )
 
     return run_
