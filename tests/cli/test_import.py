@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from jausml.language.validation.formats import RENDERERS
+
 WINCH = Path(__file__).parents[1] / "importers" / "winch"
 
 
@@ -162,3 +164,17 @@ def test_what_is_no_file_is_neither_read_nor_replaced(jausml, folder):
     assert result.exit_code == 2
     assert "cannot write pipe: it is no file; name one by -o" in result.stderr
     assert stat.S_ISFIFO(os.stat("pipe").st_mode)  # noqa: PTH116
+
+
+# -- formats of reports ----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("output_format", RENDERERS)
+def test_findings_are_rendered(jausml, tmp_path, output_format):
+    definition = tmp_path / "winch_msgs" / "msg" / "Cable.msg"
+    definition.parent.mkdir(parents=True)
+    definition.write_text("float64 length\nnonsense\n", encoding="utf-8")
+    folder, output = definition.parents[1], tmp_path / "out.xmi"
+    result = jausml("import", "ros", folder, "-o", output, "--format", output_format)
+    assert result.exit_code == 1
+    assert "Cable.msg" in result.stdout

@@ -3,6 +3,7 @@
 import sys
 from pathlib import Path
 
+import grimp
 import pytest
 from scripts import ran
 from sources import PACKAGES, ROOT
@@ -59,3 +60,22 @@ def test_the_wheel_takes_the_data_of_each_package():
     lost = {datum for datum in data if datum.is_file() and "src" not in datum.parts} - taken
     assert data
     assert lost == set()
+
+
+# -- imports of types included ---------------------------------------------------------------------
+
+
+def circles():
+    """All groups of modules that import each other, directly or through others."""
+    graph = grimp.build_graph(*PACKAGES, cache_dir=None)
+    assert {module_name.partition(".")[0] for module_name in graph.modules} == set(PACKAGES)
+    found = set()
+    for module in graph.modules:
+        others = graph.find_upstream_modules(module) & graph.find_downstream_modules(module)
+        if others - {module}:
+            found.add(frozenset({module} | others))
+    return found
+
+
+def test_there_are_no_circles():
+    assert circles() == set()

@@ -6,6 +6,7 @@ from dataclasses import replace
 import pytest
 
 from jausml.live.peers.conformance.access import requires
+from jausml.live.peers.conformance.client import Client
 from jausml.live.peers.conformance.evidence import Verdict, describe
 from jausml.live.peers.conformance.run import (
     TargetNotReached,
@@ -18,6 +19,7 @@ from jausml.live.peers.conformance.session import Limits
 from jausml.live.peers.network import make_network
 from jausml.runtime import JausComponent, ServiceIdentity
 from jausml.runtime.base.address import JausAddress
+from jausml.runtime.messages import ClearEmergency, SetEmergency
 from jausml.runtime.services.definitions import Status
 
 pytestmark = pytest.mark.ports
@@ -306,3 +308,28 @@ def test_services_of_a_target_without_discovery_come_from_its_subsystem(
 )
 def test_evidence_says_what_a_payload_is(payload, text, catalogue):
     assert describe(bytes.fromhex(payload), catalogue).startswith(text)
+
+
+# -- what a client has caused is owed until it is undone -------------------------------------------
+
+
+def test_ctrl_c_while_it_is_undone_leaves_nothing_behind(
+    component, network, catalogue, monkeypatch
+):
+    target = component()
+    with opened(network, TARGET, catalogue, timeout=0.4, quiet=0.05) as session:
+        session.client(1).send(SetEmergency(emergency_code=1))
+        assert session.reaches(Status.EMERGENCY)
+        put = Client.put
+
+        def interrupted(client, packet):
+            if packet.payload[:2] == ClearEmergency(emergency_code=1).encode()[:2]:
+                raise KeyboardInterrupt
+            put(client, packet)
+
+        monkeypatch.setattr(Client, "put", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            session.tidy()
+        monkeypatch.undo()
+        assert session.tidy()
+        assert target.status is Status.STANDBY

@@ -6,6 +6,7 @@ from collections import defaultdict
 import pytest
 from sources import ROOT
 
+from jausml.authoring.proposals.new_elements import free_name
 from jausml.authoring.proposals.topics import (
     TopicEnd,
     clashes,
@@ -134,3 +135,15 @@ def test_several_robots_are_seen_by_their_namespaces(names, robots):
     if "" in robots:
         assert [end.name for end in within(topics, "/")] == ["cmd_vel", "scan"]
         assert [end.name for end in within(topics, "/a")] == ["cmd_vel"]
+
+
+# -- names that are free ---------------------------------------------------------------------------
+
+
+def test_a_name_of_any_length_can_be_made_unique():
+    taken = ["x" * 2000]
+    for _ in range(3):
+        name = free_name("x" * 2000, taken)
+        assert name not in taken
+        taken.append(name)
+    assert taken[2] != taken[3]
