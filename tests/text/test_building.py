@@ -189,7 +189,7 @@ FAULTS = {
 
 @pytest.mark.parametrize("name", FAULTS)
 def test_fault(name, texts):
-    for finding in texts.check(FAULTS[name]):
+    for finding in texts.check(FAULTS[name]).diagnostics:
         assert "\n" not in finding.message
         assert "<" not in finding.message, "XML in the words of a text"
 
@@ -203,10 +203,10 @@ def test_features_without_their_colon_are_named(texts):
     [finding] = texts.check(
         "import mappings.velocity_state_sensor bridge b { address: 100.1.2\n"
         " connection a { map: velocity_state ⟦JML702⟧direction rosToJaus topic odom } }"
-    )
+    ).diagnostics
     assert finding.hint == "write 'direction: rosToJaus'"
 
 
 def test_keywords_that_are_misspelt_are_named(texts):
-    [finding] = texts.check("m { ⟦JML702⟧Jaus ReportGlobalPose  ROS std_msgs/Empty }")
+    [finding] = texts.check("m { ⟦JML702⟧Jaus ReportGlobalPose  ROS std_msgs/Empty }").diagnostics
     assert finding.hint == "did you mean 'JAUS'?"

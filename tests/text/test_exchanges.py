@@ -111,7 +111,7 @@ def test_several_ways_are_named_with_what_they_mean(texts):
         connection="map: velocity_state peers: vehicle topic odom { }",
     )
     text = text.replace("connection it", "⟦JML715⟧connection it")
-    [finding] = texts.check(text)
+    [finding] = texts.check(text).diagnostics
     assert finding.message == "'it' may carry ReportVelocityState in several ways"
     assert finding.hint == (
         "write direction: jausToRos (front asks vehicle for it), "
