@@ -124,15 +124,10 @@ def test_opening_moves_nothing_and_tells_only_what_is_new(graph, tmp_path):
 
 
 def test_what_is_wrong_is_seen_at_the_closed_frames_around_it(model, tmp_path):
-    component = next(candidate for candidate in model.documents[0].roots[0].components)
-    document = model.documents[0]
-    found = Diagnostic(
-        "JML1",
-        Severity.ERROR,
-        Location(document.display),
-        "wrong",
-        fragment=model.fragment(component),
-    )
+    (document, *_) = model.documents
+    (component, *_) = document.roots[0].components
+    place, fragment = Location(document.display), model.fragment(component)
+    found = Diagnostic("JML1", Severity.ERROR, place, "wrong", fragment=fragment)
     drawn = Drawings(tmp_path).draw("m", graph_of(model, "system", [found]), {})
     wrong = [box for box in drawn["nodes"] if box["findings"]]
     assert [box["title"] for box in wrong] == ["host h0 (judp)"]

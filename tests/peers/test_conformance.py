@@ -4,6 +4,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import pytest
+from ports import free_port
 
 from jausml.live.peers.conformance.access import requires
 from jausml.live.peers.conformance.client import Client
@@ -21,6 +22,7 @@ from jausml.runtime import JausComponent, ServiceIdentity
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.messages import ClearEmergency, SetEmergency
 from jausml.runtime.services.definitions import Status
+from tests.peers.peer import FaultyPeer
 
 pytestmark = pytest.mark.ports
 
@@ -111,14 +113,14 @@ def skipped(report):
 
 
 @pytest.fixture(scope="module")
-def found(peer_module, catalogue, find_free_port):
+def found(catalogue):
     """The verdict of the named check on each fault; the faulty peers are tested side by side."""
     assert catalogue.messages  # made once, not by several threads
 
     def test(fault):
-        port = find_free_port()
+        port = free_port()
         network = make_network("65000.1.1", "127.0.0.1", port, "239.255.0.1", [])
-        peer = peer_module.FaultyPeer(TARGET, port, fault)
+        peer = FaultyPeer(TARGET, port, fault)
         try:
             with opened(network, TARGET, catalogue, timeout=0.8, quiet=0.15) as session:
                 return verdicts(run(session, only(FAULTS[fault]), lambda _: None))

@@ -105,14 +105,9 @@ def test_usage_and_environment_exit_with_2(arguments, error, jausml):
 
 def test_a_run_that_is_ended_from_outside_clears_its_emergency(component, free_port, wait_until):
     target = component(control_timeout=0)
-    process = subprocess.Popen(
-        [
-            *(*warm.command(), "conformance", "100.1.1", "--only", "management"),
-            *("--port", str(free_port), "--quiet-time", "0.2"),
-        ],
-        stdout=subprocess.PIPE,
-        text=True,
-    )
+    line = [*warm.command(), "conformance", "100.1.1", "--only", "management"]
+    line += ["--port", str(free_port), "--quiet-time", "0.2"]
+    process = subprocess.Popen(line, stdout=subprocess.PIPE, text=True)
     try:
         wait_until(lambda: target.status is Status.EMERGENCY, 60)
         process.terminate()
