@@ -278,9 +278,7 @@ def test_a_value_that_does_not_do_is_one_line_and_status_2(workspace, parameter,
         timeout=PATIENCE,
     )
     assert done.returncode == 2, done.stderr
-    (line,) = [
-        output_line for output_line in done.stderr.splitlines() if "cannot run" in output_line
-    ]
+    (line,) = [output for output in done.stderr.splitlines() if "cannot run" in output]
     assert words in line
     assert "Traceback" not in done.stderr
 

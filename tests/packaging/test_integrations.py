@@ -81,9 +81,7 @@ def run_action(folder, **given):
     } | given
     known = {f"inputs.{name}": value for name, value in inputs.items()}
     (step,) = (
-        action_step
-        for action_step in ACTION["runs"]["steps"]
-        if action_step.get("name") == "Validate models"
+        action for action in ACTION["runs"]["steps"] if action.get("name") == "Validate models"
     )
     assert "${{" not in step["run"], "an input within a script could be a command"
     values = {
@@ -183,9 +181,7 @@ def test_the_commands_of_the_examples_run(repository):
     assert all(found.values())
     (repository / "models" / "doubtful.xmi").unlink()
     assert CliRunner().invoke(main, ["generate", "models/robot.xmi", "-o", "src"]).exit_code == 0
-    for command in dict.fromkeys(
-        command_line for commands in found.values() for command_line in commands
-    ):
+    for command in dict.fromkeys(line for commands in found.values() for line in commands):
         done = CliRunner().invoke(main, command.split())
         assert done.exit_code == 0, done.output
     for report in ("jausml.xml", "generated.xml"):

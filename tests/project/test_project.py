@@ -99,9 +99,7 @@ def root(tmp_path):
 
 
 def packages(models):
-    return [
-        interface_package.name for interface_package in own_instances(models, ros.InterfacePackage)
-    ]
+    return [package.name for package in own_instances(models, ros.InterfacePackage)]
 
 
 def test_own_comes_before_the_rest_of_the_project(root):

@@ -52,11 +52,7 @@ def cure_all(project, file, rule):
             project.do(fix.commands, fix.label)
             _, after = judged(project, file)
             assert after[rule, found.message] < before[rule, found.message], fix
-            new = {
-                finding_key
-                for finding_key in after - before
-                if (rule, finding_key[0]) not in UNCOVERED
-            }
+            new = {key for key in after - before if (rule, key[0]) not in UNCOVERED}
             assert not new, (found, fix)
             project.undo()
             assert judged(project, file)[1] == before

@@ -96,9 +96,7 @@ def test_a_suggested_topic_is_proposed_by_its_map():
 
 def test_a_join_is_fed_by_what_it_is_named_after():
     [lamps] = ways("headlights", "std_msgs/Bool", maps=("report_lamps",), to_ros=False)[:1]
-    topics = [
-        TopicEnd(topic_name, "std_msgs/Bool") for topic_name in ("e_stop", "brake_lights", "armed")
-    ]
+    topics = [TopicEnd(name, "std_msgs/Bool") for name in ("e_stop", "brake_lights", "armed")]
     assert name_of(lamps.map) == "report_lamps"
     assert joins_of(lamps, topics, set()) == {"brake_lights": "brake_lights"}
     pose = next(crossing for crossing in ways("fix", "sensor_msgs/NavSatFix") if crossing.map.joins)
@@ -108,9 +106,7 @@ def test_a_join_is_fed_by_what_it_is_named_after():
 
 
 def test_one_message_is_not_that_of_two_topics():
-    twists = [
-        way for topic_name in ("left", "right") for way in ways(topic_name, "nav_msgs/Odometry")[:1]
-    ]
+    twists = [way for name in ("left", "right") for way in ways(name, "nav_msgs/Odometry")[:1]]
     assert clashes(twists) == [(twists[1], twists[0])]
     lamps = [ways(topic_name, "std_msgs/Bool")[0] for topic_name in ("headlights", "brake_lights")]
     assert clashes(lamps) == []

@@ -308,11 +308,7 @@ def test_what_the_model_does_not_have_is_told_as_unknown(winch):
     elsewhere = MachineState("urn:other", "M", "A", 1.0)
     unknown = machine(f"{WINCH_READY}.Nowhere\x1b", StateTime("Nowhere", 1, 0.0))
     _, values = watched(winch, unknown, elsewhere)
-    found = [
-        state_machine
-        for component in values["components"]
-        for state_machine in component["machines"]
-    ]
+    found = [state for component in values["components"] for state in component["machines"]]
     assert [state_machine["known"] for state_machine in found] == [False, False]
     told = states_of(winch, values)
     assert told[WINCH_READY]["level"] == "around"

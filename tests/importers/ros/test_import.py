@@ -173,10 +173,7 @@ def test_packages_are_named_by_their_manifest_or_folder(tmp_path, monkeypatch):
 
     def packages(*paths):
         found = package_sources([str(tmp_path / path) for path in paths])
-        return {
-            package_source.name: [file.name for file in package_source.files]
-            for package_source in found
-        }
+        return {source.name: [file.name for file in source.files] for source in found}
 
     assert packages("ws") == {"one": ["A"], "two_msgs": ["C", "E", "B"]}
     assert packages("ws/two/msg/C.msg", "ws/two") == {"two_msgs": ["C", "E", "B"]}

@@ -81,9 +81,7 @@ def test_attitude_on_the_earth(translator, roll, pitch, heading):
 def test_nearly_straight_up_and_down_on_the_earth(translator, up, from_vertical):
     maps = translator("global_pose_sensor")
     half_pitch, half_yaw = -up * (math.pi / 2 - from_vertical) / 2, 0.6
-    sp, cp, sy, cy = (
-        f(half_angle) for half_angle in (half_pitch, half_yaw) for f in (math.sin, math.cos)
-    )
+    sp, cp, sy, cy = (f(angle) for angle in (half_pitch, half_yaw) for f in (math.sin, math.cos))
     orientation = Quaternion(x=-sp * sy, y=sp * cy, z=cp * sy, w=cp * cy)
     report = maps.to_jaus("global_pose", NavSatFix(), imu=Imu(orientation=orientation))
     source = maps.messages.ReportGlobalPose(roll=report.roll, pitch=report.pitch, yaw=report.yaw)

@@ -197,10 +197,9 @@ def kinds():
     """The ROS types with members."""
     return sorted(
         {
-            ros_name(message_type)
-            for message_type in library().instances(ros.MessageType)
-            if isinstance(message_type.eContainer(), ros.InterfacePackage)
-            and len(message_type.fields)
+            ros_name(message)
+            for message in library().instances(ros.MessageType)
+            if isinstance(message.eContainer(), ros.InterfacePackage) and len(message.fields)
         }
     )
 

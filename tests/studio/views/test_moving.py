@@ -151,8 +151,7 @@ def test_a_machine_that_is_made_by_clicks_alone_has_no_error(editor):
     add(editor.the(jaus.Service), "inputs")
     add(editor.the(jaus.Service), "outputs")
     names = [
-        message_def.name
-        for message_def in editor.scope.model.instances(jaus.MessageDef, library=False)
+        message.name for message in editor.scope.model.instances(jaus.MessageDef, library=False)
     ]
     assert {"Message", "Message2"} <= set(names)
     add(editor.the(jaus.Service), "machines")

@@ -30,9 +30,7 @@ def test_what_lies_between_elements_belongs_to_what_is_around_them(name):
     scope = scope_of(name)
     [whole] = scope.model.instances(bridge.Bridge, library=False)
     found = source(scope, scope.ref(whole))
-    inner = [
-        source(scope, scope.ref(bridge_connection)) for bridge_connection in whole.bridgeConnections
-    ]
+    inner = [source(scope, scope.ref(connection)) for connection in whole.bridgeConnections]
     gap = max(located.end for located in inner)
     assert found.start < gap < found.end
     between = found.text.index("\n", gap) + 1 if "\n" in found.text[gap:] else gap
