@@ -40,10 +40,8 @@ def test_an_installed_package_brings_along_what_it_needs(jausml, folder):
     done = jausml("import", "ros", "ship_msgs", "-o", "models/")
     assert done.exit_code == 0
     assert "JML662" in done.stdout
-    assert sorted(path.name for path in (folder / "models").iterdir()) == [
-        "rope_msgs.xmi",
-        "ship_msgs.xmi",
-    ]
+    names = sorted(path.name for path in (folder / "models").iterdir())
+    assert names == ["rope_msgs.xmi", "ship_msgs.xmi"]
     assert '"rope_msgs.xmi#Rope"' in (folder / "models" / "ship_msgs.xmi").read_text()
     assert jausml("validate", "models").exit_code == 0
 

@@ -189,12 +189,8 @@ def test_an_own_map_beside_the_ready_ones(jausml, acme):
 @pytest.mark.parametrize("name", ["nav_msgs/Odometry", "nav_msgs/msg/Odometry", "Odometry"])
 def test_maps_of_a_ros_type(name, jausml):
     lines = jausml("list", "maps", "--ros", name).stdout.splitlines()
-    assert {line.split()[0] for line in lines[1:]} == {
-        "local_pose",
-        "local_pose_enu",
-        "odometry",
-        "velocity_state",
-    }
+    words = {line.split()[0] for line in lines[1:]}
+    assert words == {"local_pose", "local_pose_enu", "odometry", "velocity_state"}
 
 
 def test_maps_of_a_joined_type_and_a_message_in_json(jausml):

@@ -54,11 +54,8 @@ SMALL = Graph(
 
 def test_a_closed_frame_tells_how_much_is_in_it_and_the_worst_of_it():
     shown = folded(SMALL, ())
-    assert [(box.id, box.kind) for box in shown.nodes] == [
-        ("d", "component"),
-        ("host", CLOSED),
-        ("two", CLOSED),
-    ]
+    pairs = [(box.id, box.kind) for box in shown.nodes]
+    assert pairs == [("d", "component"), ("host", CLOSED), ("two", CLOSED)]
     host = shown.by_id["host"]
     assert host.subtitle == "1 component, 1 bridge, 3 lines"
     assert dict(host.details) == {"frames": "1"}

@@ -287,9 +287,7 @@ def test_all_that_jsidl_cannot_say_is_told_where_it_stands(tmp_path):
     model = declared(tmp_path)
     source = DECLARED.splitlines()
     found = export_jsidl(model, services(model)).diagnostics
-    told = [
-        (diagnostic.rule, source[diagnostic.location.line - 1].strip()[:48]) for diagnostic in found
-    ]
+    told = [(finding.rule, source[finding.location.line - 1].strip()[:48]) for finding in found]
     assert told == [
         ("JML631", '<fields xsi:type="jaus:FixedField" name="Bearing'),
         ("JML631", '<formats name="BMP" index="0" documentation="Wit'),

@@ -76,10 +76,8 @@ def test_list_names_every_check(jausml):
 
 def test_list_of_one_group(jausml):
     result = jausml("conformance", "--list", "--only", "liveness")
-    assert [line.split()[0] for line in result.stdout.splitlines()] == [
-        "liveness.pulse",
-        "liveness.event",
-    ]
+    words = [line.split()[0] for line in result.stdout.splitlines()]
+    assert words == ["liveness.pulse", "liveness.event"]
 
 
 @pytest.mark.parametrize(

@@ -38,9 +38,7 @@ HEAD = """<?xml version="1.0" encoding="UTF-8"?>
 
 def judged(project, file):
     report = check(project.model(file))
-    return report, Counter(
-        (diagnostic.rule, diagnostic.message) for diagnostic in report.diagnostics
-    )
+    return report, Counter((finding.rule, finding.message) for finding in report.diagnostics)
 
 
 def cure_all(project, file, rule):

@@ -116,10 +116,8 @@ def test_keyword_goes_to_the_feature_of_its_very_class(texts):
 def test_several_sources_and_targets(texts):
     [one] = assignments(texts, 'a, b.c -> d, e[1].f : expression("a"), scale(-2.5)')
     assert (one.source, one.target) == ("a, b.c", "d, e[1].f")
-    assert [conversion_step.kind.name for conversion_step in one.conversions] == [
-        "expression",
-        "scale",
-    ]
+    names = [conversion_step.kind.name for conversion_step in one.conversions]
+    assert names == ["expression", "scale"]
     assert one.conversions[0].expression == "a"
     assert list(one.conversions[1].arguments) == [-2.5]
 

@@ -169,10 +169,8 @@ service_set own {
     assert "has no topic for it" in boat.connect("helm/ReportLoad", "lidar").refusal
     [only] = boat.connect("helm/ReportLoad", "second").options
     assert only.label == "ReportLoad by new map (std_msgs/Float64)"
-    assert [command.kind for command in only.commands if isinstance(command, Add)] == [
-        "bridge.AttributeMap",
-        "bridge.Connection",
-    ]
+    kinds = [command.kind for command in only.commands if isinstance(command, Add)]
+    assert kinds == ["bridge.AttributeMap", "bridge.Connection"]
 
     # A service of which nothing is carried has a row, from which one draws as from the box.
     rows = {
@@ -258,11 +256,7 @@ def test_what_is_drawn_is_done_and_breaks_nothing(file, tmp_path):
 def errors_of(project, name):
     """Returns the rules that find an error or a warning."""
     report = check(project.model(name))
-    return {
-        diagnostic.rule
-        for diagnostic in report.diagnostics
-        if diagnostic.severity is not Severity.INFO
-    }
+    return {finding.rule for finding in report.diagnostics if finding.severity is not Severity.INFO}
 
 
 # -- ends of lines in the view of a map ------------------------------------------------------------
