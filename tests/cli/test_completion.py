@@ -36,10 +36,8 @@ def test_the_script_is_one_of_its_shell(jausml, shell):
     subprocess.run([shell, "-n", "/dev/stdin"], input=result.stdout, text=True, check=True)
 
 
-def test_of_an_unknown_shell_the_known_ones_are_told(jausml):
-    result = jausml("completion", "csh")
-    assert result.exit_code == 2
-    assert "'bash', 'zsh', 'fish'" in result.stderr
+def test_of_an_unknown_shell_the_known_ones_are_told(refused):
+    refused("'bash', 'zsh', 'fish'", "completion", "csh")
 
 
 # Colours and bracketed paste write between the letters of the line.

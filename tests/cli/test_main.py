@@ -151,10 +151,8 @@ def test_explain_shows_the_documentation(jausml):
     assert jausml("explain", "JML103").stdout.startswith("JML103: unknown feature (error)")
 
 
-def test_explain_of_an_unknown_rule(jausml):
-    result = jausml("explain", "JML331")
-    assert result.exit_code == 2
-    assert "did you mean JML" in result.stderr
+def test_explain_of_an_unknown_rule(refused):
+    refused("did you mean JML", "explain", "JML331")
 
 
 @pytest.mark.parametrize(("arguments", "collects"), [("--version", False), ("ocu --help", True)])
@@ -202,7 +200,5 @@ def test_an_error_says_what_to_do_next(jausml, folder, command):
     assert "Traceback" not in result.stderr
 
 
-def test_what_is_like_no_verb_is_no_question(jausml):
-    result = jausml("qqqq")
-    assert result.exit_code == 2
-    assert "No such command 'qqqq'." in result.stderr
+def test_what_is_like_no_verb_is_no_question(refused):
+    refused("No such command 'qqqq'.", "qqqq")

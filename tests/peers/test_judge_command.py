@@ -62,18 +62,14 @@ def test_json_alone_goes_to_stdout(jausml, vehicle):
         (("100.1.1", "--interface", "192.0.2.1", *QUICK), "the network cannot be used"),
     ],
 )
-def test_usage_and_environment_exit_with_2(arguments, error, jausml):
-    result = jausml("judge", *arguments)
-    assert result.exit_code == 2
-    assert error in result.stderr
+def test_usage_and_environment_exit_with_2(arguments, error, refused):
+    refused(error, "judge", *arguments)
 
 
-def test_a_sheet_that_cannot_be_written_is_told(jausml, vehicle, tmp_path):
+def test_a_sheet_that_cannot_be_written_is_told(refused, vehicle, tmp_path):
     vehicle()
     place = tmp_path / "no" / "sheet.html"
-    result = jausml("judge", "100.1.1", "--only", "management.status", "-o", place, *QUICK)
-    assert result.exit_code == 2
-    assert "cannot write" in result.stderr
+    refused("cannot write", "judge", "100.1.1", "--only", "management.status", "-o", place, *QUICK)
 
 
 # -- what a sheet says stands in a recording made beside it ----------------------------------------

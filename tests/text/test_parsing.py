@@ -63,6 +63,19 @@ def test_figure_5_of_the_paper():
     ] == [(["membername2"], ["membername"]), (["secondmembername2"], ["secondmembername"])]
 
 
+def test_members_of_all_shapes():
+    text = """m { JAUS W ( uint16 length uint8 [4] codes uint8[4] more string<=20 note
+        struct [ float32 x ] pose  float64 [] all  int8 [<=3] few { optional: true } )
+        { code: 1 } }"""
+    (element,) = parse(text).document.items
+    (end,) = element.items
+    sizes = {member.name.text: member.size for member in end.members if member.size}
+    assert sizes == {"codes": "4", "more": "4", "all": "*", "few": "<=3"}
+    assert end.members[3].type.text == "string<=20"
+    assert isinstance(end.members[4].type, list)
+    assert [feature.name.text for feature in end.features] == ["code"]
+
+
 def test_a_struct_is_named_on_the_line_of_its_bracket():
     named, other = parse("struct [ int8 x ] pose\ngear [2] x").document.items
     assert (named.name.text, other.name.text) == ("pose", "x")
