@@ -6,10 +6,9 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
+from generated import model_of
 
 from jausml.generation.target import system_of
-from jausml.language.model import read_models
-from jausml.language.text.notation import NOTATIONS
 from jausml.views import analysis
 from jausml.views.analysis.formats import html, text
 from jausml.views.analysis.formats import json as plain
@@ -43,7 +42,7 @@ CLASSES = {
 
 
 def report(path):
-    model = read_models([path], notations=NOTATIONS).model
+    model = model_of(path)
     return report_of(system_of(model), Assumptions(rates={"made": 2.5}, lengths={"up": 3}))
 
 

@@ -12,12 +12,31 @@ MINIMAL = Path(__file__).parents[2] / "models" / "minimal" / "minimal.xmi"
 
 @pytest.fixture
 def jausml():
-    """Runs the command line in this process."""
+    """Runs the command line in this process, with a text on stdin."""
 
-    def run(*arguments):
-        return CliRunner().invoke(main, [str(argument) for argument in arguments])
+    def run(*arguments, text=""):
+        return CliRunner().invoke(main, [str(argument) for argument in arguments], input=text)
 
     return run
+
+
+@pytest.fixture
+def refused(jausml):
+    """Runs the command line, which refuses for a reason what it is told."""
+
+    def run(reason, *arguments, text=""):
+        result = jausml(*arguments, text=text)
+        assert result.exit_code == 2, result.output
+        assert reason in result.stderr
+
+    return run
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    """An empty current folder."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
 
 
 @pytest.fixture
@@ -28,9 +47,8 @@ def model_text():
 
 
 @pytest.fixture
-def folder(tmp_path, monkeypatch, model_text):
+def folder(here, model_text):
     """A current folder with good.xmi, bad.xmi (one error) and doubtful.xmi (one warning)."""
-    monkeypatch.chdir(tmp_path)
     warning = model_text.replace(
         '<topics name="velocity"/>',
         '<topics name="velocity"/><safeValue target="twist.linear.x" value="0"/>',
@@ -40,5 +58,5 @@ def folder(tmp_path, monkeypatch, model_text):
         "bad": model_text.replace('rate="10.0"', 'rate="2000"'),
         "doubtful": warning,
     }.items():
-        (tmp_path / f"{name}.xmi").write_text(text, encoding="utf-8")
-    return tmp_path
+        (here / f"{name}.xmi").write_text(text, encoding="utf-8")
+    return here

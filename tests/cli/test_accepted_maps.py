@@ -225,10 +225,10 @@ def fifth(start):
     )
 
 
+@pytest.mark.usefixtures("here")
 @pytest.mark.parametrize("name", sweep(CONSTRUCTS, every=4))
-def test_what_is_accepted_is_generated(name, jausml, tmp_path, monkeypatch):
+def test_what_is_accepted_is_generated(name, jausml):
     """Each construct between all kinds of values: validation and generation agree."""
-    monkeypatch.chdir(tmp_path)
     # A fifth of the pairs for each construct: all kinds with all constructs, and all pairs. Lists
     # go to lists alone, so that some of them must be there.
     pairs = list({("elements", "vectors"): 0, **dict.fromkeys(fifth(list(CONSTRUCTS).index(name)))})
@@ -247,8 +247,8 @@ def compiles(text):
     compile(text, "generated.py", "exec")
 
 
-def test_accepted_pairs_are_generated(jausml, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+@pytest.mark.usefixtures("here")
+def test_accepted_pairs_are_generated(jausml):
     Path("model.xmi").write_text(model(sorted(ACCEPTED)), encoding="utf-8")
     result = jausml("--debug", "generate", "model.xmi", "-o", "out")
     assert result.exit_code == 0, result.stderr

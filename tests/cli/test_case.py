@@ -16,11 +16,10 @@ MOWER = ROOT / "tests" / "safety_case" / "mower.ros2jaus"
 
 
 @pytest.fixture
-def mower(tmp_path, monkeypatch):
+def mower(here):
     """A current folder with a model of which each hazard is answered."""
-    monkeypatch.chdir(tmp_path)
-    shutil.copy(MOWER, tmp_path)
-    return tmp_path / MOWER.name
+    shutil.copy(MOWER, here)
+    return here / MOWER.name
 
 
 def digest(path):
@@ -60,11 +59,7 @@ def begun(jausml, mower, drawn, tmp_path_factory):
         if rests in drawn:
             shutil.copytree(drawn[rests], "case")
             return json.loads(Path("case/case.json").read_text(encoding="utf-8"))
-        case = made(
-            jausml,
-            mower,
-            *(word for evidence_path in evidence for word in ("--evidence", evidence_path)),
-        )
+        case = made(jausml, mower, *(f"--evidence={path}" for path in evidence))
         drawn[rests] = shutil.copytree("case", tmp_path_factory.mktemp("drawn") / "case")
         return case
 
@@ -87,13 +82,8 @@ def test_a_folder_with_document_json_and_pictures(jausml, mower, begun):
     case = begun()
     names = {path.name for path in Path("case").iterdir()}
     ids = [hazard["id"] for hazard in case["hazards"]]
-    expected = {
-        "case.html",
-        "case.json",
-        "case.svg",
-        *(f"case-{hazard_id}.svg" for hazard_id in ids),
-    }
-    assert names == expected
+    pictures = {f"case-{hazard_id}.svg" for hazard_id in ids}
+    assert names == {"case.html", "case.json", "case.svg"} | pictures
     for path in Path("case").glob("*.svg"):
         etree.parse(path)
     assert case["model"] == {"mower.ros2jaus": digest(mower)}
@@ -161,6 +151,7 @@ def test_evidence_is_named_by_link_and_digest(jausml, mower, begun):
     assert [support["evidence"] for support in shown["supports"]] == ["E0", "E1"]
     assert shown["lacks"] == ["test run", "mutations"]
     assert 'href="../proof.json"' in Path("case/case.html").read_text(encoding="utf-8")
+    assert checked(jausml) == (0, "")
     assert made(jausml, mower) == case  # the case knows its evidence
 
 
@@ -215,11 +206,6 @@ def checked(jausml):
     return result.exit_code, result.stderr
 
 
-def test_a_case_that_holds_passes(jausml, mower, begun):
-    begun(proof(mower))
-    assert checked(jausml) == (0, "")
-
-
 def test_lost_evidence_fails(jausml, mower, begun):
     file = proof(mower)
     begun(file)
@@ -255,9 +241,7 @@ def test_a_lost_answer_fails_where_the_element_stands(jausml, mower, begun):
     status, told = checked(jausml)
     assert status == 1
     lines = text.splitlines()
-    line = next(
-        at for at, line_text in enumerate(lines, start=1) if "connection drive" in line_text
-    )
+    (line,) = (at for at, text in enumerate(lines, start=1) if "connection drive" in text)
     assert f"mower.ros2jaus:{line}:9: error: JML943 Upon crash of the bridge" in told
     assert "no guardian with a stop" in told
 
@@ -279,14 +263,13 @@ def test_a_case_out_of_date_fails(jausml, mower, begun):
     assert "case/case.json:1:1: error: JML944 the case is not what is found now" in told
 
 
-def test_a_document_that_was_filled_in_stays(jausml, mower, begun):
+def test_a_document_that_was_filled_in_stays(refused, mower, begun):
     begun()
     page = Path("case/case.html")
     signed = page.read_text(encoding="utf-8").replace("name <span></span>", "name Ada", 1)
     page.write_text(signed, encoding="utf-8")
-    result = jausml("case", mower, "-o", "case")
-    assert result.exit_code == 2
-    assert "case.html has been changed by hand: move it away to keep it" in result.output
+    told = "case.html has been changed by hand: move it away to keep it"
+    refused(told, "case", mower, "-o", "case")
     assert page.read_text(encoding="utf-8") == signed
 
 
@@ -304,21 +287,18 @@ def test_a_document_that_was_filled_in_stays(jausml, mower, begun):
         ("other.xml", "<model/>", "other.xml is no JUnit report: it has no test cases"),
     ],
 )
-def test_bad_evidence(jausml, mower, name, content, complaint):
+def test_bad_evidence(refused, mower, name, content, complaint):
     if content is not None:
         mower.with_name(name).write_text(content, encoding="utf-8")
-    result = jausml("case", mower, "-o", "case", "--evidence", name)
-    assert result.exit_code == 2
-    assert complaint in result.output
+    refused(complaint, "case", mower, "-o", "case", "--evidence", name)
     assert not Path("case").exists()
 
 
-def test_evidence_that_is_odd_within(jausml, mower):
+def test_evidence_that_is_odd_within(refused, mower):
     file = proof(mower)
     file.write_text(file.read_text(encoding="utf-8").replace('"tried": 1000', '"tried": "many"'))
-    result = jausml("case", mower, "--evidence", file, "--format", "json")
-    assert result.exit_code == 2
-    assert "proof.json holds no proof that can be read: ValueError" in result.output
+    told = "proof.json holds no proof that can be read: ValueError"
+    refused(told, "case", mower, "--evidence", file, "--format", "json")
 
 
 @pytest.mark.parametrize(
@@ -330,17 +310,14 @@ def test_evidence_that_is_odd_within(jausml, mower):
         ('{"hazards": [], "evidence": [{"path": "a", "sha256": 1, "stale": ""}]}', "is no text"),
     ],
 )
-def test_bad_cases(jausml, mower, content, complaint):
+def test_bad_cases(refused, mower, content, complaint):
     Path("case").mkdir()
     if content is not None:
         Path("case/case.json").write_text(content, encoding="utf-8")
-    result = jausml("case", mower, "-o", "case", "--check")
-    assert result.exit_code == 2
-    assert complaint in result.output
+    refused(complaint, "case", mower, "-o", "case", "--check")
 
 
-def test_wrong_options(jausml, mower):
+def test_wrong_options(refused, mower):
     for options in (["--check"], ["--check", "-o", "case", "--evidence", "proof.json"]):
-        result = jausml("case", mower, *options)
-        assert result.exit_code == 2
-        assert "--check takes -o DIR, and the evidence that the case there names" in result.output
+        told = "--check takes -o DIR, and the evidence that the case there names"
+        refused(told, "case", mower, *options)

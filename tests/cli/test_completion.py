@@ -5,6 +5,7 @@ import subprocess
 
 import pytest
 import warm
+from scripts import ran
 from terminal import at_terminal
 
 from jausml.cli.shared.options import SHELLS
@@ -35,16 +36,28 @@ def test_the_script_is_one_of_its_shell(jausml, shell):
     subprocess.run([shell, "-n", "/dev/stdin"], input=result.stdout, text=True, check=True)
 
 
-def test_of_an_unknown_shell_the_known_ones_are_told(jausml):
-    result = jausml("completion", "csh")
-    assert result.exit_code == 2
-    assert "'bash', 'zsh', 'fish'" in result.stderr
+def test_of_an_unknown_shell_the_known_ones_are_told(refused):
+    refused("'bash', 'zsh', 'fish'", "completion", "csh")
 
 
-def complete(command, start, folder):
+# Colours and bracketed paste write between the letters of the line.
+BASH = "bind 'set enable-bracketed-paste off'; PS1='$ '"
+ZSH = "PS1='$ '; unsetopt zle_bracketed_paste; autoload -Uz compinit; compinit -u"
+
+
+@pytest.mark.parametrize(
+    ("shell", "start"),
+    [
+        pytest.param("bash --norc --noprofile", BASH, marks=pytest.mark.needs("bash")),
+        pytest.param("zsh -f", ZSH, marks=[pytest.mark.needs("zsh"), pytest.mark.slow]),
+    ],
+)
+def test_a_shell_completes_what_is_typed(jausml, folder, shell, start):
     """Types what TYPED has into an interactive shell, and waits for what becomes of it."""
+    command = [*shell.split(), "-i"]
+    (folder / "script").write_text(jausml("completion", command[0]).stdout, encoding="utf-8")
     with at_terminal(*command, cwd=folder, environment=with_jausml()) as terminal:
-        terminal.type(f"{start}\necho rea''dy\n")
+        terminal.type(f"{start}; source ./script\necho rea''dy\n")
         terminal.wait_for("ready\r\n")
         for typed, completed in TYPED.items():
             seen = len(terminal.shown)
@@ -53,36 +66,15 @@ def complete(command, start, folder):
             terminal.type("\x15")  # wipes the line
 
 
-@pytest.mark.needs("bash")
-def test_bash_completes(jausml, folder):
-    (folder / "script").write_text(jausml("completion", "bash").stdout, encoding="utf-8")
-    bash = ("bash", "--norc", "--noprofile", "-i")
-    # Colours and bracketed paste write between the letters of the line.
-    plain = "bind 'set enable-bracketed-paste off'; PS1='$ '; source ./script"
-    complete(bash, plain, folder)
-
-
-@pytest.mark.needs("zsh")
-@pytest.mark.slow
-def test_zsh_completes(jausml, folder):
-    (folder / "script").write_text(jausml("completion", "zsh").stdout, encoding="utf-8")
-    zsh = ("zsh", "-f", "-i")
-    plain = "PS1='$ '; unsetopt zle_bracketed_paste"
-    start = f"{plain}; autoload -Uz compinit; compinit -u; source ./script"
-    complete(zsh, start, folder)
-
-
 @pytest.mark.needs("fish")
 @pytest.mark.slow
 def test_fish_completes(jausml, folder):
     (folder / "script").write_text(jausml("completion", "fish").stdout, encoding="utf-8")
     lines = [f"complete -C '{typed}'" for typed in TYPED]
-    done = subprocess.run(
+    done = ran(
         ["fish", "--no-config", "-c", "\n".join(["source ./script", *lines])],
         cwd=folder,
         env={**os.environ, **with_jausml()},
-        capture_output=True,
-        text=True,
         timeout=60,
     )
     offered = {line.split("\t")[0] for line in done.stdout.splitlines()}
@@ -122,9 +114,7 @@ def offered(tmp_path):
             "_JAUSML_COMPLETE": "bash_complete",
         }
         environment = {**os.environ, **asked}
-        done = subprocess.run(
-            warm.command(), cwd=folder, env=environment, capture_output=True, text=True
-        )
+        done = ran(warm.command(), cwd=folder, env=environment)
         assert not done.stderr
         lines = (output_line.split(",") for output_line in done.stdout.splitlines())
         # Where nothing fits, the shell is told to look for files.

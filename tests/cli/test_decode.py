@@ -10,27 +10,14 @@ import subprocess
 import sys
 
 import pytest
-from click.testing import CliRunner
 from ports import free_port
 
-from jausml.cli import main
 from jausml.runtime.transports.ports import FRAME
 
-pytestmark = pytest.mark.ports
+pytestmark = [pytest.mark.ports, pytest.mark.usefixtures("here")]
 
 STATUS = "02400100000000"
 DATAGRAM = bytes.fromhex("02 00 1000 01 0201c800 01016500 0220 0700")
-
-
-@pytest.fixture
-def jausml(tmp_path, monkeypatch):
-    """Runs the command line in an empty folder, with text on stdin."""
-    monkeypatch.chdir(tmp_path)
-
-    def run(*arguments, text=""):
-        return CliRunner().invoke(main, [str(argument) for argument in arguments], input=text)
-
-    return run
 
 
 def objects(result):
@@ -106,13 +93,11 @@ def test_lines_as_windows_writes_them(jausml, tmp_path, verb):
     assert (result.exit_code, result.stderr, len(result.stdout.splitlines())) == (0, "", 2)
 
 
-def test_a_line_without_end_is_refused(jausml, tmp_path):
+def test_a_line_without_end_is_refused(refused, tmp_path):
     with (tmp_path / "zeros").open("wb") as stream:
         stream.write(b"0" * 1024)
         stream.truncate(1 << 27)
-    result = jausml("decode", "zeros")
-    assert result.exit_code == 2
-    assert "zeros: a line has 67108864 bytes or more; this is no text" in result.stderr
+    refused("zeros: a line has 67108864 bytes or more; this is no text", "decode", "zeros")
 
 
 def test_an_argument_that_is_neither_file_nor_hex(jausml):
@@ -123,18 +108,14 @@ def test_an_argument_that_is_neither_file_nor_hex(jausml):
 
 
 @pytest.mark.parametrize("magic", ["d4c3b2a1", "0a0d0d0a", "1f8b0800"])
-def test_a_capture_among_hex_is_told(jausml, tmp_path, magic):
+def test_a_capture_among_hex_is_told(refused, tmp_path, magic):
     (tmp_path / "drive").write_bytes(bytes.fromhex(magic) + bytes(100))
-    result = jausml("decode", "drive")
-    assert result.exit_code == 2
-    assert "drive is a capture, no hex: use --pcap" in result.stderr
+    refused("drive is a capture, no hex: use --pcap", "decode", "drive")
 
 
-def test_what_is_neither_text_nor_a_capture_is_told_once(jausml, tmp_path):
+def test_what_is_neither_text_nor_a_capture_is_told_once(refused, tmp_path):
     (tmp_path / "yard.mcap").write_bytes(b"\x89MCAP0\r\n\x01\x1b\0\0\n\0\n")
-    result = jausml("decode", "yard.mcap")
-    assert result.exit_code == 2
-    assert "yard.mcap is neither text with hex nor a capture" in result.stderr
+    refused("yard.mcap is neither text with hex nor a capture", "decode", "yard.mcap")
 
 
 WHOLE_DATAGRAM = "02 00 1000 01 0201c800 01016500 0220 0700"
@@ -184,7 +165,8 @@ def test_a_name_chooses_between_meanings_of_one_service(jausml):
     for name in ("RNDetailedMeasurement", "CBDetailedMeasurement"):
         result = jausml("decode", "--message", name, payload)
         assert result.exit_code == 0, result.stderr
-        assert [decoded_message["message"] for decoded_message in objects(result)] == [name]
+        (decoded,) = objects(result)
+        assert decoded["message"] == name
 
 
 def test_a_service_chooses_between_several_meanings(jausml):
@@ -193,10 +175,8 @@ def test_a_service_chooses_between_several_meanings(jausml):
     assert "QueryJointPosition of" in result.stderr
     result = jausml("decode", "--service", "ManipulatorJointPositionSensor/2.0", "0226", STATUS)
     assert result.exit_code == 0
-    assert [decoded_message["message"] for decoded_message in objects(result)] == [
-        "QueryJointPositions",
-        "ReportStatus",
-    ]
+    first, second = objects(result)
+    assert (first["message"], second["message"]) == ("QueryJointPositions", "ReportStatus")
 
 
 @pytest.mark.parametrize(
@@ -214,10 +194,8 @@ def test_a_service_chooses_between_several_meanings(jausml):
         (("--format", "xml", STATUS), "xml"),
     ],
 )
-def test_usage_and_environment(jausml, arguments, reason):
-    result = jausml("decode", *arguments)
-    assert result.exit_code == 2
-    assert reason in result.stderr
+def test_usage_and_environment(refused, arguments, reason):
+    refused(reason, "decode", *arguments)
 
 
 def test_a_folder_is_no_file(jausml, tmp_path):
@@ -262,11 +240,7 @@ def test_datagrams(jausml):
     assert "no hexadecimal digit" in malformed["error"]
     assert "bytes follow" in rest["error"]
     problems = result.stderr.splitlines()
-    assert [problem.split(": ")[0] for problem in problems] == [
-        "<stdin>:2",
-        "<stdin>:3",
-        "<stdin>:4",
-    ]
+    assert [problem[:9] for problem in problems] == ["<stdin>:2", "<stdin>:3", "<stdin>:4"]
     assert problems[1] == "<stdin>:3: column 1: 'z' is no hexadecimal digit"
     text = jausml("decode", "--format", "text", "--datagram", DATAGRAM.hex())
     assert text.exit_code == 0
@@ -295,18 +269,10 @@ def test_captures(jausml, tmp_path):
     path.write_bytes(capture(DATAGRAM, FRAME + b"P\1\1\1\1", DATAGRAM))
     result = jausml("decode", "--pcap", path)
     assert result.exit_code == 0
-    assert [
-        (
-            decoded_message["number"],
-            decoded_message["time"],
-            decoded_message["from"],
-            decoded_message["to"],
-        )
-        for decoded_message in objects(result)
-    ] == [
-        (1, 1000.0, "10.9.0.1:5000", "10.9.0.2:3794"),
-        (3, 1002.0, "10.9.0.1:5000", "10.9.0.2:3794"),
-    ]
+    ends = {"from": "10.9.0.1:5000", "to": "10.9.0.2:3794"}
+    first, second = objects(result)
+    assert first.items() >= {"number": 1, "time": 1000.0, **ends}.items()
+    assert second.items() >= {"number": 3, "time": 1002.0, **ends}.items()
     assert result.stderr == "skipped 1 frames between jausml processes of one host\n"
     assert jausml("decode", "--pcap", path, "--port", 5001).stdout == ""
     assert len(objects(jausml("decode", "--pcap", path, "--count", 1))) == 1
@@ -363,18 +329,9 @@ def listening(port):
     started = []
 
     def start(*options):
-        command = [
-            sys.executable,
-            "-m",
-            "jausml",
-            "decode",
-            "--listen",
-            "--port",
-            str(port),
-            *options,
-        ]
+        command = [sys.executable, "-m", "jausml", "decode", "--listen", "--port", str(port)]
         process = subprocess.Popen(
-            command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=os.environ
+            [*command, *options], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
         )
         started.append(process)
         assert process.stderr.readline().startswith("listening to 239.255.0.1:")
@@ -422,10 +379,8 @@ def test_listening_ends_after_a_duration(jausml, port):
 
 
 @pytest.mark.parametrize("seconds", ["nan", "inf"])
-def test_a_duration_is_a_number_of_seconds(jausml, seconds):
-    result = jausml("decode", "--listen", "--duration", seconds)
-    assert result.exit_code == 2
-    assert f"'{seconds}' is no finite number" in result.stderr
+def test_a_duration_is_a_number_of_seconds(refused, seconds):
+    refused(f"'{seconds}' is no finite number", "decode", "--listen", "--duration", seconds)
 
 
 def test_any_duration_may_be_given(listening, port):
@@ -537,7 +492,7 @@ def test_a_message_nested_too_deep_is_a_bad_line(jausml):
 # -- list ------------------------------------------------------------------------------------------
 
 
-def test_list_services(jausml):
+def test_list_services(jausml, refused):
     result = jausml("list", "services", "--set", "core")
     head, *rows = result.stdout.splitlines()
     assert head.split() == ["SERVICE", "VERSION", "SET", "INHERITS"]
@@ -553,27 +508,20 @@ def test_list_services(jausml):
     )
     assert management["outputs"] == ["ReportStatus"]
     assert "Shutdown" in management["inputs"]
-    result = jausml("list", "services", "--set", "cor")
-    assert result.exit_code == 2
-    assert "there are: core, environment_sensing" in result.stderr
+    refused("there are: core, environment_sensing", "list", "services", "--set", "cor")
 
 
-def test_list_messages(jausml):
+def test_list_messages(jausml, refused):
     everything = objects(jausml("list", "messages", "--format", "json"))
-    assert {
-        key: value
-        for message in everything
-        if message["message"] == "Shutdown"
-        for key, value in message.items()
-        if key != "services"
-    } == {"message": "Shutdown", "code": "0x0002", "command": True}
+    (shutdown,) = (message for message in everything if message["message"] == "Shutdown")
+    del shutdown["services"]
+    assert shutdown == {"message": "Shutdown", "code": "0x0002", "command": True}
     assert len(everything) > 300
     inherited = jausml("list", "messages", "--service", "GlobalPoseSensor").stdout
     assert "ReportGlobalPose" in inherited
     assert "CreateEvent" in inherited
-    result = jausml("list", "messages", "--service", "GlobalPoseSenso")
-    assert result.exit_code == 2
-    assert "did you mean GlobalPoseSensor or LocalPoseSensor?" in result.stderr
+    told = "did you mean GlobalPoseSensor or LocalPoseSensor?"
+    refused(told, "list", "messages", "--service", "GlobalPoseSenso")
 
 
 def test_a_terminal_gets_text_and_a_program_json():
@@ -604,7 +552,6 @@ def test_fields_that_are_nested_too_deep_are_told(jausml, form):
     assert result.stderr == "<stdin>:1: the fields are nested too deep\n"
 
 
-def test_a_message_of_ocu_that_is_nested_too_deep_is_refused():
-    result = CliRunner().invoke(main, ["ocu", "query", "100.1.1", '{"a":' * 100_000])
-    assert result.exit_code == 2
-    assert "the message is no JSON: it is nested too deep" in result.stderr
+def test_a_message_of_ocu_that_is_nested_too_deep_is_refused(refused):
+    told = "the message is no JSON: it is nested too deep"
+    refused(told, "ocu", "query", "100.1.1", '{"a":' * 100_000)

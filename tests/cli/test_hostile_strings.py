@@ -164,11 +164,7 @@ def refused_with_others(features, folder):
 
 
 def test_each_other_text_is_refused_where_it_stands(subtests, tmp_path):
-    others = [
-        string_feature
-        for string_feature in string_features()
-        if string_feature not in free_features()
-    ]
+    others = [one for one in string_features() if one not in free_features()]
     together = refused_with_others(others, tmp_path)
     for feature in [other for other in others if other not in together]:
         class_name, name, (start, _) = feature
@@ -181,8 +177,7 @@ def test_each_other_text_is_refused_where_it_stands(subtests, tmp_path):
 
 
 @pytest.mark.slow
-def test_generated_files_hold_hostile_text_as_data_only(jausml, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_generated_files_hold_hostile_text_as_data_only(jausml, here):
     Path("model.xmi").write_text(with_payload(free_features()), encoding="utf-8")
     result = jausml("--debug", "generate", "model.xmi", "-o", "out")
     assert result.exit_code == 0, result.stderr
@@ -203,5 +198,5 @@ def test_generated_files_hold_hostile_text_as_data_only(jausml, tmp_path, monkey
     for diagram in diagrams:
         # Between the marks stand names alone, which rules keep to letters, digits and underscores.
         assert not {"INJECTED", "7 * 7"} & set(re.findall(r"INJECTED|7 \* 7", diagram.read_text()))
-    assert not list(tmp_path.rglob("INJECTED"))
+    assert not list(here.rglob("INJECTED"))
     assert jausml("generate", "model.xmi", "-o", "out", "--check").exit_code == 0

@@ -99,9 +99,9 @@ def test_version(jausml):
     assert jausml("--version").stdout.startswith("jausml, version ")
 
 
+@pytest.mark.usefixtures("here")  # which is no project
 @pytest.mark.parametrize("arguments", [["nothing"], ["validate"], ["generate"], ["run"]])
-def test_wrong_use_is_2(jausml, arguments, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)  # a folder that is no project
+def test_wrong_use_is_2(jausml, arguments):
     assert jausml(*arguments).exit_code == 2
 
 
@@ -120,15 +120,6 @@ def test_internal_error_is_3_and_short(jausml, monkeypatch):
     assert result.exit_code == 3
     assert "Traceback" in result.stderr
     assert "in fail" in result.stderr
-
-
-def test_reader_of_the_output_may_go_away():
-    command = [sys.executable, "-m", "jausml", "rules"]
-    reader, writer = os.pipe()
-    os.close(reader)
-    with os.fdopen(writer, "w") as gone:
-        result = subprocess.run(command, stdout=gone, stderr=subprocess.PIPE, text=True)
-    assert "Traceback" not in result.stderr
 
 
 def test_terminal_without_unicode(folder):
@@ -160,10 +151,8 @@ def test_explain_shows_the_documentation(jausml):
     assert jausml("explain", "JML103").stdout.startswith("JML103: unknown feature (error)")
 
 
-def test_explain_of_an_unknown_rule(jausml):
-    result = jausml("explain", "JML331")
-    assert result.exit_code == 2
-    assert "did you mean JML" in result.stderr
+def test_explain_of_an_unknown_rule(refused):
+    refused("did you mean JML", "explain", "JML331")
 
 
 @pytest.mark.parametrize(("arguments", "collects"), [("--version", False), ("ocu --help", True)])
@@ -175,3 +164,41 @@ def test_a_short_process_collects_no_garbage(arguments, collects):
     )
     done = succeeded([sys.executable, "-c", code, *arguments.split()])
     assert f"collects {collects}" in done.stdout
+
+
+# -- what to do next -------------------------------------------------------------------------------
+
+
+NEXT = {
+    "valdate good.xmi": "did you mean validate?",
+    "validate god.xmi": "did you mean good.xmi?",
+    "validate nothing": "'jausml init DIR' makes a project of models",
+    "generate .": "name one model file, such as bad.xmi",
+    "report .": "name one model file, such as bad.xmi",
+    "run nothing": "'jausml generate MODEL -o nothing' makes one",
+    "generate good.xmi --target ros": "installed: bridge, ",
+    "show message SetWrench": "did you mean SetWrenchEffort?",
+    "show ReportVelocityState": "is a message: jausml show message ReportVelocityState",
+    "show VelocityStateSensor": "is a service: jausml show service VelocityStateSensor",
+    "show velocity_state": "is a map: jausml show map velocity_state",
+    "show map velocity": "did you mean velocity_command or velocity_command_report or",
+    "show map qqq": "`jausml list maps` lists them",
+    "explain JML9": "'jausml rules' lists them",
+    "ocu status 100.1": "expected e.g. 100.1.2",
+    "ocu status 100.1.1 --interface 192.0.2.1": "'jausml doctor --interface 192.0.2.1' tells more",
+    "diagram good.xmi --view map:x -o x.svg": "there are: ",
+    "generate good.xmi -o good.xmi": "is no folder",
+}
+
+
+@pytest.mark.parametrize("command", NEXT)
+def test_an_error_says_what_to_do_next(jausml, folder, command):
+    (folder / "nothing").mkdir()
+    result = jausml(*command.split())
+    assert result.exit_code == 2
+    assert NEXT[command] in result.stderr
+    assert "Traceback" not in result.stderr
+
+
+def test_what_is_like_no_verb_is_no_question(refused):
+    refused("No such command 'qqqq'.", "qqqq")

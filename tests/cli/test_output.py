@@ -8,6 +8,7 @@ import subprocess
 import sys
 
 import pytest
+from scripts import ran
 from sweeps import sweep
 from terminal import at_terminal
 
@@ -20,9 +21,7 @@ def shell(folder):
 
     def run(line: str) -> subprocess.CompletedProcess[str]:
         line = line.replace("jausml", JAUSML)
-        return subprocess.run(
-            ["bash", "-c", line], cwd=folder, capture_output=True, text=True, timeout=100
-        )
+        return ran(["bash", "-c", line], cwd=folder, timeout=100)
 
     return run
 

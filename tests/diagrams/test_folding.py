@@ -4,12 +4,11 @@ import json
 from itertools import pairwise
 
 import pytest
+from generated import model_in
 from large_systems import large_system
 
 from jausml.authoring.studio.drawing import Drawings, difference
-from jausml.language.model import read_models
 from jausml.language.model.diagnostics import Diagnostic, Location, Severity
-from jausml.language.text.notation import NOTATIONS
 from jausml.views.diagrams.bundling import framed
 from jausml.views.diagrams.folding import CLOSED, MOST_SHOWN, folded, frames_of, is_large
 from jausml.views.diagrams.graph import Edge, End, Finding, Graph, Group, Node, Port
@@ -55,11 +54,8 @@ SMALL = Graph(
 
 def test_a_closed_frame_tells_how_much_is_in_it_and_the_worst_of_it():
     shown = folded(SMALL, ())
-    assert [(box.id, box.kind) for box in shown.nodes] == [
-        ("d", "component"),
-        ("host", CLOSED),
-        ("two", CLOSED),
-    ]
+    pairs = [(box.id, box.kind) for box in shown.nodes]
+    assert pairs == [("d", "component"), ("host", CLOSED), ("two", CLOSED)]
     host = shown.by_id["host"]
     assert host.subtitle == "1 component, 1 bridge, 3 lines"
     assert dict(host.details) == {"frames": "1"}
@@ -86,9 +82,7 @@ def test_what_is_opened_is_shown_and_a_frame_in_a_closed_one_is_not_seen():
 
 @pytest.fixture(scope="module")
 def model(tmp_path_factory):
-    file = tmp_path_factory.mktemp("large") / "large.ros2jaus"
-    file.write_text(large_system(GROUPS, HOSTS), encoding="utf-8")
-    return read_models([file], notations=NOTATIONS).model
+    return model_in(tmp_path_factory.mktemp("large"), large_system(GROUPS, HOSTS), "large.ros2jaus")
 
 
 @pytest.fixture(scope="module")
@@ -127,15 +121,10 @@ def test_opening_moves_nothing_and_tells_only_what_is_new(graph, tmp_path):
 
 
 def test_what_is_wrong_is_seen_at_the_closed_frames_around_it(model, tmp_path):
-    component = next(candidate for candidate in model.documents[0].roots[0].components)
-    document = model.documents[0]
-    found = Diagnostic(
-        "JML1",
-        Severity.ERROR,
-        Location(document.display),
-        "wrong",
-        fragment=model.fragment(component),
-    )
+    (document, *_) = model.documents
+    (component, *_) = document.roots[0].components
+    place, fragment = Location(document.display), model.fragment(component)
+    found = Diagnostic("JML1", Severity.ERROR, place, "wrong", fragment=fragment)
     drawn = Drawings(tmp_path).draw("m", graph_of(model, "system", [found]), {})
     wrong = [box for box in drawn["nodes"] if box["findings"]]
     assert [box["title"] for box in wrong] == ["host h0 (judp)"]

@@ -133,12 +133,8 @@ def test_a_joined_topic_has_its_own_type_and_what_the_model_does_not_name_stands
 
 def test_a_map_has_a_line_for_each_assignment():
     graph = car("map:velocity_state")
-    assert [edge.labels for edge in graph.edges] == [
-        ("timestamp_to_time",),
-        (),
-        ("negate",),
-        ("negate",),
-    ]
+    labels = [edge.labels for edge in graph.edges]
+    assert labels == [("timestamp_to_time",), (), ("negate",), ("negate",)]
     jaus, ros = graph.nodes
     marks = {port.id: port.mark for port in ros.ports}
     assert marks["header.frame_id"] == "= odom"

@@ -64,10 +64,8 @@ def test_the_site_is_built_without_a_warning(tmp_path):
     build_site.build(tmp_path, "0.0.10", made)
 
     told = json.loads((tmp_path / "versions.json").read_text(encoding="utf-8"))
-    assert [(version["version"], version["aliases"]) for version in told] == [
-        ("0.0.10", ["latest"]),
-        ("0.0.9", []),
-    ]
+    pairs = [(version["version"], version["aliases"]) for version in told]
+    assert pairs == [("0.0.10", ["latest"]), ("0.0.9", [])]
     assert 'url=0.0.10/"' in (tmp_path / "index.html").read_text(encoding="utf-8")
     assert (tmp_path / "0.0.9" / "index.html").read_text(encoding="utf-8") == "old"
     site = tmp_path / "0.0.10"

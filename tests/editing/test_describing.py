@@ -5,16 +5,15 @@ import shutil
 from pathlib import Path
 
 import pytest
+from generated import model_of
 from sweeps import sweep
 
 from jausml.authoring.editing.commands import Create, EditError, Move
 from jausml.authoring.editing.describing import numbered_name
 from jausml.authoring.editing.project import Project
 from jausml.language.metamodel.filling import contents
-from jausml.language.model import read_models
 from jausml.language.model.comparison import Policy, compare
 from jausml.language.model.xmi.writer import write_model
-from jausml.language.text.notation import NOTATIONS
 
 EXAMPLE = Path(__file__).parents[2] / "models" / "examples" / "catvehicle"
 NAMES = Policy(ignored=frozenset({"name"}))
@@ -28,7 +27,7 @@ COPIES = itertools.product(FILES, FILES, COPIED)
 def project(tmp_path):
     folder = tmp_path / "catvehicle"
     shutil.copytree(EXAMPLE, folder)
-    model = read_models([folder / FILES[1]], notations=NOTATIONS).model
+    model = model_of(folder / FILES[1])
     write_model(model.documents[0].roots, model, folder / FILES[0])
     return Project(folder)
 

@@ -112,10 +112,8 @@ def test_undoing_over_a_change_that_nobody_told_is_refused(project):
         project.undo()
     assert caught.value.conflict
     assert text(project) == OTHER
-    assert [entry.label for entry in (project.undo(), project.undo())] == [
-        "robot.xmi was changed by another program",
-        "rename",
-    ]
+    labels = [entry.label for entry in (project.undo(), project.undo())]
+    assert labels == ["robot.xmi was changed by another program", "rename"]
     assert text(project) == MODEL
 
 
@@ -123,10 +121,8 @@ def test_a_command_for_an_older_revision_finds_its_element(project):
     added = Add("robot.xmi#/", "nodes", "ros.Node", {"name": ("a",)}, position=0)
     project.do([added], "add")
     project.do([Rename(NODE, "pilot")], "rename", base=0)
-    assert [model_node.name for model_node in project.model("robot.xmi").model.root.nodes] == [
-        "a",
-        "pilot",
-    ]
+    names = [model_node.name for model_node in project.model("robot.xmi").model.root.nodes]
+    assert names == ["a", "pilot"]
     project.undo()
     project.undo()
     project.do([Rename("robot.xmi#//@nodes.1", "captain")], "rename", base=1)

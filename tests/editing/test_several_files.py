@@ -4,14 +4,13 @@ import random
 from pathlib import Path
 
 import pytest
+from generated import model_of
 from hypothesis import settings
 from random_commands import Commands
 
 from jausml.authoring.editing.commands import EditError, Move, Remove, Rename
 from jausml.authoring.editing.project import Project
-from jausml.language.model import read_models
 from jausml.language.model.library import LIBRARY_URI
-from jausml.language.text.notation import NOTATIONS
 from jausml.language.text.writing.unparsing import to_text
 
 WINCH = Path("models/examples/winch")
@@ -29,7 +28,7 @@ def folder(tmp_path):
     system = system.replace("../../library/", LIBRARY_URI)
     beside = tmp_path / "winch.xmi"
     beside.write_text(system)
-    model = read_models([beside], notations=NOTATIONS).model
+    model = model_of(beside)
     (tmp_path / "text.ros2jaus").write_text(
         to_text([model.root], model, tmp_path / "text.ros2jaus")
     )

@@ -3,13 +3,12 @@
 from pathlib import Path
 
 import pytest
+from generated import model_of
 
 from jausml.authoring.editing.commands import Place, Remove, Rename
 from jausml.authoring.editing.project import Project
 from jausml.language.metamodel.classes import jaus
-from jausml.language.model import read_models
 from jausml.language.model.library import LIBRARY_URI
-from jausml.language.text.notation import NOTATIONS
 from jausml.language.text.writing.unparsing import to_text
 from jausml.language.validation.engine import check
 from jausml.views.diagrams.views import graph_of
@@ -22,7 +21,7 @@ def project(request, tmp_path):
     text = WINCH.read_text(encoding="utf-8").replace("../../library/", LIBRARY_URI)
     (tmp_path / "service.xmi").write_text(text, encoding="utf-8")
     if request.param.endswith(".ros2jaus"):
-        model = read_models([tmp_path / "service.xmi"], notations=NOTATIONS).model
+        model = model_of(tmp_path / "service.xmi")
         path = tmp_path / request.param
         path.write_text(to_text(model.documents[0].roots, model, path), encoding="utf-8")
         (tmp_path / "service.xmi").unlink()

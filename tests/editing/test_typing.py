@@ -6,6 +6,7 @@ import pytest
 
 from jausml.authoring.editing.commands import EditError, Set
 from jausml.authoring.editing.project import Project
+from jausml.authoring.editing.splices import common_ends
 
 FILE = "robot.ros2jaus"
 TEXT = "component arm { address: 1.1.1 }\n"
@@ -104,3 +105,14 @@ def test_xmi_is_not_typed(tmp_path):
     (tmp_path / "a.xmi").write_text("<a/>")
     with pytest.raises(EditError, match="is no text"):
         Project(tmp_path).write_text("a.xmi", "<b/>", 0)
+
+
+# -- what two texts have in common -----------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "ends"),
+    [("abcd", "abxd", (2, 1)), ("aa", "a", (1, 0)), ("", "ab", (0, 0)), ("ab", "ab", (2, 0))],
+)
+def test_common_ends_never_overlap(old, new, ends):
+    assert common_ends(old, new) == ends

@@ -56,9 +56,13 @@ def uri(folder):
 @pytest.fixture(scope="module")
 def opened(client, uri):
     """The text is open, and was never stored."""
-    document = {"uri": uri, "languageId": "ros2jaus", "version": 1, "text": TEXT}
-    client.tell("textDocument/didOpen", textDocument=document)
+    show(client, uri, TEXT)
     return client
+
+
+def show(client, uri, text):
+    document = {"uri": uri, "languageId": "ros2jaus", "version": 1, "text": text}
+    client.tell("textDocument/didOpen", textDocument=document)
 
 
 def position(text, word, behind=0):
@@ -77,15 +81,8 @@ def ask(client, uri, method, word, behind=0, text=TEXT, **more):
 def test_it_says_what_it_can(client):
     known = client.capabilities["capabilities"]
     assert known["positionEncoding"] == "utf-16"
-    for feature in (
-        "completion",
-        "hover",
-        "definition",
-        "rename",
-        "codeAction",
-        "documentFormatting",
-    ):
-        assert f"{feature}Provider" in known
+    features = ("completion", "hover", "definition", "rename", "codeAction", "documentFormatting")
+    assert {f"{feature}Provider" for feature in features} <= known.keys()
 
 
 def test_a_sound_text_has_no_problems(opened, uri):
@@ -108,13 +105,10 @@ def test_hover_behind_characters_of_two_units(opened, uri):
     assert answer["range"]["end"] == position(TEXT, "child_frame_id", len("child_frame_id"))
 
 
-def test_definition_in_the_library(opened, uri):
+def test_definition_in_the_library_and_in_a_file_beside(opened, uri, folder):
     answer = ask(opened, uri, "definition", "ReportVelocityState")
     assert answer["uri"].endswith("/jaus/mobility.xmi")
     assert answer["range"]["start"]["line"] > 0
-
-
-def test_definition_in_a_file_beside(opened, uri, folder):
     answer = ask(opened, uri, "definition", "maps.ros2jaus", 2)
     assert answer["uri"] == (folder / "maps.ros2jaus").as_uri()
 
@@ -143,8 +137,7 @@ velocity {
 
 def test_an_open_decision_is_taken_away_by_who_has_decided_it(client, folder):
     uri = (folder / "open.ros2jaus").as_uri()
-    document = {"uri": uri, "languageId": "ros2jaus", "version": 1, "text": OPEN}
-    client.tell("textDocument/didOpen", textDocument=document)
+    show(client, uri, OPEN)
     [problem] = client.problems(uri, 1, some=True)
     assert (problem["code"], problem["severity"]) == ("JML498", 1)
     where = {"textDocument": {"uri": uri}, "range": problem["range"]}
@@ -203,9 +196,7 @@ def test_problems_of_the_model_in_an_unsaved_text(opened, uri):
 
 def test_other_open_texts_count_as_they_are_open(opened, uri, folder):
     beside = (folder / "maps.ros2jaus").as_uri()
-    document = {"uri": beside, "languageId": "ros2jaus", "version": 1, "text": MAPS}
-    document["text"] = MAPS.replace("shared", "unsaved")
-    opened.tell("textDocument/didOpen", textDocument=document)
+    show(opened, beside, MAPS.replace("shared", "unsaved"))
     bridge = "bridge b { address: 100.1.20 connection c { map: unsaved } }"
     change(opened, uri, 5, TEXT + bridge)
     assert not any("'unsaved'" in problem["message"] for problem in opened.problems(uri, 5))
@@ -257,16 +248,13 @@ def laid_out(client, uri):
 def test_what_is_typed_comes_as_changes(client, folder):
     uri = (folder / "typed.ros2jaus").as_uri()
     text = 'component a {\n  documentation: "🚜"\n}\n'
-    document = {"uri": uri, "languageId": "ros2jaus", "version": 1, "text": text}
-    client.tell("textDocument/didOpen", textDocument=document)
+    show(client, uri, text)
     assert client.capabilities["capabilities"]["textDocumentSync"]["change"] == 2
     start, end = {"line": 1, "character": 18}, {"line": 1, "character": 20}
+    last = {"line": 2, "character": 0}
     changes = [
         {"range": {"start": start, "end": end}, "text": "two"},
-        {
-            "range": {"start": {"line": 2, "character": 0}, "end": {"line": 2, "character": 0}},
-            "text": "  address: 1.2.3\n",
-        },
+        {"range": {"start": last, "end": last}, "text": "  address: 1.2.3\n"},
     ]
     client.tell(
         "textDocument/didChange", textDocument={"uri": uri, "version": 2}, contentChanges=changes

@@ -30,11 +30,8 @@ def only(made):
 def test_the_machine_of_the_winch():
     (drum,) = winch().sets[0].services[0].machines
     assert drum.name == "Drum"
-    assert [(machine_state.name, machine_state.initial) for machine_state in drum.states] == [
-        ("Idle", True),
-        ("Moving", False),
-        ("Stopped", False),
-    ]
+    pairs = [(machine_state.name, machine_state.initial) for machine_state in drum.states]
+    assert pairs == [("Idle", True), ("Moving", False), ("Stopped", False)]
     idle, moving, stopped = drum.states
     assert [action.name for action in (*idle.entry, *idle.exit)] == ["brake", "release"]
     first, second, third = idle.transitions
@@ -81,10 +78,8 @@ def test_a_group_without_a_first_state():
     text = machine(state("⟦JML625⟧" + state(name="A") + state(name="B")))
     marked(text)
     made = good(machine(state(state(name="A") + state(name="B")), "S.B"))
-    assert [machine_state.initial for machine_state in made.machines[0].states[0].states] == [
-        False,
-        True,
-    ]
+    initials = [machine_state.initial for machine_state in made.machines[0].states[0].states]
+    assert initials == [False, True]
 
 
 def test_start_and_initial_state_may_differ():
@@ -157,11 +152,8 @@ def test_equal_texts_are_equal_guards_and_others_are_not():
 
     assert len(marked(text)) == 3
     made = run(MARKER.sub("", text)).sets[0].services[0].machines[0].states[0]
-    assert [transition.guard for transition in made.transitions] == [
-        "guard_a_3",
-        "guard_a_3_2",
-        "guard_a_3",
-    ]
+    guards = [transition.guard for transition in made.transitions]
+    assert guards == ["guard_a_3", "guard_a_3_2", "guard_a_3"]
 
 
 def test_machines_can_be_left_out():
@@ -183,9 +175,7 @@ def test_a_transition_on_what_the_runtime_takes_is_left_out():
     transitions = made.sets[0].services[0].machines[0].states[0].transitions
     assert [transition.message.name for transition in transitions] == ["SetLamp"]
     assert [
-        (diagnostic.rule, diagnostic.message)
-        for diagnostic in made.diagnostics
-        if diagnostic.rule == "JML624"
+        (finding.rule, finding.message) for finding in made.diagnostics if finding.rule == "JML624"
     ] == [("JML624", "Standby is taken by Management of the runtime, not by a transition")]
 
 

@@ -125,9 +125,7 @@ def test_all_behaviour_is_expressed():
         transitions += len(state.transitions) + len(state.defaults)
     # What the runtime takes by itself is no transition, and told so.
     taken = [
-        diagnostic
-        for diagnostic in result.diagnostics
-        if "of the runtime, not by" in diagnostic.message
+        finding for finding in result.diagnostics if "of the runtime, not by" in finding.message
     ]
     written = sum(len(re.findall(r"<transition\s", text)) for text in texts)
     assert (transitions + len(taken), len(taken)) == (written, 12)

@@ -62,10 +62,8 @@ def test_names_and_optionality_of_references_override_those_of_types():
     members = fields(
         vector + declared.format("Top", "true") + declared.format("Low", "false"), types=types
     )
-    assert [(member.name, member.optional, member.type.name) for member in members] == [
-        ("Top", True, "uint16"),
-        ("Low", False, "uint16"),
-    ]
+    rows = [(member.name, member.optional, member.type.name) for member in members]
+    assert rows == [("Top", True, "uint16"), ("Low", False, "uint16")]
 
 
 def test_types_are_found_through_sets_of_sets():
@@ -176,10 +174,8 @@ def test_ids_are_unique_with_several_sets(tmp_path):
 def test_versions_of_one_service_are_sets_of_their_own():
     later = service().replace('version="1.0">', 'version="2.0">', 1)
     result = run(service(), later)
-    assert [(service_set.name, service_set.version) for service_set in result.sets] == [
-        ("light", "1.0"),
-        ("light", "2.0"),
-    ]
+    pairs = [(service_set.name, service_set.version) for service_set in result.sets]
+    assert pairs == [("light", "1.0"), ("light", "2.0")]
 
 
 def test_a_service_set_is_a_set():

@@ -12,14 +12,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from generated import model_of
 from ports import free_port
 from ros_nodes import SpinningNode
 from workspaces import kept, packages_of
 
 from jausml.generation import native
-from jausml.language.model import read_models
-from jausml.language.model.diagnostics import Severity
-from jausml.language.text.notation import NOTATIONS
 from jausml_generators.bridge.target import TARGET as BRIDGE
 from jausml_generators.messages.target import TARGET as MESSAGES
 from jausml_generators.runtime.target import TARGET as RUNTIME
@@ -42,11 +40,7 @@ def generate(document: Path = MODEL, *, compiled: bool = COMPILED) -> list[str]:
     Returns:
         The folders for the module path.
     """
-    result = read_models([document], notations=NOTATIONS, allow_outside=True)
-    assert [
-        diagnostic for diagnostic in result.diagnostics if diagnostic.severity is not Severity.INFO
-    ] == []
-    folder = kept(result.model, TARGETS, compiled=compiled)
+    folder = kept(model_of(document, allow_outside=True), TARGETS, compiled=compiled)
     if compiled:
         built = native.build(native.cores(folder), native.compiler())
         assert [built_core.reason for built_core in built if built_core.reason] == []

@@ -176,9 +176,7 @@ def test_latency_is_measured_on_a_running_bridge(system):
         """Keys of the latest status of each connection."""
         return {
             status.name.rpartition(": ")[2]: {
-                key_value.key
-                for key_value in status.values
-                if key_value.key.endswith((" p50 (us)", " max (us)"))
+                key.key for key in status.values if key.key.endswith((" p50 (us)", " max (us)"))
             }
             for status in arrays[-1].status
         }

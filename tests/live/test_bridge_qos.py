@@ -7,13 +7,12 @@ import sys
 
 import needs
 import pytest
+from generated import model_in
 from ros_nodes import SpinningNode
 
 needs.ask("rclpy")
 
-from jausml.language.model import read_models
 from jausml.language.semantics.connections.topics import endpoints
-from jausml.language.text.notation import NOTATIONS
 from jausml.runtime.bridge.ends.topics import Parameter, ParameterError, Qos, Topic
 from jausml.runtime.bridge.ros.parameters import MOST_KEPT
 
@@ -84,9 +83,7 @@ def test_losses_of_messages_of_any_size_are_looked_at(node):
 
 def latched_qos(folder):
     """What a bridge asks for whose model says no more than that a topic is latched."""
-    path = folder / "fleet.ros2jaus"
-    path.write_text(LATCHED, encoding="utf-8")
-    (end,) = endpoints(read_models([path], notations=NOTATIONS).model.root.bridges)
+    (end,) = endpoints(model_in(folder, LATCHED, "fleet.ros2jaus").root.bridges)
     return Qos(reliability=end.reliability, durability=end.element.qos.durability.name, depth=1)
 
 

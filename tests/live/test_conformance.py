@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 import warm
 from ports import free_port
+from scripts import ran
 
 pytestmark = [pytest.mark.slow, pytest.mark.live, pytest.mark.timeout(180)]
 
@@ -37,9 +38,7 @@ def port(tmp_path):
 
 
 def jausml(*arguments):
-    return subprocess.run(
-        [*warm.command(), *map(str, arguments)], capture_output=True, text=True, timeout=120
-    )
+    return ran([*warm.command(), *map(str, arguments)], timeout=120)
 
 
 def test_the_vehicle_conforms(port):

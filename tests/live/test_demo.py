@@ -3,13 +3,12 @@
 import os
 import re
 import struct
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 from for_each import for_each
-from scripts import succeeded
+from scripts import ran, succeeded
 
 ROOT = Path(__file__).resolve().parents[2]
 pytestmark = [pytest.mark.slow, pytest.mark.live, pytest.mark.timeout(150)]
@@ -29,11 +28,9 @@ def run(tmp_path: Path) -> tuple[Path, str]:
 
 
 def test_a_drive_that_does_not_arrive_has_failed(tmp_path):
-    result = subprocess.run(
+    result = ran(
         [sys.executable, str(ROOT / "models/catvehicle/demo.py"), str(tmp_path), "--limit", "14"],
         env={**os.environ, "ROS_DOMAIN_ID": "88"},
-        capture_output=True,
-        text=True,
         timeout=120,
     )
 

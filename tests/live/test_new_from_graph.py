@@ -3,6 +3,7 @@
 import needs
 import pytest
 from click.testing import CliRunner
+from generated import model_of
 from nav2 import nav2
 from ports import free_domain
 from ros_nodes import SpinningNode
@@ -11,9 +12,7 @@ needs.ask("rclpy")
 
 from jausml.cli import main
 from jausml.language.metamodel.classes import bridge
-from jausml.language.model import read_models
 from jausml.language.model.names import name_of
-from jausml.language.text.notation import NOTATIONS
 
 pytestmark = pytest.mark.live
 
@@ -58,19 +57,16 @@ def vehicle(monkeypatch):
         yield
 
 
-def new(*words):
-    words = (
-        "new",
-        "bridge",
-        "face",
-        "--from-graph",
-        "--for",
-        "60",
-        "--model",
-        "car.ros2jaus",
-        *words,
-    )
-    return CliRunner().invoke(main, words)
+def run(*words):
+    """Runs a verb, which must not fail; returns what click says of it."""
+    done = CliRunner().invoke(main, words)
+    assert done.exit_code == 0, done.output
+    return done
+
+
+def new(*words, file="car.ros2jaus"):
+    """Makes a bridge of what runs."""
+    return run("new", "bridge", "face", "--from-graph", "--for", "60", "--model", file, *words)
 
 
 @pytest.mark.slow
@@ -78,7 +74,6 @@ def new(*words):
 def test_it_lists_what_runs_and_proposes_a_bridge(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     done = new("--yes", "--hold", "car/arm/cmd=the arm has brakes that hold it")
-    assert done.exit_code == 0, done.output
     assert "/car/cmd_vel  geometry_msgs/msg/Twist  from nobody to /car/wheels" in done.output
     assert "/car/odom  nav_msgs/msg/Odometry  from /car/wheels to nobody" in done.output
     assert "/car/drop_weight  std_srvs/srv/Trigger  served by /car/wheels" in done.output
@@ -92,18 +87,14 @@ def test_it_lists_what_runs_and_proposes_a_bridge(tmp_path, monkeypatch):
         "next: jausml new service-connection car/lamp:std_srvs/SetBool MESSAGE --side operator",
     ):
         assert f"left out: {told}\n" in done.output
-    model = read_models([tmp_path / "car.ros2jaus"], notations=NOTATIONS).model
+    model = model_of(tmp_path / "car.ros2jaus")
     [made] = model.instances(bridge.Bridge, library=False)
     # Relative names, which a namespace of the bridge would move.
-    found = {
-        bridge_connection.topics[0].name: (
-            name_of(bridge_connection.map),
-            bridge_connection.direction.name,
-            bridge_connection.topics[0].qos.reliability.name,
-            bridge_connection.topics[0].qos.durability.name,
-        )
-        for bridge_connection in made.bridgeConnections
-    }
+    found = {}
+    for connection in made.bridgeConnections:
+        (topic,) = connection.topics
+        qos = (topic.qos.reliability.name, topic.qos.durability.name)
+        found[topic.name] = (name_of(connection.map), connection.direction.name, *qos)
     assert found == {
         "car/arm/cmd": ("car_arm_cmd_set_joint_positions", "jausToRos", "reliable", "volatile"),
         "car/joint_states": (
@@ -117,28 +108,20 @@ def test_it_lists_what_runs_and_proposes_a_bridge(tmp_path, monkeypatch):
         "car/odom": ("local_pose", "rosToJaus", "reliable", "volatile"),
     }
     for used in made.maps:
-        assert [
-            list(assignment.names) for assignment in used.toRos if hasattr(assignment, "names")
-        ] == [["shoulder", "elbow"]]
-    done = CliRunner().invoke(main, ["validate", "car.ros2jaus", "--strict"])
-    assert done.exit_code == 0, done.output
-    other = new("/car/odom:velocity_state", "--model", "other.ros2jaus")
-    assert other.exit_code == 0, other.output
+        (joints,) = (one.names for one in used.toRos if hasattr(one, "names"))
+        assert list(joints) == ["shoulder", "elbow"]
+    run("validate", "car.ros2jaus", "--strict")
+    other = new("/car/odom:velocity_state", file="other.ros2jaus")
     assert "velocity_state: reported as ReportVelocityState" in other.output
-    words = ("--from-graph", "--for", "60", "/car/odom:velocity_state", "--model", "car.ros2jaus")
-    further = CliRunner().invoke(main, ["new", "connection", *words])
-    assert further.exit_code == 0, further.output
+    further = ("new", "connection", "--from-graph", "--for", "60", "--model", "car.ros2jaus")
+    run(*further, "/car/odom:velocity_state")
     text = (tmp_path / "car.ros2jaus").read_text("utf-8")
     (tmp_path / "car.ros2jaus").write_text(text.replace("address:", "namespace: car\naddress:"))
-    inside = CliRunner().invoke(
-        main, ["new", "connection", *words[:3], "/car/odom:local_pose_enu", *words[4:]]
-    )
-    assert "odom: ROS -> JAUS, local_pose_enu" in inside.output
-    model = read_models([tmp_path / "car.ros2jaus"], notations=NOTATIONS).model
+    assert "odom: ROS -> JAUS, local_pose_enu" in run(*further, "/car/odom:local_pose_enu").output
+    model = model_of(tmp_path / "car.ros2jaus")
     [made] = model.instances(bridge.Bridge, library=False)
-    assert [bridge_connection.topics[0].name for bridge_connection in made.bridgeConnections][
-        -2:
-    ] == ["car/odom", "odom"]
+    topics = [connection.topics[0].name for connection in made.bridgeConnections]
+    assert topics[-2:] == ["car/odom", "odom"]
 
 
 @pytest.fixture
@@ -161,14 +144,11 @@ def surveyor(monkeypatch):
 def test_it_says_how_an_action_is_carried(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     done = new()
-    assert done.exit_code == 0, done.output
     assert "/car/survey  nav2_msgs/action/FollowWaypoints  served by /car/surveyor" in done.output
     command = "new action-connection car/survey:nav2_msgs/FollowWaypoints"
     assert f"; next: jausml {command}\n" in done.output
-    done = CliRunner().invoke(main, [*command.split(), "--model", "car.ros2jaus"])
-    assert done.exit_code == 0, done.output
-    done = CliRunner().invoke(main, ["validate", "car.ros2jaus"])
-    assert done.exit_code == 0, done.output
+    run(*command.split(), "--model", "car.ros2jaus")
+    done = run("validate", "car.ros2jaus")
     # The goal has members that no list has: whether their defaults will do, a person decides.
     assert "defaults are sent in number_of_loops, goal_index" in done.stdout
     assert "\n1 warning in" in f"\n{done.stderr}"
@@ -223,10 +203,7 @@ def crane(monkeypatch):
 @pytest.mark.parametrize("file", ["car.ros2jaus", "car.xmi"])
 def test_names_of_frames_go_into_maps_and_parameters_are_shown(tmp_path, monkeypatch, file):
     monkeypatch.chdir(tmp_path)
-    done = CliRunner().invoke(
-        main, ["new", "bridge", "face", "--from-graph", "--for", "60", "--yes", "--model", file]
-    )
-    assert done.exit_code == 0, done.output
+    done = new("--yes", file=file)
     told = done.stdout.splitlines()
     assert "/crane/odom names the frame crane/odom and the child frame crane/chassis" in told
     left = "no ready map carries sensor_msgs/Temperature of crane/motor for a vehicle; next: "
@@ -249,11 +226,9 @@ def test_names_of_frames_go_into_maps_and_parameters_are_shown(tmp_path, monkeyp
     }
     assert "--joints TOPIC=swing,lift states them" in shown["robot_description"]
     assert "silenceTimeout of the connection is yours to decide" in shown["cmd_vel_timeout 0.5"]
-    (line,) = [
-        output_line for output_line in told if output_line.startswith("crane/cmd_vel: JAUS -> ROS")
-    ]
+    (line,) = (line for line in told if line.startswith("crane/cmd_vel: JAUS -> ROS"))
     assert line.endswith("; the frame base_link is crane/chassis")
-    model = read_models([tmp_path / file], notations=NOTATIONS).model
+    model = model_of(tmp_path / file)
     [made] = model.instances(bridge.Bridge, library=False)
     frames = {
         assignment.target: assignment.value
@@ -265,5 +240,4 @@ def test_names_of_frames_go_into_maps_and_parameters_are_shown(tmp_path, monkeyp
     # What concerns safety is left to a person.
     assert not any(bridge_connection.silenceTimeout for bridge_connection in made.bridgeConnections)
     assert not made.quantities
-    done = CliRunner().invoke(main, ["validate", file, "--strict"])
-    assert done.exit_code == 0, done.output
+    run("validate", file, "--strict")

@@ -11,6 +11,7 @@ import pytest
 import warm
 from ports import free_domain, free_port
 from profiles import ADDRESSES, decided
+from scripts import ran
 from sweeps import sweep
 from workspaces import python_path
 
@@ -38,9 +39,7 @@ def without_waypoints(text):
 
 
 def jausml(*arguments):
-    return subprocess.run(
-        [*warm.command(), *map(str, arguments)], capture_output=True, text=True, timeout=180
-    )
+    return ran([*warm.command(), *map(str, arguments)], timeout=180)
 
 
 @pytest.mark.parametrize("profile", sweep(ADDRESSES, every=4))

@@ -2,12 +2,11 @@
 
 import needs
 import pytest
+from generated import model_of
 from ports import free_domain
 
 needs.ask("rclpy")
 
-from jausml.language.model import read_models
-from jausml.language.text.notation import NOTATIONS
 from jausml.live.systems.explaining import explained
 
 from .bridge_support import generate, wait_for
@@ -80,7 +79,7 @@ def recorded(tmp_path_factory):
     ],
 )
 def test_a_call_that_failed_is_explained_by_its_counter(recorded, connection, counter, why):
-    model = read_models([MODEL], notations=NOTATIONS, allow_outside=True).model
+    model = model_of(MODEL, allow_outside=True)
     (drop,) = [
         mark
         for mark in recorded.marks

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import needs
 import pytest
-from scripts import succeeded
+from scripts import ran, succeeded
 from sweeps import sweep
 from workspaces import python_path
 
@@ -272,17 +272,13 @@ def test_a_shutdown_that_wakes_nobody_is_noticed(workspace):
     [("factor:=2.0", "Parameter factor out of range"), ("factor:=1", "expecting type 'DOUBLE'")],
 )
 def test_a_value_that_does_not_do_is_one_line_and_status_2(workspace, parameter, words):
-    done = subprocess.run(
+    done = ran(
         [sys.executable, "-m", "talker.main", "--ros-args", "-p", parameter],
         env={**os.environ, "PYTHONPATH": python_path(workspace)},
-        capture_output=True,
-        text=True,
         timeout=PATIENCE,
     )
     assert done.returncode == 2, done.stderr
-    (line,) = [
-        output_line for output_line in done.stderr.splitlines() if "cannot run" in output_line
-    ]
+    (line,) = [output for output in done.stderr.splitlines() if "cannot run" in output]
     assert words in line
     assert "Traceback" not in done.stderr
 

@@ -1,10 +1,10 @@
 """A bridge does without modules that ROS imports and it does not use."""
 
-import subprocess
 import sys
 
 import needs
 import pytest
+from scripts import succeeded
 
 pytestmark = pytest.mark.live
 
@@ -21,9 +21,7 @@ print(*sorted({"em", "lark", "hashlib", "numpy._core", "yaml.nodes"} & set(sys.m
 
 
 def lines_of(program):
-    done = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=True
-    )
+    done = succeeded([sys.executable, "-c", program], timeout=60)
     return done.stdout.splitlines()
 
 

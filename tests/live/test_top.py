@@ -232,11 +232,7 @@ def test_what_a_bridge_measures_is_shown_beside_what_is_measured_outside(system)
         line = [*warm.command(), *words, "--port", str(system.port)]
         result = subprocess.run(line, capture_output=True, text=True, timeout=100)
         bridges = result.stdout.partition("bridge ")[2]
-        return [
-            output_line
-            for output_line in bridges.splitlines()
-            if output_line.split()[1:2] == ["odometry"]
-        ]
+        return [output for output in bridges.splitlines() if output.split()[1:2] == ["odometry"]]
 
     process = system.top()
     measure(wanted=True)

@@ -2,11 +2,11 @@
 
 import random
 import struct
-import subprocess
 from pathlib import Path
 from typing import Any
 
 import pytest
+from scripts import ran
 from sweeps import sweep
 from wire_vectors import golden_vectors, payload_of, vectors
 
@@ -124,11 +124,8 @@ def test_a_datagram_may_hold_several_messages(example, tmp_path):
 def test_a_second_dissector_says_that_it_is_not_loaded(example, tmp_path):
     capture = write_capture(tmp_path / "one.pcap", [udp(datagram(WRENCH))])
     scripts = [f"-Xlua_script:{path}" for path in (example, example)]
-    done = subprocess.run(
-        ["tshark", *scripts, "-r", capture, "-T", "fields", "-e", "jaus.message"],
-        capture_output=True,
-        text=True,
-        timeout=60,
+    done = ran(
+        ["tshark", *scripts, "-r", capture, "-T", "fields", "-e", "jaus.message"], timeout=60
     )
     assert done.stdout == "SetWrenchEffort\n"
     assert "is not loaded, since another script shows JAUS already: " in done.stderr

@@ -3,13 +3,13 @@
 import os
 import re
 import shutil
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 import warm
 from merging_support import MESSAGE, NODE, PACKAGE, PLANT
+from scripts import ran
 
 from jausml.language.model import LIBRARY_URI, read_models
 
@@ -40,14 +40,7 @@ class Repository:
         }
 
     def run(self, *command, status=0):
-        done = subprocess.run(
-            command,
-            cwd=self.folder,
-            env=self.environment,
-            capture_output=True,
-            text=True,
-            timeout=120,
-        )
+        done = ran(command, cwd=self.folder, env=self.environment, timeout=120)
         assert done.returncode == status, done.stdout + done.stderr
         return done.stdout + done.stderr
 
@@ -222,9 +215,7 @@ def test_a_model_that_moved_is_merged_with_what_changed_in_its_former_place(repo
 def test_references_by_position_follow_what_both_sides_did_to_another_file(repository):
     """git tells its drivers the other commit, so that the other files of their side can be read."""
     alarm, depth, last = (MESSAGE.format(name) for name in ("Alarm", "Depth", "Last"))
-    package, plant = (
-        repository.folder / "models" / file_name for file_name in ("d_msgs.xmi", "plant.xmi")
-    )
+    package, plant = (repository.folder / "models" / file for file in ("d_msgs.xmi", "plant.xmi"))
 
     def commit(branch, messages, *nodes):
         if branch != "main":

@@ -3,7 +3,6 @@
 import ast
 import importlib
 import importlib.util
-import subprocess
 import sys
 from functools import cache
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import Any
 
 import pytest
 from for_each import for_each
+from scripts import ran, succeeded
 
 from jausml.language.metamodel import ValueKind, load_jaus_metamodel, load_metamodels
 from jausml.language.metamodel.classes import bridge, jaus, ros
@@ -159,11 +159,8 @@ def names(subject: Subject, field: jaus.Field) -> None:
 def test_mypy_finds_what_the_metamodels_do_not_have(tmp_path):
     (tmp_path / "snippet.py").write_text(SNIPPET)
     command = [sys.executable, "-m", "mypy", "--strict", "--config-file", "pyproject.toml"]
-    done = subprocess.run(
-        [*command, "--cache-dir", str(ROOT / ".mypy_cache"), str(tmp_path / "snippet.py")],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
+    done = ran(
+        [*command, "--cache-dir", str(ROOT / ".mypy_cache"), str(tmp_path / "snippet.py")], cwd=ROOT
     )
     found = [line.split(": error: ")[1] for line in done.stdout.splitlines() if ": error: " in line]
     assert found == [
@@ -177,3 +174,30 @@ def test_mypy_finds_what_the_metamodels_do_not_have(tmp_path):
         '"Field" has no attribute "scale"  [attr-defined]',
         'Module has no attribute "FixedFeld"; maybe "FixedField"?  [attr-defined]',
     ]
+
+
+# -- several threads at once -----------------------------------------------------------------------
+
+
+PROGRAM = """
+import threading
+from jausml.language.metamodel import load_metamodels
+
+found, together = [], threading.Barrier(4)
+
+def load():
+    together.wait()
+    found.append(load_metamodels())
+
+threads = [threading.Thread(target=load) for _ in range(4)]
+for each in threads:
+    each.start()
+for each in threads:
+    each.join()
+print(len(found), len(set(map(id, found))))
+"""
+
+
+def test_metamodels_are_loaded_once():
+    done = succeeded([sys.executable, "-c", PROGRAM], timeout=60)
+    assert done.stdout.split() == ["4", "1"]

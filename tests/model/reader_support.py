@@ -2,6 +2,7 @@
 
 import re
 from pathlib import Path
+from typing import Any, ClassVar
 
 from jausml.language.metamodel import read_metamodels
 from jausml.language.model import read_models
@@ -41,6 +42,9 @@ def strip(text: str) -> tuple[str, list[tuple[int, int, str]]]:
 class Files:
     """A folder of documents that can be read."""
 
+    name = "model.xmi"
+    options: ClassVar[dict[str, Any]] = {"metamodels": ZOO_METAMODELS}
+
     def __init__(self, folder: Path) -> None:
         self.folder = folder
 
@@ -51,18 +55,17 @@ class Files:
         return path
 
     def read(self, *names: str, **options):
-        options.setdefault("metamodels", ZOO_METAMODELS)
-        options.setdefault("project_root", self.folder)
+        options = {"project_root": self.folder, **self.options, **options}
         return read_models([self.folder / name for name in names], **options)
 
-    def one(self, text: str | bytes, **options):
+    def one(self, text: str | bytes, name: str = "", **options):
         """Reads one document."""
-        self.write("model.xmi", text)
-        return self.read("model.xmi", **options)
+        self.write(name or self.name, text)
+        return self.read(name or self.name, **options)
 
-    def good(self, text: str | bytes, **options):
+    def good(self, text: str | bytes, name: str = "", **options):
         """Reads one document that has nothing to complain of, and returns its model."""
-        result = self.one(text, **options)
+        result = self.one(text, name, **options)
         assert result.diagnostics == []
         return result.model
 

@@ -84,9 +84,7 @@ def test_an_empty_source_is_no_name_that_an_expression_may_use(tmp_path):
         '<conversions kind="expression" expression="x"/></toRos></maps></bridge:MapLibrary>'
     )
     (unknown,) = [
-        diagnostic
-        for diagnostic in check_project([path]).diagnostics
-        if diagnostic.rule == "JML441"
+        finding for finding in check_project([path]).diagnostics if finding.rule == "JML441"
     ]
     assert unknown.hint == "there is value"
 
@@ -105,8 +103,6 @@ def test_an_id_that_reads_like_a_path_is_told_to_be_another_one(tmp_path):
     head = '<components xmlns:xmi="http://www.omg.org/XMI" xmi:id="/x" name="a" address="1.1.1"/>'
     path.write_text(SYSTEM.format(f'{head}<hosts name="h"/><placements components="/x"/>'))
     (found,) = [
-        diagnostic
-        for diagnostic in check_project([path]).diagnostics
-        if diagnostic.rule == "JML202"
+        finding for finding in check_project([path]).diagnostics if finding.rule == "JML202"
     ]
     assert found.hint == "the xmi:id '/x' is no path: use another id, without '/' at its beginning"

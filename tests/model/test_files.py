@@ -3,7 +3,7 @@
 import codecs
 
 import pytest
-from reader_support import XMLNS, zoo
+from reader_support import XMLNS, ZOO_METAMODELS, zoo
 
 from jausml.language.model import Location, read_models
 from jausml.language.model.inputs import LIMIT
@@ -135,12 +135,9 @@ def test_entities_are_never_declared(documents, subset):
     assert result.model.root is None
 
 
-def test_external_dtd(documents):
+def test_external_dtd_and_doctype_in_utf_16(documents):
     text = zoo().replace("<zoo:Zoo", '<!DOCTYPE z SYSTEM "http://www.example.org/z.dtd"><zoo:Zoo')
     assert rules(documents.one(text)) == ["JML007"]
-
-
-def test_doctype_in_utf_16(documents):
     text = zoo().replace("<zoo:Zoo", "<!DOCTYPE z><zoo:Zoo").replace("UTF-8", "UTF-16")
     assert rules(documents.one(text.encode("utf-16"))) == ["JML007"]
 
@@ -167,15 +164,9 @@ def test_paths_are_shown_as_given(documents, monkeypatch):
     documents.write("sub/a.xmi", zoo('<main href="../lib.xmi#nowhere"/>'))
     documents.write("lib.xmi", zoo("<wheels/>"))
     monkeypatch.chdir(documents.folder)
-    from reader_support import ZOO_METAMODELS
-
-    from jausml.language.model import read_models
-
     result = read_models(["sub/a.xmi"], metamodels=ZOO_METAMODELS)
-    assert [diagnostic.location.path for diagnostic in result.diagnostics] == [
-        "lib.xmi",
-        "sub/a.xmi",
-    ]
+    paths = [diagnostic.location.path for diagnostic in result.diagnostics]
+    assert paths == ["lib.xmi", "sub/a.xmi"]
 
 
 def test_reading_twice_finds_the_same(documents):

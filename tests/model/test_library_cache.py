@@ -2,7 +2,10 @@
 
 import os
 import shutil
+import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from threading import Barrier
 
 import pytest
 from sweeps import sweep
@@ -213,3 +216,33 @@ def test_what_an_element_owns_is_of_a_class_that_it_may_own(path):
             table = class_of(owned)
             assert {table, *table.supertypes} <= held
             assert names.held_by(model.metamodels, table) <= held
+
+
+# -- several threads -------------------------------------------------------------------------------
+
+
+THREADS = 4
+
+
+@pytest.fixture
+def hasty():
+    """Threads that take turns as often as they can."""
+    before = sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)
+    yield
+    sys.setswitchinterval(before)
+
+
+@pytest.mark.usefixtures("hasty")
+def test_all_threads_find_all_instances():
+    model = read_models([library_root() / "jaus" / "mobility.xmi"]).model
+    begin = Barrier(THREADS)
+
+    def count(_):
+        begin.wait()
+        return len(model.instances(jaus.MessageDef))
+
+    with ThreadPoolExecutor(THREADS) as threads:
+        counts = set(threads.map(count, range(THREADS)))
+    assert counts == {len(model.instances(jaus.MessageDef))}
+    assert counts != {0}

@@ -4,11 +4,10 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from generated import model_in
 from sweeps import sweep
 
 from jausml.generation.target import system_of
-from jausml.language.model import read_models
-from jausml.language.text.notation import NOTATIONS
 from jausml.model_checking.bridge_products import CommandingProduct, ObeyingProduct
 from jausml.model_checking.checking import check_subject
 from jausml.model_checking.runtime_machines import (
@@ -303,9 +302,7 @@ ROVER = (Path(__file__).with_name("rover.ros2jaus")).read_text(encoding="utf-8")
 
 
 def found_in(text, tmp_path, name):
-    path = tmp_path / "rover.ros2jaus"
-    path.write_text(text, encoding="utf-8")
-    model = read_models([path], notations=NOTATIONS).model
+    model = model_in(tmp_path, text, "rover.ros2jaus")
     (subject,) = [
         candidate for candidate in subjects_of(system_of(model)) if candidate.name == name
     ]

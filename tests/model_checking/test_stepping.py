@@ -1,12 +1,12 @@
 """Machines that are stepped by hand, and the tests that are made of paths."""
 
 import os
-import subprocess
 import sys
 from pathlib import Path
 from random import Random
 
 import pytest
+from scripts import ran
 from sweeps import sweep
 
 from jausml.language.metamodel.classes import jaus
@@ -48,12 +48,10 @@ def ends(machine, *steps):
 
 def passed_in(path, folder, python_path):
     """Returns whether the tests of a folder pass beside packages, and what pytest says."""
-    done = subprocess.run(
+    done = ran(
         [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "no:xdist", path],
         cwd=folder,
         env={**os.environ, "PYTHONPATH": python_path, "PYTEST_ADDOPTS": ""},
-        capture_output=True,
-        text=True,
         timeout=200,
     )
     return done.returncode == 0, done.stdout

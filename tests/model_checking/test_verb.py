@@ -2,7 +2,6 @@
 
 import json
 import os
-import subprocess
 import sys
 from hashlib import sha256
 from pathlib import Path
@@ -10,6 +9,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 from lxml import etree
+from scripts import ran
 from sweeps import sweep
 from workspaces import python_path
 
@@ -163,14 +163,7 @@ def results_of(model, examples, folder):
     result = CliRunner().invoke(main, ["generate", str(model), "--all", "-o", str(folder), "-q"])
     assert result.exit_code == 0, result.output
     line = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", str(examples)]
-    done = subprocess.run(
-        line,
-        env={**os.environ, "PYTHONPATH": python_path(folder)},
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        timeout=100,
-    )
+    done = ran(line, env={**os.environ, "PYTHONPATH": python_path(folder)}, cwd=folder, timeout=100)
     return done.stdout.splitlines()[-1]
 
 

@@ -78,9 +78,7 @@ class Walk:
     def _of_the_core(self, *, ticks):
         known = {*CLIENT_MESSAGES, "SetEmergency", "ClearEmergency", "fails", "passes"}
         steps = [
-            candidate_step
-            for candidate_step in self.product.steps(self.state)
-            if candidate_step[0].what in known
+            candidate for candidate in self.product.steps(self.state) if candidate[0].what in known
         ]
         steps = [
             candidate_step for candidate_step in steps if candidate_step[0].is_tick or not ticks

@@ -8,10 +8,8 @@ def test_alarms_come_newest_first_and_say_when_their_subject_is_back():
     journal.alarm("gps (1.1.2)", "lost: silent")
     journal.alarm("gps (1.1.2)", "no source", "connection bridge.fix")
     journal.alarm("gps (1.1.2)", "lost: silent")  # it sounds already
-    assert [alarm["subject"] for alarm in journal.alarms] == [
-        "connection bridge.fix",
-        "gps (1.1.2)",
-    ]
+    subjects = [alarm["subject"] for alarm in journal.alarms]
+    assert subjects == ["connection bridge.fix", "gps (1.1.2)"]
     journal.returned("gps (1.1.2)")
     assert [bool(alarm["back"]) for alarm in journal.alarms] == [False, True]
     journal.alarm("gps (1.1.2)", "lost: silent")  # again

@@ -11,6 +11,7 @@ import check_jsonschema
 import pytest
 import yaml
 from click.testing import CliRunner
+from scripts import ran
 from sweeps import sweep
 
 from jausml.cli import main
@@ -80,9 +81,7 @@ def run_action(folder, **given):
     } | given
     known = {f"inputs.{name}": value for name, value in inputs.items()}
     (step,) = (
-        action_step
-        for action_step in ACTION["runs"]["steps"]
-        if action_step.get("name") == "Validate models"
+        action for action in ACTION["runs"]["steps"] if action.get("name") == "Validate models"
     )
     assert "${{" not in step["run"], "an input within a script could be a command"
     values = {
@@ -91,12 +90,10 @@ def run_action(folder, **given):
     }
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     # So GitHub calls a script of `shell: bash`.
-    return subprocess.run(
+    return ran(
         ["bash", "--noprofile", "--norc", "-eo", "pipefail", "-c", step["run"]],
         cwd=folder,
         env={**os.environ, **values, "PATH": path},
-        capture_output=True,
-        text=True,
         timeout=120,
     )
 
@@ -184,9 +181,7 @@ def test_the_commands_of_the_examples_run(repository):
     assert all(found.values())
     (repository / "models" / "doubtful.xmi").unlink()
     assert CliRunner().invoke(main, ["generate", "models/robot.xmi", "-o", "src"]).exit_code == 0
-    for command in dict.fromkeys(
-        command_line for commands in found.values() for command_line in commands
-    ):
+    for command in dict.fromkeys(line for commands in found.values() for line in commands):
         done = CliRunner().invoke(main, command.split())
         assert done.exit_code == 0, done.output
     for report in ("jausml.xml", "generated.xml"):

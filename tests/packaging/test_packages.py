@@ -1,10 +1,11 @@
 """Each folder of code is a package: what is left of one that moved would be imported as well."""
 
-import subprocess
 import sys
 from pathlib import Path
 
+import grimp
 import pytest
+from scripts import ran
 from sources import PACKAGES, ROOT
 
 GUARDS = ("pyproject.toml",)
@@ -53,11 +54,28 @@ def test_the_wheel_takes_the_data_of_each_package():
             package = ".".join([name, *folder.relative_to(ROOT / place).parts])
             for pattern in (*told["package-data"].get(package, ()), *told["package-data"]["*"]):
                 taken.update(folder.glob(pattern))
-    listed = subprocess.run(
-        ["git", "ls-files", "-z", *folders.values()], cwd=ROOT, capture_output=True, text=True
-    ).stdout.split("\0")
+    listed = ran(["git", "ls-files", "-z", *folders.values()], cwd=ROOT).stdout.split("\0")
     data = {Path(ROOT, path) for path in listed if path and not path.endswith(".py")}
     # Of a skeleton beside its model the modules are enough: who generates it gets the rest.
     lost = {datum for datum in data if datum.is_file() and "src" not in datum.parts} - taken
     assert data
     assert lost == set()
+
+
+# -- imports of types included ---------------------------------------------------------------------
+
+
+def circles():
+    """All groups of modules that import each other, directly or through others."""
+    graph = grimp.build_graph(*PACKAGES, cache_dir=None)
+    assert {module_name.partition(".")[0] for module_name in graph.modules} == set(PACKAGES)
+    found = set()
+    for module in graph.modules:
+        others = graph.find_upstream_modules(module) & graph.find_downstream_modules(module)
+        if others - {module}:
+            found.add(frozenset({module} | others))
+    return found
+
+
+def test_there_are_no_circles():
+    assert circles() == set()

@@ -1,10 +1,7 @@
 """Targets for the live tools: components of ours and of another make, on loopback."""
 
-import importlib.util
-import sys
 import time
 from contextlib import ExitStack
-from pathlib import Path
 
 import ports
 import pytest
@@ -23,18 +20,13 @@ from jausml.runtime.messages.machine_states import (
     QueryMachineStates,
     ReportMachineStates,
 )
+from tests.peers.peer import FaultyPeer
 
 TARGET = JausAddress(100, 1, 1)
 CORE = "urn:jaus:jss:core:"
 NAMES = (
-    "Transport",
-    "Events",
-    "AccessControl",
-    "Management",
-    "Liveness",
-    "Discovery",
-    "Time",
-    "ListManager",
+    *("Transport", "Events", "AccessControl", "Management"),
+    *("Liveness", "Discovery", "Time", "ListManager"),
 )
 
 
@@ -43,12 +35,6 @@ class Target(JausComponent):
 
     def supports_element(self, _element):
         return True
-
-
-@pytest.fixture(scope="session")
-def find_free_port():
-    """Returns a UDP port of loopback that nobody uses, another one each time."""
-    return ports.free_port
 
 
 @pytest.fixture
@@ -101,25 +87,13 @@ def component(free_port):
         yield start
 
 
-@pytest.fixture(scope="session")
-def peer_module():
-    """The component of another make, from the file beside this one."""
-    spec = importlib.util.spec_from_file_location(
-        "faulty_peer", Path(__file__).with_name("peer.py")
-    )
-    module = importlib.util.module_from_spec(spec)
-    sys.modules["faulty_peer"] = module
-    spec.loader.exec_module(module)
-    return module
-
-
 @pytest.fixture
-def peer(free_port, peer_module):
+def peer(free_port):
     """Starts a component of another make with faults; returns it."""
     with ExitStack() as stack:
 
         def start(*faults):
-            made = peer_module.FaultyPeer(TARGET, free_port, *faults)
+            made = FaultyPeer(TARGET, free_port, *faults)
             stack.callback(made.close)
             return made
 
@@ -175,5 +149,17 @@ def jausml(free_port):
     def run(*arguments, input=None):  # noqa: A002 - click's name
         words = [*map(str, arguments), "--port", str(free_port)]
         return CliRunner().invoke(main, words, input=input)
+
+    return run
+
+
+@pytest.fixture
+def refused(jausml):
+    """Runs the command line, which refuses for a reason what it is told."""
+
+    def run(reason, *arguments):
+        result = jausml(*arguments)
+        assert result.exit_code == 2, result.output
+        assert reason in result.stderr
 
     return run

@@ -4,8 +4,10 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import pytest
+from ports import free_port
 
 from jausml.live.peers.conformance.access import requires
+from jausml.live.peers.conformance.client import Client
 from jausml.live.peers.conformance.evidence import Verdict, describe
 from jausml.live.peers.conformance.run import (
     TargetNotReached,
@@ -18,7 +20,9 @@ from jausml.live.peers.conformance.session import Limits
 from jausml.live.peers.network import make_network
 from jausml.runtime import JausComponent, ServiceIdentity
 from jausml.runtime.base.address import JausAddress
+from jausml.runtime.messages import ClearEmergency, SetEmergency
 from jausml.runtime.services.definitions import Status
+from tests.peers.peer import FaultyPeer
 
 pytestmark = pytest.mark.ports
 
@@ -109,14 +113,14 @@ def skipped(report):
 
 
 @pytest.fixture(scope="module")
-def found(peer_module, catalogue, find_free_port):
+def found(catalogue):
     """The verdict of the named check on each fault; the faulty peers are tested side by side."""
     assert catalogue.messages  # made once, not by several threads
 
     def test(fault):
-        port = find_free_port()
+        port = free_port()
         network = make_network("65000.1.1", "127.0.0.1", port, "239.255.0.1", [])
-        peer = peer_module.FaultyPeer(TARGET, port, fault)
+        peer = FaultyPeer(TARGET, port, fault)
         try:
             with opened(network, TARGET, catalogue, timeout=0.8, quiet=0.15) as session:
                 return verdicts(run(session, only(FAULTS[fault]), lambda _: None))
@@ -306,3 +310,28 @@ def test_services_of_a_target_without_discovery_come_from_its_subsystem(
 )
 def test_evidence_says_what_a_payload_is(payload, text, catalogue):
     assert describe(bytes.fromhex(payload), catalogue).startswith(text)
+
+
+# -- what a client has caused is owed until it is undone -------------------------------------------
+
+
+def test_ctrl_c_while_it_is_undone_leaves_nothing_behind(
+    component, network, catalogue, monkeypatch
+):
+    target = component()
+    with opened(network, TARGET, catalogue, timeout=0.4, quiet=0.05) as session:
+        session.client(1).send(SetEmergency(emergency_code=1))
+        assert session.reaches(Status.EMERGENCY)
+        put = Client.put
+
+        def interrupted(client, packet):
+            if packet.payload[:2] == ClearEmergency(emergency_code=1).encode()[:2]:
+                raise KeyboardInterrupt
+            put(client, packet)
+
+        monkeypatch.setattr(Client, "put", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            session.tidy()
+        monkeypatch.undo()
+        assert session.tidy()
+        assert target.status is Status.STANDBY

@@ -12,6 +12,7 @@ from jausml.live.peers.conformance.formats import render_json, render_junit, ren
 from jausml.live.peers.conformance.run import all_groups, opened, run
 from jausml.live.peers.rendering import report_json, report_line
 from jausml.runtime.base.address import JausAddress
+from tests.peers.peer import FaultyPeer
 
 pytestmark = pytest.mark.ports
 
@@ -45,11 +46,11 @@ def test_any_short_payload_can_be_described(catalogue, payload):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
-def test_a_target_that_babbles_gets_a_report(seed, catalogue, peer_module, free_port, network):
+def test_a_target_that_babbles_gets_a_report(seed, catalogue, free_port, network):
     """Each answer has the right message code and a body that is cut, prolonged or random."""
     chance = random.Random(seed)
 
-    class Babbler(peer_module.FaultyPeer):
+    class Babbler(FaultyPeer):
         def put(self, packet):
             payload = packet.payload
             choice = chance.randrange(4)

@@ -76,7 +76,7 @@ def test_every_report_of_a_component_is_shown_as_a_table(jausml):
 
 @pytest.mark.ports
 @pytest.mark.usefixtures("stamped")
-def test_a_model_names_components_and_reports(jausml, tmp_path, monkeypatch):
+def test_a_model_names_components_and_reports(jausml, refused, tmp_path, monkeypatch):
     model = tmp_path / "speed.ros2jaus"
     model.write_text(MODEL, encoding="utf-8")
     result = jausml("latency", model, "--duration", "0.5", "--format", "json")
@@ -85,9 +85,7 @@ def test_a_model_names_components_and_reports(jausml, tmp_path, monkeypatch):
     assert (found["component"], found["report"]) == ("100.1.1", "ReportVelocityState")
     assert jausml("latency", model, "VelocityState").exit_code == 2
     monkeypatch.chdir(tmp_path)
-    result = jausml("latency", "--duration", "0.5")
-    assert result.exit_code == 2
-    assert "Missing argument 'ID|MODEL': no project is here" in result.stderr
+    refused("Missing argument 'ID|MODEL': no project is here", "latency", "--duration", "0.5")
     (tmp_path / ".project").write_text("<projectDescription/>", encoding="utf-8")
     result = jausml("latency", "--duration", "0.5")
     assert result.exit_code == 0, result.output
@@ -105,17 +103,13 @@ def test_a_report_that_never_comes_is_exit_status_1(jausml, component):
 
 
 @pytest.mark.ports
-def test_nobody_there_is_exit_status_2(jausml):
-    result = jausml("latency", "100.1.1", "--timeout", "0.2")
-    assert result.exit_code == 2
-    assert "--interface" in result.stderr
+def test_nobody_there_is_exit_status_2(refused):
+    refused("--interface", "latency", "100.1.1", "--timeout", "0.2")
 
 
 @pytest.mark.parametrize("source", ["nothing.xmi", "100.1", "100.1.255"])
-def test_what_is_no_source_is_refused(jausml, source):
-    result = jausml("latency", source)
-    assert result.exit_code == 2
-    assert "is no file, and no JAUS id" in result.stderr
+def test_what_is_no_source_is_refused(refused, source):
+    refused("is no file, and no JAUS id", "latency", source)
 
 
 def test_a_model_with_errors_is_refused(jausml, tmp_path):

@@ -1,9 +1,9 @@
 """A component that is lost while it is commanded, and tools that must not disturb each other."""
 
-import os
 import re
 import subprocess
 from contextlib import ExitStack, contextmanager
+from functools import partial
 from threading import Event, Thread
 
 import pytest
@@ -56,6 +56,25 @@ def meanwhile(action):
         thread.join()
 
 
+@pytest.fixture
+def driven(jausml, wait_until):
+    """Runs the command line; acts once a vehicle has obeyed so many commands."""
+
+    def run(target, act, *words, obeyed=6, **options):
+        def wait_and_act():
+            wait_until(lambda: len(target.wrenches) >= obeyed, 30)
+            act()
+
+        with meanwhile(wait_and_act):
+            return jausml(*words, **options)
+
+    return run
+
+
+def stop_by(rival):
+    return partial(rival.send, SetEmergency(emergency_code=STOP), TARGET, acknowledge=True)
+
+
 def test_a_lost_command_of_management_is_sent_again_but_what_lets_move(jausml, peer, free_port):
     target = peer("loses each first command")
     session = "control 100.1.1\nresume\nresume\nstandby\nrelease\n"
@@ -68,15 +87,9 @@ def test_a_lost_command_of_management_is_sent_again_but_what_lets_move(jausml, p
     assert target.state == STANDBY
 
 
-def test_an_emergency_ends_a_command_and_is_told(jausml, vehicle, rival, wait_until):
+def test_an_emergency_ends_a_command_and_is_told(driven, vehicle, rival):
     target = vehicle()
-
-    def stop():
-        wait_until(lambda: len(target.wrenches) > 5, 30)
-        rival.send(SetEmergency(emergency_code=STOP), TARGET, acknowledge=True)
-
-    with meanwhile(stop):
-        result = jausml(*COMMAND, *FOR_EVER)
+    result = driven(target, stop_by(rival), *COMMAND, *FOR_EVER)
     assert result.exit_code == 4
     assert "100.1.1 is lost: EMERGENCY" in result.stderr
     assert "SetWrenchEffort sent to 100.1.1" in result.stderr
@@ -84,17 +97,10 @@ def test_an_emergency_ends_a_command_and_is_told(jausml, vehicle, rival, wait_un
     assert target.status is Status.EMERGENCY
 
 
-def test_an_emergency_of_core_1_0_ends_a_command_for_good(jausml, vehicle, rival, wait_until):
+def test_an_emergency_of_core_1_0_ends_a_command_for_good(driven, vehicle, rival, wait_until):
     target = vehicle(version=0)
-
-    def stop_and_clear():
-        wait_until(lambda: len(target.wrenches) > 5, 30)
-        rival.send(SetEmergency(emergency_code=STOP), TARGET, acknowledge=True)
-        wait_until(lambda: target.status is Status.EMERGENCY)
-
-    with meanwhile(stop_and_clear):
-        result = jausml(*COMMAND, *FOR_EVER)
-    assert result.exit_code == 4
+    assert driven(target, stop_by(rival), *COMMAND, *FOR_EVER).exit_code == 4
+    wait_until(lambda: target.status is Status.EMERGENCY)
     sent = len(target.wrenches)
     rival.send(ClearEmergency(emergency_code=STOP), TARGET, acknowledge=True)
     wait_until(lambda: target.status is not Status.EMERGENCY)
@@ -102,56 +108,36 @@ def test_an_emergency_of_core_1_0_ends_a_command_for_good(jausml, vehicle, rival
     assert len(target.wrenches) == sent
 
 
-def test_a_take_over_ends_a_command_and_says_by_whom(jausml, vehicle, rival, wait_until):
+def test_a_take_over_ends_a_command_and_says_by_whom(driven, vehicle, rival):
     target = vehicle(control_timeout=0)
-
-    def take_over():
-        wait_until(lambda: len(target.wrenches) > 5, 30)
-        rival.send(RequestControl(authority_code=255), TARGET, acknowledge=True)
-
-    with meanwhile(take_over):
-        result = jausml(*COMMAND, *FOR_EVER)
+    take_over = partial(rival.send, RequestControl(authority_code=255), TARGET, acknowledge=True)
+    result = driven(target, take_over, *COMMAND, *FOR_EVER)
     assert result.exit_code == 4
     assert "controlled by 9.1.1 with authority 255" in result.stderr
     assert target.controller == rival.address
 
 
-def test_a_target_that_dies_ends_a_command(jausml, vehicle, wait_until):
+def test_a_target_that_dies_ends_a_command(driven, vehicle):
     target = vehicle()
-
-    def die():
-        wait_until(lambda: len(target.wrenches) > 5, 30)
-        target.transport.detach(TARGET)
-
-    with meanwhile(die):
-        result = jausml(*COMMAND, *FOR_EVER, "--timeout", "0.5")
+    die = partial(target.transport.detach, TARGET)
+    result = driven(target, die, *COMMAND, *FOR_EVER, "--timeout", "0.5")
     assert result.exit_code == 4
     assert "100.1.1 is lost: it does not answer any more" in result.stderr
     assert " of them when it may not have been READY and ours" in result.stderr
 
 
-def test_a_target_that_dies_unseen_is_noticed_before_the_release(jausml, vehicle, wait_until):
+def test_a_target_that_dies_unseen_is_noticed_before_the_release(driven, vehicle):
     target = vehicle()
-
-    def die():
-        wait_until(lambda: target.wrenches, 30)
-        target.transport.detach(TARGET)
-
-    with meanwhile(die):
-        result = jausml(*COMMAND, "--duration", "0.3", "--timeout", "0.5")
+    die = partial(target.transport.detach, TARGET)
+    result = driven(target, die, *COMMAND, "--duration", "0.3", "--timeout", "0.5", obeyed=1)
     assert result.exit_code == 4
     assert "it does not answer any more" in result.stderr
 
 
-def test_who_keeps_sending_is_told_how_much_was_in_vain(jausml, vehicle, rival, wait_until):
+def test_who_keeps_sending_is_told_how_much_was_in_vain(driven, vehicle, rival):
     target = vehicle()
-
-    def stop():
-        wait_until(lambda: len(target.wrenches) > 5, 30)
-        rival.send(SetEmergency(emergency_code=STOP), TARGET, acknowledge=True)
-
-    with meanwhile(stop):
-        result = jausml(*COMMAND, "--rate", "20", "--duration", "3", "--keep-sending")
+    how = ("--rate", "20", "--duration", "3", "--keep-sending")
+    result = driven(target, stop_by(rival), *COMMAND, *how)
     assert result.exit_code == 4
     words = result.stderr.partition("SetWrenchEffort sent to 100.1.1 ")[2].split()
     sent, doubtful = int(words[0]), int(words[2])
@@ -159,14 +145,7 @@ def test_who_keeps_sending_is_told_how_much_was_in_vain(jausml, vehicle, rival, 
     assert doubtful > 10
 
 
-def test_a_session_tells_what_becomes_of_control(jausml, vehicle, rival, wait_until):
-    target = vehicle()
-
-    def stop():
-        # The session has seen by then that it is ready, as it would not have sent before.
-        wait_until(lambda: target.wrenches, 30)
-        rival.send(SetEmergency(emergency_code=STOP), TARGET, acknowledge=True)
-
+def test_a_session_tells_what_becomes_of_control(driven, vehicle, rival):
     commands = """
         control 100.1.1
         resume
@@ -174,8 +153,8 @@ def test_a_session_tells_what_becomes_of_control(jausml, vehicle, rival, wait_un
         wait 2
         send SetWrenchEffort {"PropulsiveLinearEffortX": 50}
     """
-    with meanwhile(stop):
-        result = jausml("ocu", input=commands)
+    # Once it has sent, the session has seen that the vehicle is ready.
+    result = driven(vehicle(), stop_by(rival), "ocu", obeyed=1, input=commands)
     assert result.exit_code == 4
     assert "note: 100.1.1 is not controlled by us any more" in result.stdout
     assert "note: 100.1.1 is in EMERGENCY" in result.stdout
@@ -241,15 +220,9 @@ def test_a_program_that_sends_under_our_id_is_warned_of(jausml, component, free_
 
 def test_a_watch_goes_on_while_another_tool_commands(jausml, vehicle, free_port, wait_until):
     target = vehicle()
-    watch = subprocess.Popen(
-        [
-            *(*warm.command(), "ocu", "watch", "100.1.1", "VelocityState"),
-            *("--rate", "10", "--count", "40", "--port", str(free_port)),
-        ],
-        stdout=subprocess.PIPE,
-        text=True,
-        env=os.environ,
-    )
+    line = [*warm.command(), "ocu", "watch", "100.1.1", "VelocityState", "--port", str(free_port)]
+    line += ["--rate", "10", "--count", "40"]
+    watch = subprocess.Popen(line, stdout=subprocess.PIPE, text=True)
     try:
         wait_until(lambda: target._jaus_events._events, 60)
         result = jausml(*COMMAND, "--rate", "20", "--duration", "1")

@@ -64,9 +64,7 @@ def test_a_generated_winch_is_seen_to_move(winch):
     (told,) = component["machines"]
     assert told["state"] == f"{READY}.Moving.PayingOut"
     assert told["seconds"] > 0
-    assert {state_time["state"]: state_time["entries"] for state_time in told["times"]}[
-        told["state"]
-    ] == 1
+    assert {state["state"]: state["entries"] for state in told["times"]}[told["state"]] == 1
     (line,) = [row for row in table.stdout.splitlines() if "ReceiveFSM" in row]
     assert line.split()[:4] == [ADDRESS, "Winch", "ReceiveFSM", "Moving.PayingOut"]
     assert "NotControlled.Available.Standby" in line

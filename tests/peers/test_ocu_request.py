@@ -133,11 +133,9 @@ def test_a_command_of_management_ends_in_its_state(jausml, vehicle):
     assert "ReportStatus  Status=2 (STANDBY)" in result.stdout
 
 
-def test_nobody_there(jausml, component):
+def test_nobody_there(refused, component):
     component()
-    result = jausml("ocu", "request", "100.1.9", "SetElement", "{}", "--timeout", "0.3")
-    assert result.exit_code == 2
-    assert "check the id" in result.stderr
+    refused("check the id", "ocu", "request", "100.1.9", "SetElement", "{}", "--timeout", "0.3")
 
 
 def test_a_session_requests(jausml, vehicle):

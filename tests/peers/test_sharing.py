@@ -5,6 +5,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import ports
 import pytest
 from click.testing import CliRunner
 
@@ -68,10 +69,10 @@ def test_listening_names_what_shows_the_traffic(taken):
 @pytest.mark.parametrize(
     "words", [("ocu", "status", "100.1.1"), ("conformance", "100.1.1", "--only", "liveness")]
 )
-def test_another_port_and_a_peer_reach_a_component(words, component, free_port, find_free_port):
+def test_another_port_and_a_peer_reach_a_component(words, component, free_port):
     component()
     peer = f"100.1.1=127.0.0.1:{free_port}"
-    result = run(*words, "--port", find_free_port(), "--peer", peer)
+    result = run(*words, "--port", ports.free_port(), "--peer", peer)
     assert result.exit_code == 0, result.output
 
 
@@ -95,13 +96,13 @@ def test_ocu_goes_through_a_node_manager(manager):
     assert result.stdout == "100.1.1 STANDBY; not controlled, default authority 0\n", result.stderr
 
 
-def test_ocu_speaks_tcp(free_port, find_free_port):
+def test_ocu_speaks_tcp(free_port):
     settings = TransportSettings(port=free_port, transport=TransportKind.JTCP)
     services = [ServiceIdentity(CORE + name, 1, 1) for name in ("Management", "AccessControl")]
     with running_transport(settings) as transport:
         target = JausComponent(transport, JausAddress(100, 1, 1), name="target", services=services)
         target.start()
-        options = ("--transport", "jtcp", "--port", find_free_port())
+        options = ("--transport", "jtcp", "--port", ports.free_port())
         result = run(
             "ocu", "status", "100.1.1", *options, "--peer", f"100.1.1=127.0.0.1:{free_port}"
         )

@@ -130,17 +130,13 @@ def test_nothing_heard_is_exit_status_2(jausml):
 
 
 @pytest.mark.ports
-def test_neither_ros_nor_a_network_is_an_error(jausml):
-    result = jausml("top", "--once", "--interface", "203.0.113.7")
-    assert result.exit_code == 2
-    assert "the network cannot be used" in result.stderr
+def test_neither_ros_nor_a_network_is_an_error(refused):
+    refused("the network cannot be used", "top", "--once", "--interface", "203.0.113.7")
 
 
-def test_without_its_extra_it_says_so(jausml, monkeypatch):
+def test_without_its_extra_it_says_so(refused, monkeypatch):
     monkeypatch.setitem(sys.modules, "textual", None)
-    result = jausml("top")
-    assert result.exit_code == 2
-    assert installing.command("top") in result.stderr
+    refused(installing.command("top"), "top")
 
 
 @pytest.mark.slow
@@ -170,13 +166,9 @@ def test_the_view_ends_and_leaves_the_terminal_as_it_was(key, free_port):
     assert screen.index(b"\x1b[?1049h") < screen.index(b"\x1b[?1049l")
 
 
-def test_what_is_no_terminal_is_refused(jausml):
-    result = jausml("top")
-    assert result.exit_code == 2
-    assert "this is no terminal; --once and --json do without" in result.stderr
+def test_what_is_no_terminal_is_refused(refused):
+    refused("this is no terminal; --once and --json do without", "top")
 
 
-def test_an_id_is_not_taken_for_a_file(jausml):
-    result = jausml("top", "--once", "100.1.1")
-    assert result.exit_code == 2
-    assert "jausml ocu status 100.1.1" in result.stderr
+def test_an_id_is_not_taken_for_a_file(refused):
+    refused("jausml ocu status 100.1.1", "top", "--once", "100.1.1")

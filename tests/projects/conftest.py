@@ -21,6 +21,20 @@ def jausml():
 
 
 @pytest.fixture(scope="session")
+def refused(jausml):
+    """Runs a verb that is refused for a reason, and leaves what is beside a model as it was."""
+
+    def run(reason, model, *arguments):
+        before = {path: path.read_bytes() for path in model.parent.rglob("*") if path.is_file()}
+        done = jausml(*arguments, status=2)
+        assert reason in done.output
+        after = {path: path.read_bytes() for path in model.parent.rglob("*") if path.is_file()}
+        assert after == before
+
+    return run
+
+
+@pytest.fixture(scope="session")
 def same_folder(tmp_path_factory):
     return tmp_path_factory.mktemp("projects")
 

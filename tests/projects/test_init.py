@@ -69,30 +69,19 @@ def test_the_commands_that_it_names_work(project):
         subprocess.run(command, cwd=folder, check=True, capture_output=True)
 
 
-def test_copies_of_the_library_are_the_library(project):
-    result = read_models([project() / "models" / "rover.xmi"])
-    service = next(
-        candidate
-        for candidate in result.model.instances(jaus.Service)
-        if candidate.name == "Management"
-    )
-    assert result.model.is_library(service)
-    assert [document.display for document in result.model.documents if not document.is_library] == [
-        str(result.model.documents[0].path)
-    ]
-
-
-def test_copies_of_the_library_are_no_files_of_an_opened_project(project):
-    assert [file.path for file in Project(project()).files] == ["models/rover.xmi"]
-
-
-def test_a_copy_that_was_edited_is_the_users(project):
+def test_copies_of_the_library_are_the_library_until_they_are_edited(project):
     folder = project()
+    path = folder / "models" / "rover.xmi"
+    model = read_models([path]).model
+    (service, *_) = (e for e in model.instances(jaus.Service) if e.name == "Management")
+    assert model.is_library(service)
+    own = [document.path for document in model.documents if not document.is_library]
+    assert own == [path.resolve()]
+    assert [file.path for file in Project(folder).files] == ["models/rover.xmi"]
     copy = folder / "library" / "jaus" / "mobility.xmi"
     copy.write_text(copy.read_text("utf-8").replace('code="0x', 'code="0X', 1), "utf-8")
-    result = read_models([folder / "models" / "rover.xmi"])
-    own = {document.path for document in result.model.documents if not document.is_library}
-    assert copy.resolve() in own
+    documents = read_models([path]).model.documents
+    assert copy.resolve() in {document.path for document in documents if not document.is_library}
 
 
 @pytest.mark.needs("emf")
@@ -146,6 +135,7 @@ def test_what_cannot_be_made(tmp_path, folder, options, words, jausml):
 def test_what_comes_next_can_be_pasted(tmp_path, monkeypatch, jausml):
     monkeypatch.chdir(tmp_path)
     assert "\n  cd 'my rover'\n" in jausml("init", "my rover").output
+    assert "\n  cd ./-x\n" in jausml("init", "--name", "x", "--", "-x").output
     (tmp_path / "here").mkdir()
     monkeypatch.chdir(tmp_path / "here")
     assert "cd " not in jausml("init", ".").output
@@ -157,12 +147,6 @@ def test_a_device_of_windows_is_no_name(tmp_path, monkeypatch, arguments, jausml
     done = jausml("init", *arguments, status=2)
     assert "'con' is a device name on Windows" in done.output
     assert list(tmp_path.iterdir()) == []
-
-
-def test_the_command_that_enters_a_folder_named_like_an_option(tmp_path, monkeypatch, jausml):
-    monkeypatch.chdir(tmp_path)
-    done = jausml("init", "--name", "x", "--", "-x")
-    assert "  cd ./-x\n" in done.output
 
 
 def test_copies_are_renewed_unless_somebody_changed_them(project, jausml):

@@ -1,11 +1,11 @@
 """Maps of joints: each robot has its own names, and those of the library are used by nobody."""
 
 import re
-import subprocess
 import sys
 
 import needs
 import pytest
+from scripts import ran
 from sweeps import sweep
 
 from jausml.language.metamodel.classes import bridge
@@ -58,12 +58,10 @@ def names_of(used):
 
 
 @NOTATION
-def test_a_bridge_has_the_joints_of_the_robot(rover, jausml, notation):
+def test_a_bridge_has_the_joints_of_the_robot(rover, jausml, refused, notation):
     model = rover(notation)
-    before = model.read_bytes()
-    refused = jausml("new", "bridge", "arm", STATES, GOALS, "--yes", status=2)
-    assert "state those of the robot by --joints joint_states=NAME,NAME" in refused.output
-    assert model.read_bytes() == before
+    told = "state those of the robot by --joints joint_states=NAME,NAME"
+    refused(told, model, "new", "bridge", "arm", STATES, GOALS, "--yes")
     done = jausml("new", "bridge", "arm", STATES, GOALS, "--yes", *NAMED, *KEPT)
     assert "to whoever asks; joints shoulder, elbow, wrist" in done.output
     made = maps_in(model)
@@ -89,10 +87,8 @@ def test_its_messages_pass_by_name(rover, jausml, tmp_path):
     script = tmp_path / "translate.py"
     script.write_text(TRANSLATED, "utf-8")
     folders = sorted({str(path.parents[1]) for path in (model.parents[1] / "src").rglob("*.py")})
-    ran = subprocess.run(
-        [sys.executable, script, *folders], capture_output=True, text=True, check=False
-    )
-    assert ran.stdout.splitlines() == ["[0.1, 0.2, 0.3]", "dropped"], ran.stderr
+    done = ran([sys.executable, script, *folders])
+    assert done.stdout.splitlines() == ["[0.1, 0.2, 0.3]", "dropped"], done.stderr
 
 
 @NOTATION
@@ -157,14 +153,10 @@ def test_the_stop_of_a_copy_has_the_values_of_each_element_in_whatever_order(rov
     again = ("new", "map", "goal", "SetJointVelocities", "sensor_msgs/JointState", "--yes")
     jausml(*again, "--copy", own, "--joints", "a,b,c")
     stop = maps_in(model)["goal"].stopRos
-    assert {str(value.target): str(value.value) for value in stop.values} == {
-        "name[0]": "a",
-        "name[1]": "b",
-        "name[2]": "c",
-        "velocity[0]": "1",
-        "velocity[1]": "2",
-        "velocity[2]": "3",
-    }
+    names = {f"name[{at}]": name for at, name in enumerate("abc")}
+    velocities = {f"velocity[{at}]": str(at + 1) for at in range(3)}
+    told = {str(value.target): str(value.value) for value in stop.values}
+    assert told == names | velocities
 
 
 PAN_TILT = "ptu/cmd:sensor_msgs/JointState"
@@ -222,10 +214,6 @@ def test_a_copy_of_a_map_of_a_pan_tilt_unit_has_its_two_names(rover, jausml):
         ("odom=a,b", "no map of it knows joints by names"),
     ],
 )
-def test_bad_joints_change_nothing(rover, jausml, joints, told):
-    model = rover("xmi")
-    before = {path: path.read_bytes() for path in model.parent.rglob("*") if path.is_file()}
+def test_bad_joints_change_nothing(rover, refused, joints, told):
     topics = (f"{STATES}:joint_positions", "odom:nav_msgs/Odometry:local_pose")
-    done = jausml("new", "bridge", "arm", *topics, "--joints", joints, status=2)
-    assert told in done.output
-    assert {path: path.read_bytes() for path in model.parent.rglob("*") if path.is_file()} == before
+    refused(told, rover("xmi"), "new", "bridge", "arm", *topics, "--joints", joints)

@@ -38,9 +38,7 @@ HEAD = """<?xml version="1.0" encoding="UTF-8"?>
 
 def judged(project, file):
     report = check(project.model(file))
-    return report, Counter(
-        (diagnostic.rule, diagnostic.message) for diagnostic in report.diagnostics
-    )
+    return report, Counter((finding.rule, finding.message) for finding in report.diagnostics)
 
 
 def cure_all(project, file, rule):
@@ -52,11 +50,7 @@ def cure_all(project, file, rule):
             project.do(fix.commands, fix.label)
             _, after = judged(project, file)
             assert after[rule, found.message] < before[rule, found.message], fix
-            new = {
-                finding_key
-                for finding_key in after - before
-                if (rule, finding_key[0]) not in UNCOVERED
-            }
+            new = {key for key in after - before if (rule, key[0]) not in UNCOVERED}
             assert not new, (found, fix)
             project.undo()
             assert judged(project, file)[1] == before

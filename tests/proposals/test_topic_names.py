@@ -6,6 +6,7 @@ from collections import defaultdict
 import pytest
 from sources import ROOT
 
+from jausml.authoring.proposals.new_elements import free_name
 from jausml.authoring.proposals.topics import (
     TopicEnd,
     clashes,
@@ -95,9 +96,7 @@ def test_a_suggested_topic_is_proposed_by_its_map():
 
 def test_a_join_is_fed_by_what_it_is_named_after():
     [lamps] = ways("headlights", "std_msgs/Bool", maps=("report_lamps",), to_ros=False)[:1]
-    topics = [
-        TopicEnd(topic_name, "std_msgs/Bool") for topic_name in ("e_stop", "brake_lights", "armed")
-    ]
+    topics = [TopicEnd(name, "std_msgs/Bool") for name in ("e_stop", "brake_lights", "armed")]
     assert name_of(lamps.map) == "report_lamps"
     assert joins_of(lamps, topics, set()) == {"brake_lights": "brake_lights"}
     pose = next(crossing for crossing in ways("fix", "sensor_msgs/NavSatFix") if crossing.map.joins)
@@ -107,9 +106,7 @@ def test_a_join_is_fed_by_what_it_is_named_after():
 
 
 def test_one_message_is_not_that_of_two_topics():
-    twists = [
-        way for topic_name in ("left", "right") for way in ways(topic_name, "nav_msgs/Odometry")[:1]
-    ]
+    twists = [way for name in ("left", "right") for way in ways(name, "nav_msgs/Odometry")[:1]]
     assert clashes(twists) == [(twists[1], twists[0])]
     lamps = [ways(topic_name, "std_msgs/Bool")[0] for topic_name in ("headlights", "brake_lights")]
     assert clashes(lamps) == []
@@ -134,3 +131,15 @@ def test_several_robots_are_seen_by_their_namespaces(names, robots):
     if "" in robots:
         assert [end.name for end in within(topics, "/")] == ["cmd_vel", "scan"]
         assert [end.name for end in within(topics, "/a")] == ["cmd_vel"]
+
+
+# -- names that are free ---------------------------------------------------------------------------
+
+
+def test_a_name_of_any_length_can_be_made_unique():
+    taken = ["x" * 2000]
+    for _ in range(3):
+        name = free_name("x" * 2000, taken)
+        assert name not in taken
+        taken.append(name)
+    assert taken[2] != taken[3]

@@ -346,9 +346,7 @@ def test_a_factor_between_two_bridges_names_both(tmp_path):
     proofs = Proofs(MESSAGE + text, tmp_path, ("back", name))
     assert proofs.rules(name) == {"JML922"}
     assert not proofs.rules("back")  # it is not wrong by itself
-    found = next(
-        diagnostic for diagnostic in proofs.report.diagnostics if diagnostic.element == name
-    )
+    found = next(finding for finding in proofs.report.diagnostics if finding.element == name)
     assert found.message.startswith(f"{name}: JAUS Speed is changed by ")
     line = proofs.path.read_text(encoding="utf-8").splitlines()[found.location.line - 1]
     assert "scale(0.5)" in line

@@ -28,9 +28,7 @@ def proved(path: Path, names: Sequence[str] = ()) -> list[MapResult]:
     assert maps, path
     results = list(prove(report.model, maps, Settings(str(compiler()), 0.01, 2)))
     judged = with_proofs(report, maps, results)
-    assert not [
-        diagnostic.message for diagnostic in judged.diagnostics if diagnostic.rule in PROOF_RULES
-    ]
+    assert not [finding.message for finding in judged.diagnostics if finding.rule in PROOF_RULES]
     for result in results:
         assert result.fields, (result.name, result.remarks)
         for one in result.fields:

@@ -38,10 +38,8 @@ def test_what_all_names_begin_with_is_no_part_of_them():
     jaus = number("Position", is_ros=False, StateFolded=1, StateUnfolded=0)
     found = compared(ros, jaus)
     assert found is not None
-    assert [(one.name, other.name) for one, other in found.renumbered] == [
-        ("BOOM_FOLDED", "StateFolded"),
-        ("BOOM_UNFOLDED", "StateUnfolded"),
-    ]
+    pairs = [(one.name, other.name) for one, other in found.renumbered]
+    assert pairs == [("BOOM_FOLDED", "StateFolded"), ("BOOM_UNFOLDED", "StateUnfolded")]
 
 
 def test_a_name_that_others_begin_with_stays_whole():

@@ -3,18 +3,17 @@
 import math
 
 import pytest
+from generated import model_in
 from hypothesis import given
 from hypothesis import strategies as st
 
 from jausml.language.attributes import intervals
 from jausml.language.attributes.expressions import evaluate, parse_expression
 from jausml.language.metamodel.classes import bridge
-from jausml.language.model import read_models
 from jausml.language.semantics.assignments.steps import steps_of
 from jausml.language.semantics.assignments.units import sent_through
 from jausml.language.semantics.conversions import NoValueError
 from jausml.language.semantics.paths.scopes import place
-from jausml.language.text.notation import NOTATIONS
 from jausml.runtime import conversions as runtime
 
 NUMBERS = st.floats(-1e6, 1e6, allow_nan=False)
@@ -42,9 +41,7 @@ MODEL = """<bridge:MapLibrary xmi:version="2.0" xmlns:xmi="http://www.omg.org/XM
 
 @pytest.fixture(scope="module")
 def model(tmp_path_factory):
-    path = tmp_path_factory.mktemp("model") / "numbers.xmi"
-    path.write_text(MODEL, encoding="utf-8")
-    return read_models([path]).model
+    return model_in(tmp_path_factory.mktemp("model"), MODEL, "numbers.xmi")
 
 
 def step(kind, *arguments, expression=None):
@@ -132,13 +129,12 @@ def test_numbers_are_sent_through_as_the_runtime_sends_them(model, value, chain)
 
 
 def test_numbers_are_sent_through_to_the_unit_of_the_target(tmp_path):
-    path = tmp_path / "turn.ros2jaus"
-    path.write_text(
+    model = model_in(
+        tmp_path,
         'turn {\n  JAUS Turning ( float32 rate { units: "degree per second" } )\n'
         "  ROS geometry_msgs/Twist\n  JAUS->ROS ( rate -> angular.z )\n}\n",
-        encoding="utf-8",
+        "turn.ros2jaus",
     )
-    model = read_models([path], notations=NOTATIONS).model
     (turn,) = [used for used in model.instances(bridge.AttributeMap) if used.name == "turn"]
     assert sent_through(place(turn, turn.toRos[0], to_ros=True), 180.0) == pytest.approx(math.pi)
 

@@ -1,10 +1,16 @@
-"""Which messages answer a command."""
+"""Which messages answer a command, and in which state those obey that are searched for."""
 
 import pytest
+from generated import model_in
 
-from jausml.language.metamodel.classes import jaus
+from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.model import library_root, read_models
-from jausml.language.semantics.jaus.commands import responses, told_after
+from jausml.language.semantics.jaus.commands import (
+    guard_of_executors,
+    guard_of_receivers,
+    responses,
+    told_after,
+)
 
 WINCH = library_root().parent / "examples" / "winch" / "winch.xmi"
 
@@ -54,3 +60,30 @@ def test_the_report_of_what_is_set(services, service, message, report):
     owner, command = found(services, service, message)
     told = told_after(command, owner)
     assert (told and told.report.name) == report
+
+
+# -- in which state those obey that are searched for -----------------------------------------------
+
+
+MODEL = """\
+import mappings.primitive_driver
+
+bridge finder {{
+    address: 10.1.9
+    connection drive {{
+        map: wrench_effort
+        direction: rosToJaus
+        search: {{ services: {services} }}
+        topic cmd_vel {{}}
+    }}
+}}
+"""
+
+
+@pytest.mark.parametrize("services", ["PrimitiveDriver", "Management"])
+def test_who_is_searched_for_has_states_as_components_have(tmp_path, services):
+    model = model_in(tmp_path, MODEL.format(services=services), "finder.ros2jaus")
+    [connection] = model.instances(bridge.Connection, library=False)
+    message = connection.map.message
+    assert guard_of_receivers(message, [], connection.search) == "READY"
+    assert guard_of_executors([], connection.search) == "READY"

@@ -1,26 +1,13 @@
 """Core services that components provide though their models do not name them."""
 
 import pytest
+from generated import model_in
 
 from jausml.language.metamodel.classes import jaus, system
-from jausml.language.model import read_models
-from jausml.language.text.notation import NOTATIONS
 from jausml.language.validation.engine import check_project
 from jausml_generators.common.components import component_settings, service_identities
 
 CORE_1_1 = {"Transport", "Events", "Discovery", "Liveness", "AccessControl", "Management"}
-
-
-@pytest.fixture
-def read(tmp_path):
-    def read_text(text):
-        path = tmp_path / "model.ros2jaus"
-        path.write_text(text, encoding="utf-8")
-        result = read_models([path], notations=NOTATIONS)
-        assert not result.has_errors, result.diagnostics
-        return result.model
-
-    return read_text
 
 
 def identities(component):
@@ -32,47 +19,44 @@ def identities(component):
     return found
 
 
-def provided(read, features, imports=""):
-    model = read(f"{imports}\ncomponent a {{ address: 1.1.1 {features} }}")
+def provided(folder, features, imports=""):
+    model = model_in(folder, f"{imports}\ncomponent a {{ address: 1.1.1 {features} }}")
     [component] = model.instances(jaus.Component, library=False)
     return identities(component)
 
 
-def test_a_component_that_names_none_has_those_of_core_1_1(read):
-    assert provided(read, "") == dict.fromkeys(CORE_1_1, "1.1")
+def test_a_component_that_names_none_has_those_of_core_1_1(tmp_path):
+    assert provided(tmp_path, "") == dict.fromkeys(CORE_1_1, "1.1")
 
 
 @pytest.mark.parametrize("word", ["coreServices: none", "external: true"])
-def test_one_word_leaves_them_out(read, word):
-    assert provided(read, f"provides: VelocityStateSensor {word}") == {
-        "Transport": "1.0",
-        "Events": "1.0",
-        "VelocityStateSensor": "1.0",
-    }
+def test_one_word_leaves_them_out(tmp_path, word):
+    found = provided(tmp_path, f"provides: VelocityStateSensor {word}")
+    assert found == dict.fromkeys(("Transport", "Events", "VelocityStateSensor"), "1.0")
 
 
-def test_what_is_inherited_keeps_its_version_and_is_not_doubled(read):
-    found = provided(read, "provides: PrimitiveDriver")
+def test_what_is_inherited_keeps_its_version_and_is_not_doubled(tmp_path):
+    found = provided(tmp_path, "provides: PrimitiveDriver")
     assert found.pop("PrimitiveDriver") == "1.0"
     inherited = {"Transport", "Events", "AccessControl", "Management"}
     assert {name for name, version in found.items() if version == "1.0"} == inherited
     assert {name for name, version in found.items() if version == "1.1"} == CORE_1_1 - inherited
 
 
-def test_what_is_named_keeps_its_version(read):
-    found = provided(read, "provides: Discovery, Liveliness", "import `jaus.core-1.0`")
+def test_what_is_named_keeps_its_version(tmp_path):
+    found = provided(tmp_path, "provides: Discovery, Liveliness", "import `jaus.core-1.0`")
     assert found["Discovery"] == found["Liveliness"] == found["Events"] == "1.0"
     assert found["Management"] == "1.1"
     assert "Liveness" not in found
 
 
-def test_a_bridge_has_them_too(read):
+def test_a_bridge_has_them_too(tmp_path):
     text = (
         "import mappings.velocity_state_sensor\n"
         "bridge b { address: 1.1.1 provides: VelocityStateSensor"
         " connection c { map: velocity_state topic t } }"
     )
-    [bridge] = read(text).instances(jaus.Component, library=False)
+    [bridge] = model_in(tmp_path, text).instances(jaus.Component, library=False)
     assert set(identities(bridge)) > CORE_1_1
 
 
@@ -87,12 +71,12 @@ def test_a_bridge_has_them_too(read):
         ({"1.1.7": "", "2.1.9": ""}, ["1.1.7", "2.1.9"]),
     ],
 )
-def test_one_component_answers_for_its_subsystem(read, components, answering):
+def test_one_component_answers_for_its_subsystem(tmp_path, components, answering):
     named = [
         f"component c{number} {{ address: {address} {features} }}"
         for number, (address, features) in enumerate(components.items())
     ]
-    [whole] = read("\n".join(named)).instances(system.System)
+    [whole] = model_in(tmp_path, "\n".join(named)).instances(system.System)
     found = [
         component.address
         for component in whole.components

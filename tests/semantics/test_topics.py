@@ -1,12 +1,10 @@
 """Endpoints of bridges in ROS: which reliability they have where the model leaves it open."""
 
-import pytest
+from generated import model_in
 
 from jausml.language.metamodel.classes import system
-from jausml.language.model import read_models
 from jausml.language.semantics.connections.topics import endpoints
-from jausml.language.text.notation import NOTATIONS
-from jausml.language.validation.engine import check
+from jausml.language.validation.engine import check_project
 
 MODEL = """
 import mappings.global_pose_sensor
@@ -65,17 +63,10 @@ system fleet {
 """
 
 
-@pytest.fixture
-def model(tmp_path):
-    path = tmp_path / "fleet.ros2jaus"
-    path.write_text(MODEL, encoding="utf-8")
-    result = read_models([path], notations=NOTATIONS)
-    assert not result.diagnostics
-    return result
-
-
-def test_what_becomes_reports_hears_everybody_and_commands_and_latched_topics_are_reliable(model):
-    fleet = model.model.root
+def test_what_becomes_reports_hears_everybody_and_commands_and_latched_are_reliable(
+    tmp_path,
+):
+    fleet = model_in(tmp_path, MODEL).root
     assert isinstance(fleet, system.System)
     found = {end.topic: end.reliability for end in endpoints([*fleet.bridges, *fleet.nodes])}
     assert found == {
@@ -89,9 +80,6 @@ def test_what_becomes_reports_hears_everybody_and_commands_and_latched_topics_ar
         "/obeyed": "reliable",
         "/imu_in": "reliable",
     }
-
-
-def test_a_best_effort_driver_and_a_report_are_no_finding(model):
-    assert [
-        diagnostic.rule for diagnostic in check(model).diagnostics if diagnostic.rule == "JML403"
-    ] == []
+    # A driver that offers its best effort and a report are no finding.
+    findings = check_project([tmp_path / "model.ros2jaus"]).diagnostics
+    assert "JML403" not in {finding.rule for finding in findings}

@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import pytest
+from generated import model_in
 from large_systems import large_system
 from recorded_systems import recorded_machines
 
@@ -218,9 +219,7 @@ def test_a_model_without_a_system_shows_nothing(tmp_path):
 
 
 def test_a_closed_frame_is_told_as_the_worst_that_is_in_it(tmp_path):
-    file = tmp_path / "large.ros2jaus"
-    file.write_text(large_system(30, 2), encoding="utf-8")
-    model = read_models([file], notations=NOTATIONS).model
+    model = model_in(tmp_path, large_system(30, 2), "large.ros2jaus")
     places = places_of(model)
     bridge, host = places.frames[places.rows["/bridge0", "velocity0"]]
     state = expected(declarations_of(model), components_of(model), 0.0)
@@ -309,11 +308,7 @@ def test_what_the_model_does_not_have_is_told_as_unknown(winch):
     elsewhere = MachineState("urn:other", "M", "A", 1.0)
     unknown = machine(f"{WINCH_READY}.Nowhere\x1b", StateTime("Nowhere", 1, 0.0))
     _, values = watched(winch, unknown, elsewhere)
-    found = [
-        state_machine
-        for component in values["components"]
-        for state_machine in component["machines"]
-    ]
+    found = [state for component in values["components"] for state in component["machines"]]
     assert [state_machine["known"] for state_machine in found] == [False, False]
     told = states_of(winch, values)
     assert told[WINCH_READY]["level"] == "around"

@@ -143,14 +143,9 @@ class Robot(JausComponent):
 
         def take_rest(datagram, endpoint):
             packets = parse_datagram(datagram, Counters())
-            if any(
-                code(received_packet) == core.ReportIdentification.CODE
-                for received_packet in packets
-            ):
+            if any(code(packet) == core.ReportIdentification.CODE for packet in packets):
                 self.is_answered = True
-            if kind != "deaf" or all(
-                code(received_packet) != self._code(name) for received_packet in packets
-            ):
+            if kind != "deaf" or all(code(received) != self._code(name) for received in packets):
                 take(datagram, endpoint)
 
         transport.station.sendto, transport.receive_datagram = send_rest, take_rest

@@ -47,8 +47,13 @@ def _end(group: int) -> None:
         os.killpg(group, signal.SIGKILL)
 
 
+def ran(line: Sequence[str | Path], **options: Any) -> subprocess.CompletedProcess[str]:
+    """Runs a program as `subprocess.run` does, with its output as text."""
+    return subprocess.run(line, capture_output=True, text=True, check=False, **options)
+
+
 def succeeded(line: Sequence[str | Path], **options: Any) -> subprocess.CompletedProcess[str]:
-    """Runs a program as `subprocess.run` does, with its output as text; it must not fail."""
-    done = subprocess.run(line, capture_output=True, text=True, check=False, **options)
+    """Runs a program so, which must not fail."""
+    done = ran(line, **options)
     assert done.returncode == 0, done.stdout + done.stderr
     return done

@@ -202,10 +202,8 @@ def test_two_bridges_of_one_declaration():
     state = expected([DECLARED], {}, 0.0)
     for node, jaus_id in (("/one/bridge", "10.1.9"), ("/two/bridge", "11.1.9")):
         state = fold_statuses(state, [status(node=node, hardware_id=jaus_id)], 1.0)
-    assert [connection.bridge for connection in state.connections.values()] == [
-        "/one/bridge",
-        "/two/bridge",
-    ]
+    bridges = [connection.bridge for connection in state.connections.values()]
+    assert bridges == ["/one/bridge", "/two/bridge"]
     assert all(connection.declaration == DECLARED for connection in state.connections.values())
 
 

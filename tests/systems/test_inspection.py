@@ -4,10 +4,9 @@ from pathlib import Path
 
 import needs
 import pytest
+from generated import model_in, model_of
 
 from jausml.language.metamodel.classes.bridge import Bridge
-from jausml.language.model import read_models
-from jausml.language.text.notation import NOTATIONS
 from jausml.live.systems.declarations import components_of, declarations_of
 from jausml.live.systems.inspection import Inspection, reporters_of, topic_of
 from jausml.live.systems.state import ConnectionState
@@ -32,11 +31,7 @@ bridge speeds {
 
 
 def declarations(tmp_path, namespace):
-    path = tmp_path / "speed.ros2jaus"
-    path.write_text(MODEL.replace("NAMESPACE", namespace))
-    read = read_models([path], notations=NOTATIONS)
-    assert not read.diagnostics
-    return list(declarations_of(read.model))
+    return list(declarations_of(model_in(tmp_path, MODEL.replace("NAMESPACE", namespace))))
 
 
 @pytest.mark.parametrize(
@@ -58,7 +53,7 @@ def test_topics_are_in_the_namespace_that_the_bridge_runs_in(tmp_path, namespace
 
 
 def test_a_report_is_asked_of_peers_or_of_the_bridge_that_runs():
-    model = read_models([ROOT / "tests" / "cases" / "bridge_loop" / "model.xmi"]).model
+    model = model_of(ROOT / "tests" / "cases" / "bridge_loop" / "model.xmi")
     declared = {declaration.name: declaration for declaration in declarations_of(model)}
     assert components_of(model)["10.1.9"] == "loop_bridge"
     assert not declared["drive"].is_report
@@ -71,13 +66,12 @@ def test_a_report_is_asked_of_peers_or_of_the_bridge_that_runs():
 
 @pytest.mark.parametrize("name", ["services", "waypoint_lists"])
 def test_services_and_actions_are_declared_too(name):
-    path = ROOT / "tests" / "live" / f"{name}.ros2jaus"
-    read = read_models([path], notations=NOTATIONS)
-    owners = read.model.instances(Bridge, library=False)
+    model = model_of(ROOT / "tests" / "live" / f"{name}.ros2jaus")
+    owners = model.instances(Bridge, library=False)
     called = [
         connection for o in owners for connection in (*o.serviceConnections, *o.actionConnections)
     ]
-    found = {declaration.key: declaration for declaration in declarations_of(read.model)}
+    found = {declaration.key: declaration for declaration in declarations_of(model)}
     assert called
     for owner in called:
         node = f"/{owner.eContainer().name}"
@@ -90,10 +84,8 @@ def test_services_and_actions_are_declared_too(name):
 
 def test_without_sources_it_says_so():
     inspection = Inspection(None, None)
-    assert inspection.at(ConnectionState("/b", "c")) == (
-        ["there is no ROS here"],
-        ["there is no JAUS here"],
-    )
+    shown = inspection.at(ConnectionState("/b", "c"))
+    assert shown == (["there is no ROS here"], ["there is no JAUS here"])
     inspection.close()
 
 

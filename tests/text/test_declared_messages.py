@@ -14,9 +14,7 @@ def declare(texts, members="", features="{ code: 0xD100 }", body="", name="Own")
     result = texts.one(f"m {{ JAUS {name} ( {members} ) {features} ROS std_msgs/Float64 {body} }}")
     # The query of a report is given a code.
     assert [
-        diagnostic.message
-        for diagnostic in result.diagnostics
-        if "'Query" not in diagnostic.message
+        finding.message for finding in result.diagnostics if "'Query" not in finding.message
     ] == []
     found = result.model.instances(jaus.MessageDef, library=False)
     return next(message for message in found if message.name == name)
@@ -199,10 +197,8 @@ def test_documentation(texts):
         "ROS std_msgs/Float64 }"
     )
     [message] = model.instances(jaus.MessageDef, library=False)
-    assert (message.documentation, message.body.fields[0].documentation) == (
-        "A state.",
-        "Its length.",
-    )
+    assert message.documentation == "A state."
+    assert message.body.fields[0].documentation == "Its length."
 
 
 FAULTS = {
@@ -301,9 +297,7 @@ def test_where_no_code_is_left_it_is_told(texts, monkeypatch):
     monkeypatch.setattr(declared_messages, "LAST_CODE", declared_messages.FIRST_CODE)
     text = "a { JAUS One ( uint8 x ) ROS std_msgs/Float64 }\nb { JAUS Two ( uint8 x ) ROS std_msgs/Float64 }"
     told = [
-        diagnostic
-        for diagnostic in texts.one(text).diagnostics
-        if "no code is left" in diagnostic.message
+        finding for finding in texts.one(text).diagnostics if "no code is left" in finding.message
     ]
     assert [
         (diagnostic.rule, diagnostic.message, diagnostic.location.line) for diagnostic in told

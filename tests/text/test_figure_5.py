@@ -84,5 +84,5 @@ FAULTS = {
 @pytest.mark.parametrize("name", FAULTS)
 def test_member_fault(name, texts):
     frame, end, hint = FAULTS[name]
-    findings = texts.check(frame.format(end))
+    findings = texts.check(frame.format(end)).diagnostics
     assert any(hint in finding.hint for finding in findings), findings

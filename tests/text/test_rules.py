@@ -44,9 +44,7 @@ n {
 }
 """
     hints = {
-        diagnostic.rule: diagnostic.hint
-        for diagnostic in check(texts.one(text)).diagnostics
-        if diagnostic.hint
+        finding.rule: finding.hint for finding in check(texts.one(text)).diagnostics if finding.hint
     }
     assert "set whenAbsent: useDefault" in hints.values()
     assert any(

@@ -38,6 +38,13 @@ def page(monkeypatch):
     return importlib.import_module("page")
 
 
+@pytest.fixture
+def fault_page(monkeypatch):
+    """The module that makes the page on faults."""
+    monkeypatch.syspath_prepend(str(FOLDER))
+    return importlib.import_module("fault_page")
+
+
 @for_each("path", sorted(FOLDER.glob("*.py")), ids=lambda path: path.stem)
 def test_what_it_imports_is_there(path):
     lost = []
@@ -87,9 +94,7 @@ CUT = {
 """What was found of a fault."""
 
 
-def test_the_page_on_faults_is_made_of_the_data(monkeypatch, tmp_path, capsys):
-    monkeypatch.syspath_prepend(str(FOLDER))
-    fault_page = importlib.import_module("fault_page")
+def test_the_page_on_faults_is_made_of_the_data(fault_page, tmp_path, capsys):
     bounds = json.loads(fault_page.BOUNDS.read_text(encoding="utf-8"))
     names = {name for limits in bounds.values() for name in limits} - {""}
     data = {"faults": dict.fromkeys(names, CUT), "stale": 2.5, "machine": MACHINE | {"load": 0.5}}
@@ -105,9 +110,7 @@ def test_the_page_on_faults_is_made_of_the_data(monkeypatch, tmp_path, capsys):
     assert f"{min(names)}: not provoked" in capsys.readouterr().out
 
 
-def test_what_comes_back_too_late_is_told(monkeypatch):
-    monkeypatch.syspath_prepend(str(FOLDER))
-    fault_page = importlib.import_module("fault_page")
+def test_what_comes_back_too_late_is_told(fault_page):
     bounds = {"recovered": {"": 9.0, "cut": 2.0}, "stopped": {"": 0.4}}
     told = fault_page.exceeded({"faults": {"cut": CUT, "lost": CUT}}, bounds)
     assert told == [

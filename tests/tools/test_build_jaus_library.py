@@ -1,13 +1,11 @@
 """The tool that writes the library: from facts to models that our reader takes as they are."""
 
-import importlib.util
 import json
-import sys
 from fnmatch import fnmatchcase
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
+import build_jaus_library as tool
 import pytest
 from needs import SHARED
 
@@ -21,80 +19,36 @@ BY_HAND = {"hmi.xmi", "machine-states.xmi", "mission-spooling.xmi"}
 """Sets of one public source, read with `jausml import jsidl` and corrected by hand, and our own."""
 
 NUMBER = {"kind": "fixed_field", "name": "N", "type": "u16", "units": "meter  per\n second"}
+GRID = {
+    "kind": "array",
+    "name": "Grid",
+    "dimensions": [{"size": 2}, {"size": 3}],
+    "fields": [NUMBER],
+}
+INTERVAL = {"range": ["1", "9"], "bounds": ["inclusive", "exclusive"]}
+CHOICE = {**NUMBER, "name": "Choice", "values": [{"index": 0, "name": "none"}, INTERVAL]}
+RECORD = {
+    "kind": "record",
+    "name": 'A "quoted" <name>',
+    "presence_vector": "u8",
+    "fields": [{**NUMBER, "optional": True}, GRID, CHOICE],
+}
+SET_IT = {"name": "SetIt", "id": "4ab", "command": True, "body": {"fields": [RECORD]}}
+BASE = {"name": "Base", "urn": "urn:base", "version": "1.0", "inherits": None}
+DERIVED = {
+    "name": "Derived",
+    "urn": "urn:derived",
+    "version": "1.0",
+    "inherits": {"urn": "urn:base", "version": "1.0"},
+    "input": [SET_IT],
+    "output": [],
+}
 SMALL: dict[str, Any] = {
-    "sets": {
-        "core-v1.0": [
-            {
-                "name": "Base",
-                "urn": "urn:base",
-                "version": "1.0",
-                "inherits": None,
-                "input": [],
-                "output": [],
-            }
-        ],
-        "mobility": [
-            {
-                "name": "Derived",
-                "urn": "urn:derived",
-                "version": "1.0",
-                "inherits": {"urn": "urn:base", "version": "1.0"},
-                "input": [
-                    {
-                        "name": "SetIt",
-                        "id": "4ab",
-                        "command": True,
-                        "body": {
-                            "fields": [
-                                {
-                                    "kind": "record",
-                                    "name": 'A "quoted" <name>',
-                                    "presence_vector": "u8",
-                                    "fields": [
-                                        {**NUMBER, "optional": True},
-                                        {
-                                            "kind": "array",
-                                            "name": "Grid",
-                                            "dimensions": [{"size": 2}, {"size": 3}],
-                                            "fields": [NUMBER],
-                                        },
-                                        {
-                                            **NUMBER,
-                                            "name": "Choice",
-                                            "values": [
-                                                {"index": 0, "name": "none"},
-                                                {
-                                                    "range": ["1", "9"],
-                                                    "bounds": ["inclusive", "exclusive"],
-                                                },
-                                            ],
-                                        },
-                                    ],
-                                }
-                            ]
-                        },
-                    }
-                ],
-                "output": [],
-            }
-        ],
-    }
+    "sets": {"core-v1.0": [{**BASE, "input": [], "output": []}], "mobility": [DERIVED]}
 }
 
 
-@pytest.fixture
-def tool() -> ModuleType:
-    path = ROOT / "tools" / "build_jaus_library.py"
-    spec = importlib.util.spec_from_file_location("build_jaus_library", path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module
-    spec.loader.exec_module(module)
-    return module
-
-
-def test_the_facts_arrive_in_the_model(tool, tmp_path, capsys):
+def test_the_facts_arrive_in_the_model(tmp_path, capsys):
     facts = tmp_path / "facts.json"
     facts.write_text(json.dumps(SMALL), "utf-8")
     assert tool.main([str(facts), str(tmp_path / "out")]) == 0
@@ -115,11 +69,11 @@ def test_the_facts_arrive_in_the_model(tool, tmp_path, capsys):
     assert (interval.lower, interval.upper, interval.upperInclusive) == (1.0, 9.0, False)
 
 
-def test_the_same_facts_give_the_same_bytes(tool):
+def test_the_same_facts_give_the_same_bytes():
     assert tool.build(SMALL) == tool.build(json.loads(json.dumps(SMALL)))
 
 
-def test_wrong_arguments_show_the_usage(tool, capsys):
+def test_wrong_arguments_show_the_usage(capsys):
     assert tool.main([]) == 2
     assert "Usage" in capsys.readouterr().err
 
@@ -132,7 +86,7 @@ def test_the_shipped_library_has_no_problem(path):
 
 
 @pytest.mark.beside(FACTS)
-def test_the_shipped_library_is_what_the_facts_say(tool):
+def test_the_shipped_library_is_what_the_facts_say():
     texts = tool.build(json.loads((SHARED / FACTS).read_text("utf-8")))
     shipped = {path.name: path.read_text("utf-8") for path in LIBRARY.glob("*.xmi")}
     assert {name: shipped[name] for name in texts} == texts
@@ -175,7 +129,7 @@ def test_axes_and_units_come_from_the_rules(library):
     assert {member.units for member in wrench.values()} == {"percent"}
 
 
-def test_each_rule_is_for_fields_that_there_are(tool, library):
+def test_each_rule_is_for_fields_that_there_are(library):
     rules = tool.frame_rules()
     assert rules
     for rule in rules:

@@ -3,6 +3,7 @@
 import importlib
 from pathlib import Path
 
+import build_ros_library as ros_library
 import needs
 import pytest
 from lxml import etree
@@ -13,7 +14,7 @@ ROOT = Path(__file__).resolve().parents[2]
 LIBRARY = ROOT / "models" / "library" / "ros"
 
 
-def test_unclear_line_is_reported_with_its_place(ros_library, tmp_path, capsys):
+def test_unclear_line_is_reported_with_its_place(tmp_path, capsys):
     folder = tmp_path / "odd_msgs" / "msg"
     folder.mkdir(parents=True)
     (folder / "Odd.msg").write_text("what?\n")
@@ -24,7 +25,7 @@ def test_unclear_line_is_reported_with_its_place(ros_library, tmp_path, capsys):
     assert not (tmp_path / "out").exists()
 
 
-def test_semantics_of_a_field_that_is_not_there(ros_library, tmp_path, capsys):
+def test_semantics_of_a_field_that_is_not_there(tmp_path, capsys):
     folder = tmp_path / "nav_msgs" / "msg"
     folder.mkdir(parents=True)
     (folder / "Path.msg").write_text("float64 x\n")
@@ -32,7 +33,7 @@ def test_semantics_of_a_field_that_is_not_there(ros_library, tmp_path, capsys):
     assert "no type nav_msgs/GridCells" in capsys.readouterr().err
 
 
-def test_action_sections(ros_library, tmp_path):
+def test_action_sections(tmp_path):
     folder = tmp_path / "demo" / "action"
     folder.mkdir(parents=True)
     (folder / "Go.action").write_text("int32 order\n---\nint32[] sequence\n---\nint32 step\n")
@@ -55,7 +56,7 @@ def test_library_holds_no_words_of_others():
 
 
 @pytest.mark.needs("interfaces")
-def test_shipped_library_is_what_the_tool_writes(ros_library, tmp_path):
+def test_shipped_library_is_what_the_tool_writes(tmp_path):
     share = Installation().folder("geometry_msgs").parent
     assert ros_library.main([str(share), "--output", str(tmp_path)]) == 0
     for path in sorted(LIBRARY.glob("*.xmi")):

@@ -2,7 +2,6 @@
 
 import ast
 import re
-import subprocess
 from collections import defaultdict
 from pathlib import Path
 
@@ -10,6 +9,7 @@ import pytest
 import yaml
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
+from scripts import ran
 
 try:
     import tomllib
@@ -103,9 +103,7 @@ def test_pages_name_targets_that_are_there(page):
 
 
 def test_help_says_what_each_target_does():
-    said = subprocess.run(
-        ["make", "--no-print-directory", "help"], cwd=ROOT, capture_output=True, text=True
-    ).stdout
+    said = ran(["make", "--no-print-directory", "help"], cwd=ROOT).stdout
     assert {line.split()[0] for line in said.splitlines()} == TARGETS
 
 

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from scripts import ran
 
 TESTS = Path(__file__).resolve().parents[1]
 PYTHONPATH = f"{TESTS / 'support'} {TESTS.parent / 'tools'}"
@@ -76,9 +77,7 @@ ENVIRONMENT = {**os.environ, "PYTHONPATH": str(TESTS / "support")}
 
 
 def run(*command, **options):
-    return subprocess.run(
-        command, env=ENVIRONMENT, capture_output=True, text=True, timeout=100, **options
-    )
+    return ran(command, env=ENVIRONMENT, timeout=100, **options)
 
 
 @pytest.mark.needs("namespaces")

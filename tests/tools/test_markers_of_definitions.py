@@ -9,8 +9,8 @@ import re
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
-from types import ModuleType
 
+import build_ros_library as ros_library
 import pytest
 
 from jausml.language.interfaces import Installation
@@ -93,7 +93,7 @@ def marked() -> dict[str, list[str]]:
     return found
 
 
-def announced(ros_library: ModuleType, share: Path) -> Iterator[tuple[str, str]]:
+def announced(share: Path) -> Iterator[tuple[str, str]]:
     """Yields the message types with what in them announces markers: fields, constants, or all."""
     result = ros_library.read_packages(share, ros_library.DEFAULT_PACKAGES, comments=True)
     for package in result.packages:
@@ -119,16 +119,16 @@ def is_covered(owner: str, name: str) -> bool:
 
 
 @pytest.mark.needs("interfaces")
-def test_each_field_that_is_announced_has_a_marker_or_a_reason(ros_library):
+def test_each_field_that_is_announced_has_a_marker_or_a_reason():
     share = Installation().folder("geometry_msgs").parent
-    found = list(announced(ros_library, share))
+    found = list(announced(share))
     assert len(found) > 80
     bare = {f"{owner}.{name}" for owner, name in found if not is_covered(owner, name)}
     assert bare == set(WITHOUT_MARKER)
 
 
 @pytest.mark.needs("interfaces")
-def test_the_definitions_are_those_that_were_read(ros_library):
+def test_the_definitions_are_those_that_were_read():
     parser = configparser.ConfigParser(delimiters=("=",))
     parser.read(ROOT / "tools" / "ros_semantics.ini", encoding="utf-8")
     share = Installation().folder("geometry_msgs").parent
@@ -140,7 +140,7 @@ def test_the_definitions_are_those_that_were_read(ros_library):
             )
 
 
-def test_a_digest_tells_a_comment_that_changes(ros_library, tmp_path):
+def test_a_digest_tells_a_comment_that_changes(tmp_path):
     (tmp_path / "msg").mkdir()
     definition = tmp_path / "msg" / "Level.msg"
     definition.write_text("float32 level  # NaN if unmeasured\n")
@@ -151,7 +151,7 @@ def test_a_digest_tells_a_comment_that_changes(ros_library, tmp_path):
     assert ros_library.digest_of(tmp_path) != first
 
 
-def test_a_marker_is_spelt_out(ros_library):
+def test_a_marker_is_spelt_out():
     facts = ros_library.read_semantics(ROOT / "tools" / "ros_semantics.ini")
     (roi,) = facts["sensor_msgs/CameraInfo"]["roi"]["markers"]
     assert roi["condition"] == "roi.height == 0 and roi.width == 0"
@@ -168,7 +168,7 @@ def test_a_marker_is_spelt_out(ros_library):
 
 
 @pytest.mark.parametrize("line", ["perhaps: value == 0", "unknown: value ==", "unknown: sin(value"])
-def test_a_marker_that_is_none_is_refused(ros_library, tmp_path, line):
+def test_a_marker_that_is_none_is_refused(tmp_path, line):
     (tmp_path / "facts.ini").write_text(f"[packages]\n\n[a_msgs/A]\na =\n    {line}\n")
     with pytest.raises(ros_library.LibraryError):
         ros_library.read_semantics(tmp_path / "facts.ini")

@@ -2,12 +2,12 @@
 
 import os
 import re
-import subprocess
 import sys
 from pathlib import Path
 
 import needs
 import pytest
+from scripts import ran
 from sweeps import sweep
 
 from jausml.live.programs import PROGRAMS
@@ -59,12 +59,10 @@ def run(tmp_path):
     def run_(text, *options, **environment):
         (tmp_path / "test_cases.py").write_text(text, encoding="utf-8")
         plugins = ("-p", "needs", "-p", "expected_skips", f"--basetemp={tmp_path / 'kept'}")
-        return subprocess.run(
+        return ran(
             [sys.executable, "-m", "pytest", *plugins, *options],
             cwd=tmp_path,
             env={**os.environ, **PLUGINS, **environment},
-            capture_output=True,
-            text=True,
         )
 
     return run_
@@ -160,10 +158,8 @@ def test_skips_that_are_not_expected_fail_a_run(run, tmp_path, lines, told, work
     (tmp_path / "expected.txt").write_text("\n".join(lines), encoding="utf-8")
     done = run(SKIPS, "--expected-skips", "expected.txt", *workers)
     found = [line for line in done.stdout.splitlines() if line.startswith("not expected: ")]
-    assert (done.returncode, found) == (
-        bool(told),
-        [f"not expected: {skip_reason}" for skip_reason in told],
-    )
+    assert done.returncode == bool(told)
+    assert found == [f"not expected: {skip_reason}" for skip_reason in told]
     assert "1 skipped: nobody has run it\n" in done.stdout
 
 

@@ -5,6 +5,7 @@ import subprocess
 
 import pytest
 import warm
+from scripts import ran
 
 WORKER = """
 import os, subprocess, sys
@@ -22,13 +23,11 @@ def python() -> list[str]:
 
 
 def test_a_python_runs_a_text_and_has_commands_of_its_own(tmp_path, python):
-    done = subprocess.run(
+    done = ran(
         [*python, "-u", "-c", WORKER],
         cwd=tmp_path,
         env={**os.environ, "COLOUR": "green"},
         input="a line",
-        capture_output=True,
-        text=True,
     )
     assert done.stderr == ""
     assert done.stdout == f"{tmp_path} green version a line\n"

@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 import type_support
 import workspaces
+from generated import model_in
 
-from jausml.language.model import Model, read_models
-from jausml.language.text.notation import NOTATIONS
+from jausml.language.model import Model
 from jausml_generators.jaus_component.target import TARGET as COMPONENT
 from jausml_generators.runtime.target import TARGET as RUNTIME
 
@@ -26,9 +26,7 @@ def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 
 
 def model(folder: Path, address: str = "1.1.1") -> Model:
-    path = folder / "small.ros2jaus"
-    path.write_text(f"component small {{ address: {address} }}\n", encoding="utf-8")
-    return read_models([path], notations=NOTATIONS).model
+    return model_in(folder, f"component small {{ address: {address} }}\n", "small.ros2jaus")
 
 
 @pytest.mark.parametrize("mode", [0o777, 0o720])

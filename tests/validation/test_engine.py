@@ -54,9 +54,7 @@ def test_shipped_models_keep_all_rules():
     models = sorted(MODELS.rglob("*.xmi"))
     assert len(models) > 5
     report = check_project(models)
-    found = {
-        (Path(diagnostic.location.path).name, diagnostic.rule) for diagnostic in report.diagnostics
-    }
+    found = {(Path(finding.location.path).name, finding.rule) for finding in report.diagnostics}
     assert found == FAULTS_OF_PUBLISHED_SETS
     assert not report.count(Severity.ERROR)
 

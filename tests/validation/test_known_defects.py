@@ -62,13 +62,15 @@ EFFORT = f"{MOBILITY}PrimitiveDriver.SetWrenchEffort"
 GLOBAL_POSE = f"{MOBILITY}GlobalPoseSensor.ReportGlobalPose"
 LOCAL_POSE = f"{MOBILITY}LocalPoseSensor.ReportLocalPose"
 VELOCITY = f"{MOBILITY}VelocityStateSensor.ReportVelocityState"
+TWIST, ODOMETRY = "geometry_msgs.xmi#Twist", "nav_msgs.xmi#Odometry"
+IMU = "sensor_msgs.xmi#Imu"
 GRID = f"{JAUS}iop.xmi#CostMap2D.ReportCostMap2D"
 
 DEFECTS = {
     "row 1: the yaw of an effort keeps its sign": (
         attribute_map(
             EFFORT,
-            "geometry_msgs.xmi#Twist",
+            TWIST,
             to_ros("angular.z", "PropulsiveRotationalEffortZ", conversion("percent_to_value", 1.5)),
         ),
         ("JML433", "add the conversion negate"),
@@ -76,7 +78,7 @@ DEFECTS = {
     "row 2: all axes of a command but yaw keep their signs": (
         attribute_map(
             EFFORT,
-            "geometry_msgs.xmi#Twist",
+            TWIST,
             to_jaus("PropulsiveLinearEffortY", "linear.y", conversion("value_to_percent", 3.5)),
         ),
         ("JML433", "have opposite signs"),
@@ -84,7 +86,7 @@ DEFECTS = {
     "row 3: the angles of an IMU go raw into a global pose": (
         attribute_map(
             GLOBAL_POSE,
-            "sensor_msgs.xmi#Imu",
+            IMU,
             to_jaus("Roll, Pitch, Yaw", "orientation", conversion("flu_quaternion_to_frd_angles")),
         ),
         ("JML433", "use enu_quaternion_to_ned_angles"),
@@ -92,25 +94,21 @@ DEFECTS = {
     "row 4: a global pose goes raw into the orientation of an IMU": (
         attribute_map(
             GLOBAL_POSE,
-            "sensor_msgs.xmi#Imu",
+            IMU,
             to_ros("orientation", "Roll, Pitch, Yaw", conversion("frd_angles_to_flu_quaternion")),
         ),
         ("JML433", "use ned_angles_to_enu_quaternion"),
     ),
     "row 5: a local position keeps the sign of y": (
-        attribute_map(LOCAL_POSE, "nav_msgs.xmi#Odometry", to_jaus("Y", "pose.pose.position.y")),
+        attribute_map(LOCAL_POSE, ODOMETRY, to_jaus("Y", "pose.pose.position.y")),
         ("JML433", "add the conversion negate"),
     ),
     "row 7: velocities keep the sign of y": (
-        attribute_map(
-            VELOCITY, "nav_msgs.xmi#Odometry", to_jaus("Velocity_Y", "twist.twist.linear.y")
-        ),
+        attribute_map(VELOCITY, ODOMETRY, to_jaus("Velocity_Y", "twist.twist.linear.y")),
         ("JML433", "add the conversion negate"),
     ),
     "row 8: roll and pitch change places": (
-        attribute_map(
-            VELOCITY, "nav_msgs.xmi#Odometry", to_ros("twist.twist.angular.x", "PitchRate")
-        ),
+        attribute_map(VELOCITY, ODOMETRY, to_ros("twist.twist.angular.x", "PitchRate")),
         ("JML433", "are different directions"),
     ),
     "row 8: roll and pitch change places on the way back, axes unknown": (
@@ -146,13 +144,11 @@ DEFECTS = {
         ("JML434", "may give -2..200, but 'Cost' carries 0..255"),
     ),
     "row 24: seconds since 1970 go into the day of a month": (
-        attribute_map(
-            LOCAL_POSE, "nav_msgs.xmi#Odometry", to_jaus("TimeStamp.Day", "header.stamp.sec")
-        ),
+        attribute_map(LOCAL_POSE, ODOMETRY, to_jaus("TimeStamp.Day", "header.stamp.sec")),
         ("JML434", "but 'TimeStamp.Day' carries 1..31"),
     ),
     "row 24: a stamp goes raw into a TimeStamp": (
-        attribute_map(LOCAL_POSE, "nav_msgs.xmi#Odometry", to_jaus("TimeStamp", "header.stamp")),
+        attribute_map(LOCAL_POSE, ODOMETRY, to_jaus("TimeStamp", "header.stamp")),
         ("JML412", "convert it by time_to_timestamp"),
     ),
 }
@@ -182,7 +178,7 @@ def test_the_right_maps_are_clean(tmp_path):
     right = library(
         attribute_map(
             VELOCITY,
-            "nav_msgs.xmi#Odometry",
+            ODOMETRY,
             to_ros("twist.twist.linear.y", "Velocity_Y", conversion("negate")),
             to_ros("twist.twist.angular.x", "RollRate"),
             to_ros("twist.twist.angular.y", "PitchRate", conversion("negate")),
@@ -191,7 +187,7 @@ def test_the_right_maps_are_clean(tmp_path):
         ),
         attribute_map(
             GLOBAL_POSE,
-            "sensor_msgs.xmi#Imu",
+            IMU,
             to_ros("orientation", "Roll, Pitch, Yaw", conversion("ned_angles_to_enu_quaternion")),
             to_jaus("Roll, Pitch, Yaw", "orientation", conversion("enu_quaternion_to_ned_angles")),
         ),

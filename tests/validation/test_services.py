@@ -30,10 +30,7 @@ def write(path, parents, codes):
 
 def found(path):
     """Returns rule and line of each finding."""
-    return [
-        (diagnostic.rule, diagnostic.location.line)
-        for diagnostic in check_project([path]).diagnostics
-    ]
+    return [(finding.rule, finding.location.line) for finding in check_project([path]).diagnostics]
 
 
 def test_a_deep_line_of_inheritance_is_judged_in_one_walk(tmp_path):

@@ -10,9 +10,7 @@ def findings(folder, text):
     path = folder / "model.ros2jaus"
     path.write_text(text, encoding="utf-8")
     found = check_project([path]).diagnostics
-    return [
-        (diagnostic.rule, diagnostic.message) for diagnostic in found if diagnostic.rule != "JML711"
-    ]
+    return [(finding.rule, finding.message) for finding in found if finding.rule != "JML711"]
 
 
 @pytest.mark.parametrize(

@@ -87,9 +87,7 @@ def found(models, files):
     contents = {name: text.encode() for name, text in files.items()}
     result = models.read((min(contents),), contents)
     report = check(result)
-    is_good = not any(
-        diagnostic.rule.startswith(("JML1", "JML7")) for diagnostic in result.diagnostics
-    )
+    is_good = not any(finding.rule.startswith(("JML1", "JML7")) for finding in result.diagnostics)
     return (report.diagnostics, report.set_aside, report.files), is_good
 
 

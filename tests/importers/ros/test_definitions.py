@@ -184,8 +184,5 @@ def test_sections_that_are_missing():
 
 def test_all_faults_of_one_run():
     faults = parse_definition("what?\nfloat63 x\nfloat64 y\nuint8 A=300\n", "msg").faults
-    assert [(finding.rule, finding.line) for finding in faults] == [
-        ("JML643", 1),
-        ("JML644", 2),
-        ("JML646", 4),
-    ]
+    pairs = [(finding.rule, finding.line) for finding in faults]
+    assert pairs == [("JML643", 1), ("JML644", 2), ("JML646", 4)]

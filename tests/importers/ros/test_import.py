@@ -63,10 +63,8 @@ def test_comments_become_documentation_and_units_or_are_left_out():
     (root,) = result.packages
     (message,), (service,) = root.messages, root.services
     assert message.documentation == "A winch."
-    assert [(f.documentation, f.units) for f in message.fields] == [
-        ("Of the rope [m/s].", "m/s"),
-        ("[bananas]", None),
-    ]
+    pairs = [(f.documentation, f.units) for f in message.fields]
+    assert pairs == [("Of the rope [m/s].", "m/s"), ("[bananas]", None)]
     assert (service.documentation, service.request.documentation) == ("Pulls.", None)
     assert service.response.documentation == "Done."
     (root,) = import_packages(sources, comments=False).packages
@@ -80,11 +78,8 @@ def test_a_package_that_the_library_lacks_is_imported_along(prefix):
     )
     sources = [package("winch_msgs", Winch_msg="rope_msgs/Rope rope\n")]
     result = import_packages(sources, installation=Installation())
-    assert [imported_package.name for imported_package in result.packages] == [
-        "winch_msgs",
-        "rope_msgs",
-        "knot_msgs",
-    ]
+    names = [imported_package.name for imported_package in result.packages]
+    assert names == ["winch_msgs", "rope_msgs", "knot_msgs"]
     assert [diagnostic.rule for diagnostic in result.diagnostics] == ["JML662", "JML662"]
     assert not result.has_errors
     places = {f"{imported.name}.xmi": [imported] for imported in result.packages}
@@ -173,10 +168,7 @@ def test_packages_are_named_by_their_manifest_or_folder(tmp_path, monkeypatch):
 
     def packages(*paths):
         found = package_sources([str(tmp_path / path) for path in paths])
-        return {
-            package_source.name: [file.name for file in package_source.files]
-            for package_source in found
-        }
+        return {source.name: [file.name for file in source.files] for source in found}
 
     assert packages("ws") == {"one": ["A"], "two_msgs": ["C", "E", "B"]}
     assert packages("ws/two/msg/C.msg", "ws/two") == {"two_msgs": ["C", "E", "B"]}

@@ -91,11 +91,7 @@ def test_comments_and_units_are_those_that_rosidl_finds():
     from rosidl_adapter import parser
 
     installation = Installation()
-    paths = [
-        definition_file
-        for name in PACKAGES
-        for definition_file in definition_files(installation.folder(name))
-    ]
+    paths = [file for name in PACKAGES for file in definition_files(installation.folder(name))]
     compared = 0
     for path in (definition_file for definition_file in paths if definition_file.suffix == ".msg"):
         text = path.read_text(encoding="utf-8")

@@ -4,11 +4,10 @@ import os
 
 import needs
 import pytest
+from generated import model_of
 
 needs.ask("rclpy")
 
-from jausml.language.model import read_models
-from jausml.language.text.notation import NOTATIONS
 from jausml.live.systems.explaining import explained
 
 from ..bridge_support import ROOT, RosPeer, wait_for
@@ -56,7 +55,7 @@ def explanation(recorded, counter):
         for mark in recorded.marks
         if mark.subject == ("/robot/robot", "follow") and mark.counter == counter
     ]
-    model = read_models([MODEL], notations=NOTATIONS, allow_outside=True).model
+    model = model_of(MODEL, allow_outside=True)
     return explained(recorded, model, drop.subject, drop.time)
 
 

@@ -5,6 +5,9 @@ import pytest
 
 needs.ask("rclpy")
 
+from nav2 import nav2
+
+from jausml.live.ros.node import message_class
 from jausml.runtime.bridge.ends.actions import ListAction, Outcome
 from jausml.runtime.bridge.ros.actions import NodeActions
 
@@ -55,3 +58,14 @@ def test_a_result_is_sent_before_a_goal_counts_as_ended(node, peer):
     wait_for(result.done, "result", PATIENCE)
     assert result.result().status == ABORTED
     client.destroy()
+
+
+# -- feedback in recordings ------------------------------------------------------------------------
+
+
+def test_feedback_of_an_action_that_is_installed(monkeypatch):
+    monkeypatch.syspath_prepend(nav2())
+    found = message_class("nav2_msgs/action/FollowWaypoints_FeedbackMessage")
+    assert set(found.get_fields_and_field_types()) == {"goal_id", "feedback"}
+    assert message_class("nav2_msgs/action/FollowWaypoints_Feedback") is None
+    assert message_class("nav2_msgs/action/FollowWaypoints") is None

@@ -58,13 +58,8 @@ def test_total_variation_sums_every_change():
 def test_latency_percentiles_are_measured_values():
     summary = latency_summary(range(100, 0, -1))
 
-    assert (summary.count, summary.p50, summary.p95, summary.p99, summary.maximum) == (
-        100,
-        50,
-        95,
-        99,
-        100,
-    )
+    assert (summary.count, summary.p50, summary.p95, summary.p99) == (100, 50, 95, 99)
+    assert summary.maximum == 100
 
 
 def test_latency_of_one_and_of_none():

@@ -20,9 +20,7 @@ SEEDS = st.integers(0, 2**32)
 
 def maps() -> list[tuple[str, Any]]:
     """Maps of messages, each with the name of its file."""
-    found = [
-        (path.stem, attribute_map) for path in FILES for attribute_map in ready_maps()[path.stem]
-    ]
+    found = [(path.stem, used) for path in FILES for used in ready_maps()[path.stem]]
     return [(stem, attribute_map) for stem, attribute_map in found if not is_of_call(attribute_map)]
 
 

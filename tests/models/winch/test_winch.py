@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 import warm
 from ports import free_port
-from scripts import succeeded
+from scripts import ran, succeeded
 from workspaces import python_path
 
 HERE = Path(__file__).resolve().parent
@@ -107,11 +107,9 @@ def test_the_winch_stops_when_its_operator_dies(workspace):
     seen = read_until(process, "winch runs as")
     assert "winch runs as 120.1.1" in seen
     try:
-        done = subprocess.run(
+        done = ran(
             [sys.executable, str(HERE / "dying_operator.py")],
             env={**os.environ, "PYTHONPATH": python_path(workspace)},
-            capture_output=True,
-            text=True,
             timeout=60,
         )
     finally:

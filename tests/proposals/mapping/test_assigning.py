@@ -19,10 +19,9 @@ class Map:
     def __init__(self, file, name):
         self.scope = scope_of(file)
         [self.map] = [
-            attribute_map
-            for attribute_map in self.scope.model.instances(bridge.AttributeMap)
-            if attribute_map.name == name
-            and self.scope.model.document_of(attribute_map).path.name in file
+            used
+            for used in self.scope.model.instances(bridge.AttributeMap)
+            if used.name == name and self.scope.model.document_of(used).path.name in file
         ]
 
     def member(self, path, *, is_jaus):

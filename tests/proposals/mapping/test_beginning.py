@@ -149,6 +149,4 @@ def test_what_it_guesses_of_a_meaning_is_open_in_the_model_and_an_error(begun):
             assert (open_decision.text in opens) is (open_decision.rule == "JML498"), open_decision
             assert opens.get(open_decision.text, False) is open_decision.is_blocking, open_decision
         for doubt in made.doubts:
-            assert any(
-                open_decision.text.startswith(f"{doubt.target} may") for open_decision in made.opens
-            )
+            assert any(decision.text.startswith(f"{doubt.target} may") for decision in made.opens)

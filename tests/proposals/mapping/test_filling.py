@@ -51,9 +51,7 @@ class Map:
 
     def errors(self):
         report = check(self.project.model(FILE))
-        return [
-            diagnostic for diagnostic in report.diagnostics if diagnostic.severity.value == "error"
-        ]
+        return [finding for finding in report.diagnostics if finding.severity.value == "error"]
 
 
 GATES = """\
@@ -94,10 +92,8 @@ def test_values_of_one_name_are_filled_by_a_table_that_both_directions_share(tmp
         "state -> State : look_up(state)",
     )
     [table] = used.map.tables
-    assert [(entry.jaus, entry.ros) for entry in table.entries] == [
-        ("open", "OPEN"),
-        ("closed", "CLOSED"),
-    ]
+    pairs = [(entry.jaus, entry.ros) for entry in table.entries]
+    assert pairs == [("open", "OPEN"), ("closed", "CLOSED")]
     for [assignment] in (used.map.toRos, used.map.toJaus):
         assert [conversion.table for conversion in assignment.conversions] == [table]
     assert not used.errors()
@@ -197,10 +193,9 @@ def kinds():
     """The ROS types with members."""
     return sorted(
         {
-            ros_name(message_type)
-            for message_type in library().instances(ros.MessageType)
-            if isinstance(message_type.eContainer(), ros.InterfacePackage)
-            and len(message_type.fields)
+            ros_name(message)
+            for message in library().instances(ros.MessageType)
+            if isinstance(message.eContainer(), ros.InterfacePackage) and len(message.fields)
         }
     )
 

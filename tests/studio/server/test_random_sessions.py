@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from generated import model_of
 from sweeps import sweep
 
 from jausml.authoring.editing.commands import EditError
@@ -26,8 +27,6 @@ from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.studio.context import StudioContext
 from jausml.authoring.studio.session import methods_of
 from jausml.language.metamodel.classes import jaus
-from jausml.language.model import read_models
-from jausml.language.text.notation import NOTATIONS
 from jausml.live.serving.rpc import as_json, typed
 
 pytestmark = pytest.mark.slow
@@ -122,7 +121,7 @@ class Walk:
         """Returns what stands on the disk, None where that cannot be read."""
         if not can_be_parsed(FILE, self.data):
             return None
-        model = read_models([self.root / FILE], notations=NOTATIONS).model
+        model = model_of(self.root / FILE)
         found = model.instances(jaus.Component, library=False)
         return {str(e.address): (str(e.name), e.documentation or "") for e in found}
 

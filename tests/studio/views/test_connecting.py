@@ -7,7 +7,7 @@ from jausml.authoring.editing.commands import Add, Set
 from jausml.authoring.editing.project import Project
 from jausml.authoring.proposals.elements import AnswerError, Scope
 from jausml.authoring.studio.views.connecting import connect, ends
-from jausml.authoring.studio.views.spots import Spot, spot
+from jausml.authoring.studio.views.spots import Spot, end_of, spot
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.model import LIBRARY_URI, Severity
 from jausml.language.validation.engine import check
@@ -169,10 +169,8 @@ service_set own {
     assert "has no topic for it" in boat.connect("helm/ReportLoad", "lidar").refusal
     [only] = boat.connect("helm/ReportLoad", "second").options
     assert only.label == "ReportLoad by new map (std_msgs/Float64)"
-    assert [command.kind for command in only.commands if isinstance(command, Add)] == [
-        "bridge.AttributeMap",
-        "bridge.Connection",
-    ]
+    kinds = [command.kind for command in only.commands if isinstance(command, Add)]
+    assert kinds == ["bridge.AttributeMap", "bridge.Connection"]
 
     # A service of which nothing is carried has a row, from which one draws as from the box.
     rows = {
@@ -258,8 +256,22 @@ def test_what_is_drawn_is_done_and_breaks_nothing(file, tmp_path):
 def errors_of(project, name):
     """Returns the rules that find an error or a warning."""
     report = check(project.model(name))
-    return {
-        diagnostic.rule
-        for diagnostic in report.diagnostics
-        if diagnostic.severity is not Severity.INFO
-    }
+    return {finding.rule for finding in report.diagnostics if finding.severity is not Severity.INFO}
+
+
+# -- ends of lines in the view of a map ------------------------------------------------------------
+
+
+def test_ids_of_the_map_view_name_members():
+    scope = scope_of(CAR)
+    [used] = [
+        attribute_map
+        for attribute_map in scope.model.instances(bridge.AttributeMap)
+        if attribute_map.name == "velocity_state"
+        and scope.model.document_of(attribute_map).path.name in CAR
+    ]
+    identifier = scope.model.fragment(used)
+    assert end_of(scope, used, f"{identifier}!jaus", "Velocity_X").is_jaus
+    assert not end_of(scope, used, f"{identifier}!ros", "twist.twist").is_jaus
+    with pytest.raises(AnswerError, match="no end"):
+        end_of(scope, used, "bridge", "x")

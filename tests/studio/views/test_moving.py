@@ -151,8 +151,7 @@ def test_a_machine_that_is_made_by_clicks_alone_has_no_error(editor):
     add(editor.the(jaus.Service), "inputs")
     add(editor.the(jaus.Service), "outputs")
     names = [
-        message_def.name
-        for message_def in editor.scope.model.instances(jaus.MessageDef, library=False)
+        message.name for message in editor.scope.model.instances(jaus.MessageDef, library=False)
     ]
     assert {"Message", "Message2"} <= set(names)
     add(editor.the(jaus.Service), "machines")
@@ -168,10 +167,8 @@ def test_transitions_are_called_by_what_triggers_them_and_where_they_lead(editor
     states = editor.scope.model.instances(jaus.State, library=False)
     locked = next(state for state in states if state.name == "Locked")
     held = {child.feature: child.elements for child in form_of(editor.scope, locked).children}
-    assert [child.label for child in held["transitions"]] == [
-        "ReleaseBrake to Idle",
-        "SetWinchCommand",
-    ]
+    labels = [child.label for child in held["transitions"]]
+    assert labels == ["ReleaseBrake to Idle", "SetWinchCommand"]
 
 
 def test_a_service_comes_to_inherit_another_one_and_no_longer_does(editor):

@@ -131,9 +131,7 @@ def test_what_fits_the_chosen_element_comes_first_and_leaves_room_for_the_rest()
     heads = [palette_item.onto for palette_item in found]
     assert heads == sorted(heads, reverse=True)
     assert set(heads) == {"vehicle", ""}
-    assert "service connection" in labels(
-        [palette_item for palette_item in found if palette_item.onto], "elements"
-    )
+    assert "service connection" in labels([item for item in found if item.onto], "elements")
     assert {"component", "bridge"} <= set(labels([e for e in found if not e.onto], "elements"))
     for palette_item in found:
         owner = palette_item.commands[0]

@@ -1,13 +1,12 @@
 """Which element is written at a place of a text."""
 
 import pytest
+from generated import model_of
 from scope_support import MODELS, scope_of
 
 from jausml.authoring.proposals.elements import Scope
 from jausml.authoring.studio.views.spots import element_at, source
 from jausml.language.metamodel.classes import bridge, ros
-from jausml.language.model import read_models
-from jausml.language.text.notation import NOTATIONS
 
 XMI = "catvehicle/catvehicle.xmi"
 TEXT = "examples/catvehicle/catvehicle.ros2jaus"
@@ -31,9 +30,7 @@ def test_what_lies_between_elements_belongs_to_what_is_around_them(name):
     scope = scope_of(name)
     [whole] = scope.model.instances(bridge.Bridge, library=False)
     found = source(scope, scope.ref(whole))
-    inner = [
-        source(scope, scope.ref(bridge_connection)) for bridge_connection in whole.bridgeConnections
-    ]
+    inner = [source(scope, scope.ref(connection)) for connection in whole.bridgeConnections]
     gap = max(located.end for located in inner)
     assert found.start < gap < found.end
     between = found.text.index("\n", gap) + 1 if "\n" in found.text[gap:] else gap
@@ -45,7 +42,7 @@ def test_characters_and_ends_of_lines_are_counted_as_pages_do(tmp_path, end):
     lines = ["// \U0001f600 \U0001f600", "system robot {", "    node wheels {", "    }", "}", ""]
     path = tmp_path / "robot.ros2jaus"
     path.write_bytes(end.join(lines).encode())
-    scope = Scope(read_models([path], notations=NOTATIONS).model, tmp_path)
+    scope = Scope(model_of(path), tmp_path)
     [node] = scope.model.instances(ros.Node, library=False)
     page = "\n".join(lines)
     start = len(page[: page.index("node")].encode("utf-16-le")) // 2

@@ -2,13 +2,12 @@
 
 import pytest
 from for_each import for_each
+from generated import model_of
 from scope_support import CAR, SHIPPED, named, scope_of
 
 from jausml.authoring.proposals.elements import Scope
 from jausml.authoring.studio.views.spots import source
 from jausml.language.metamodel.classes import bridge, jaus
-from jausml.language.model import read_models
-from jausml.language.text.notation import NOTATIONS
 
 
 def piece(found):
@@ -44,7 +43,7 @@ def test_line_ends_and_wide_characters_are_counted_as_browsers_do(tmp_path):
     text = "// \U0001f697 car\r\nsystem car {\r\n    node \u00e4 { }\r\n    host one { }\r\n}\r\n"
     path = tmp_path / "car.ros2jaus"
     path.write_bytes(text.encode())
-    scope = Scope(read_models([path], notations=NOTATIONS).model, tmp_path)
+    scope = Scope(model_of(path), tmp_path)
     [host] = scope.model.root.hosts
     found = source(scope, scope.ref(host))
     assert piece(found) == "host one { }"

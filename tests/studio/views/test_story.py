@@ -54,10 +54,8 @@ def test_a_system_is_made_from_nothing_without_a_finding(file, tmp_path):
     report = check(editor.project.model(file))
     assert report.diagnostics == ()
     [made] = report.model.instances(bridge.Bridge)
-    assert [bridge_connection.map.name for bridge_connection in made.bridgeConnections] == [
-        "local_pose_stamped",
-        "velocity_command",
-    ]
+    names = [bridge_connection.map.name for bridge_connection in made.bridgeConnections]
+    assert names == ["local_pose_stamped", "velocity_command"]
     assert [bridge_connection.direction.name for bridge_connection in made.bridgeConnections] == [
         "jausToRos",
         "rosToJaus",

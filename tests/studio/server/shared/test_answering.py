@@ -35,34 +35,20 @@ def test_the_palette_offers_commands_that_can_be_carried_out(page):
     assert page.ask("form", element=done["created"][0])["element"] == done["created"][0]
 
 
+COMPONENT = f"{FILE}#//@components.0"
 REFUSED = [
     {"kind": "rename", "element": f"{FILE}#//@components.99", "name": "x"},
     {"kind": "remove", "element": f"{FILE}#//@bridges.0/@connections.99"},
     {"kind": "rename", "element": "library:/jaus/mobility.xmi#PrimitiveDriver", "name": "x"},
     {
         "kind": "set",
-        "element": f"{FILE}#//@components.0",
+        "element": COMPONENT,
         "feature": "provides",
         "values": [f"{FILE}#//@components.1"],
     },
-    {
-        "kind": "set",
-        "element": f"{FILE}#//@components.0",
-        "feature": "controlTimeout",
-        "values": ["soon"],
-    },
-    {
-        "kind": "move",
-        "element": f"{FILE}#//@components.0",
-        "owner": f"{FILE}#//@nodes.0",
-        "feature": "publishers",
-    },
-    {
-        "kind": "add",
-        "owner": f"{FILE}#//@components.0",
-        "feature": "connections",
-        "type": "jaus.Component",
-    },
+    {"kind": "set", "element": COMPONENT, "feature": "controlTimeout", "values": ["soon"]},
+    {"kind": "move", "element": COMPONENT, "owner": f"{FILE}#//@nodes.0", "feature": "publishers"},
+    {"kind": "add", "owner": COMPONENT, "feature": "connections", "type": "jaus.Component"},
 ]
 
 

@@ -1,8 +1,13 @@
-"""Reports of Discovery as addresses and services."""
+"""Parts of the live tools without a network: what they hear, and when what they repeat is due."""
+
+import pytest
 
 from jausml.live.peers.discovery import services_of
+from jausml.live.peers.heard import Heard
+from jausml.live.peers.requesting import Course
 from jausml.runtime.base.address import JausAddress
-from jausml.runtime.messages import ReportServiceList, ReportServices
+from jausml.runtime.base.counters import Counters
+from jausml.runtime.messages import ReportServiceList, ReportServices, ReportStatus
 
 TWO_RECORDS = bytes.fromhex(
     "034b 02"
@@ -48,3 +53,48 @@ def test_a_service_list_of_two_component_records_is_merged_too():
     assert {address: names(service_list) for address, service_list in found.items()} == {
         JausAddress(7, 2, 9): ["One", "Two"]
     }
+
+
+# -- what was heard --------------------------------------------------------------------------------
+
+
+ANSWER = ReportStatus(status=1, reserved=0).encode()
+
+
+def test_an_awaited_answer_arrives_however_many_others_were_heard():
+    heard = Heard(None, None, Counters())
+    for subsystem in range(1, 2001):
+        heard.note(ANSWER, JausAddress(subsystem, 1, 1))
+    assert len(heard.sources()) == 1024
+    late = JausAddress(3000, 1, 1)
+    with heard.awaiting(late, (ReportStatus.CODE,)) as queue:
+        heard.note(b"?", late)
+        heard.note(ANSWER, late)
+        assert queue.get_nowait() == ANSWER
+    assert heard.of(late)
+
+
+# -- when a command that is repeated is due --------------------------------------------------------
+
+
+def times(course, late):
+    """Returns when messages are due, each of which is sent so much later."""
+    due, found = 0.0, []
+    while due is not None:
+        found.append(due)
+        due = course.next_due(due, due + late)
+    return found
+
+
+@pytest.mark.parametrize("late", [0.0, 0.004, 0.09])
+def test_lateness_does_not_add_up(late):
+    found = times(Course(rate=10, duration=2.0), late)
+    assert found == pytest.approx([0.1 * number for number in range(20)])
+
+
+def test_what_was_missed_is_left_out():
+    assert times(Course(rate=10, duration=1.0), 0.25) == pytest.approx([0.0, 0.3, 0.6, 0.9])
+
+
+def test_once_without_a_rate():
+    assert times(Course(duration=5.0), 0.1) == [0.0]
