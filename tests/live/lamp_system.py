@@ -14,6 +14,7 @@ class System(bridge_support.System):
     """The bridge, a lamp and an operator."""
 
     def __init__(self, path, logs, *arguments):
+        from diagnostic_msgs.msg import DiagnosticArray
         from rclpy.qos import QoSProfile
         from std_srvs.srv import SetBool, Trigger
 
@@ -25,6 +26,8 @@ class System(bridge_support.System):
             "switch": create(SetBool, "/switch_lamp"),
             "shine": create(Trigger, "/shine"),
         }
+        # Announced behind the clients: who sends to it knows them, and loses no response.
+        self.told = self.ros.listen(DiagnosticArray, "/diagnostics")
 
     def lamp(self, mode="answer"):
         process = self.start(str(FOLDER / "lamp.py"), stdin=True)
@@ -40,6 +43,7 @@ class System(bridge_support.System):
         """Sends a request; returns the future of its response."""
         client = self.clients[name]
         wait_for(client.service_is_ready, f"service {name}")
+        wait_for(lambda: self.told, "discovery of the clients")
         return client.call_async(client.srv_type.Request(**members))
 
     def call(self, name, **members):
