@@ -161,6 +161,19 @@ def test_all_takes_those_that_come_later_and_drops_those_that_go(world):
     assert searcher.told == [("100.1.1",), ("100.1.1", "200.1.1"), ("200.1.1",)]
 
 
+def test_who_has_lost_a_peer_looks_around_at_once(world):
+    first = provider(world, "100.1.1")
+    searcher = Searcher(world, search(choice=PeerChoice.ALL))
+    world.run(peer_search.STEADY_SEARCH)
+    kill(world, first)
+    for _ in range(2 * peer_search.MISSED_CHECKS):
+        if searcher.peers:
+            world.run(peer_search.CHECK_INTERVAL)
+    asked = world.count(QueryServiceList.CODE)
+    world.run(2 * peer_search.CHECK_INTERVAL)
+    assert world.count(QueryServiceList.CODE) > asked
+
+
 def test_the_first_that_answers_is_taken(world):
     provider(world, "200.1.1")
     searcher = Searcher(world, search(choice=PeerChoice.FIRST))
