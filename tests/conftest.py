@@ -138,6 +138,18 @@ def pytest_xdist_auto_num_workers() -> int:
     return min(5 * (os.cpu_count() or 2) // 2, MOST_WORKERS)
 
 
+@pytest.fixture
+def refused(jausml):
+    """Runs the command line of a folder of tests, which refuses for a reason what it is told."""
+
+    def run(reason, *arguments, **options):
+        result = jausml(*arguments, **options)
+        assert result.exit_code == 2, result.output
+        assert reason in result.stderr
+
+    return run
+
+
 def pytest_report_header(config: pytest.Config) -> str:
     """Says where tests bind their ports."""
     reason = config.stash[SHARED_NETWORK]

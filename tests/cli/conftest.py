@@ -21,18 +21,6 @@ def jausml():
 
 
 @pytest.fixture
-def refused(jausml):
-    """Runs the command line, which refuses for a reason what it is told."""
-
-    def run(reason, *arguments, text=""):
-        result = jausml(*arguments, text=text)
-        assert result.exit_code == 2, result.output
-        assert reason in result.stderr
-
-    return run
-
-
-@pytest.fixture
 def here(tmp_path, monkeypatch):
     """An empty current folder."""
     monkeypatch.chdir(tmp_path)

@@ -164,7 +164,7 @@ def refused_with_others(features, folder):
 
 
 def test_each_other_text_is_refused_where_it_stands(subtests, tmp_path):
-    others = [one for one in string_features() if one not in free_features()]
+    others = [feature for feature in string_features() if feature not in free_features()]
     together = refused_with_others(others, tmp_path)
     for feature in [other for other in others if other not in together]:
         class_name, name, (start, _) = feature

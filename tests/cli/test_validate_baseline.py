@@ -129,7 +129,9 @@ def test_sarif_has_known_findings_as_suppressed_and_json_has_them_apart(jausml, 
     ] * 2
     content = json.loads(jausml("validate", ".", "--baseline", baseline, "--format", "json").stdout)
     assert content["diagnostics"] == []
-    rows = [(e["rule"], e["ground"], e["saidAt"]) for e in content["setAside"]]
+    rows = [
+        (finding["rule"], finding["ground"], finding["saidAt"]) for finding in content["setAside"]
+    ]
     assert rows == [("JML425", "known", None), ("JML426", "known", None)]
 
 

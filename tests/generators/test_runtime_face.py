@@ -62,7 +62,9 @@ def is_public(module, name):
     if f"{module}.{name}" in PUBLIC:
         return True
     found = original(module)
-    imports = [n for n in ast.walk(ast.parse(inspect.getsource(found))) if hasattr(n, "names")]
+    imports = [
+        node for node in ast.walk(ast.parse(inspect.getsource(found))) if hasattr(node, "names")
+    ]
     own_use = {alias.name for node in imports for alias in node.names if not alias.asname}
     return hasattr(found, name) and name not in own_use
 

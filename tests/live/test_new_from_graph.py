@@ -108,7 +108,7 @@ def test_it_lists_what_runs_and_proposes_a_bridge(tmp_path, monkeypatch):
         "car/odom": ("local_pose", "rosToJaus", "reliable", "volatile"),
     }
     for used in made.maps:
-        (joints,) = (one.names for one in used.toRos if hasattr(one, "names"))
+        (joints,) = (assignment.names for assignment in used.toRos if hasattr(assignment, "names"))
         assert list(joints) == ["shoulder", "elbow"]
     run("validate", "car.ros2jaus", "--strict")
     other = new("/car/odom:velocity_state", file="other.ros2jaus")

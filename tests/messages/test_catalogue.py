@@ -152,7 +152,8 @@ def test_own_models_are_known_too(tmp_path):
 
 def test_an_own_service_takes_the_place_of_the_library_s(tmp_path):
     catalogue = load_catalogue([model(tmp_path, urn=MANAGEMENT, name="Management")])
-    assert [e.name for e in catalogue.services[MANAGEMENT, "1.0"].messages] == ["SetLamp0"]
+    messages = catalogue.services[MANAGEMENT, "1.0"].messages
+    assert [message.name for message in messages] == ["SetLamp0"]
     assert catalogue.message("SetLamp0", "Management").name == "SetLamp0"
 
 

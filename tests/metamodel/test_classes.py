@@ -190,10 +190,10 @@ def load():
     found.append(load_metamodels())
 
 threads = [threading.Thread(target=load) for _ in range(4)]
-for each in threads:
-    each.start()
-for each in threads:
-    each.join()
+for thread in threads:
+    thread.start()
+for thread in threads:
+    thread.join()
 print(len(found), len(set(map(id, found))))
 """
 

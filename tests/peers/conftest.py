@@ -151,15 +151,3 @@ def jausml(free_port):
         return CliRunner().invoke(main, words, input=input)
 
     return run
-
-
-@pytest.fixture
-def refused(jausml):
-    """Runs the command line, which refuses for a reason what it is told."""
-
-    def run(reason, *arguments):
-        result = jausml(*arguments)
-        assert result.exit_code == 2, result.output
-        assert reason in result.stderr
-
-    return run

@@ -73,7 +73,9 @@ def test_copies_of_the_library_are_the_library_until_they_are_edited(project):
     folder = project()
     path = folder / "models" / "rover.xmi"
     model = read_models([path]).model
-    (service, *_) = (e for e in model.instances(jaus.Service) if e.name == "Management")
+    (service, *_) = (
+        service for service in model.instances(jaus.Service) if service.name == "Management"
+    )
     assert model.is_library(service)
     own = [document.path for document in model.documents if not document.is_library]
     assert own == [path.resolve()]

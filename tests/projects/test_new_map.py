@@ -388,7 +388,9 @@ def test_values_of_one_name_are_mapped_by_a_table(ears, jausml, notation):
     values = {entry.jaus: entry.ros for entry in table.entries}
     assert values == {"full": full, "charging": charging}
     for assignments in (own.toRos, own.toJaus):
-        steps = [step for one in assignments for step in getattr(one, "conversions", ())]
+        steps = [
+            step for assignment in assignments for step in getattr(assignment, "conversions", ())
+        ]
         assert [step.table for step in steps] == [table]
 
 

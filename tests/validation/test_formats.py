@@ -86,6 +86,6 @@ def test_each_module_that_renders_is_a_format():
 
 
 def test_the_parameters_of_every_bridge_are_known():
-    known = [one for one in vars(parameters).values() if isinstance(one, parameters.Known)]
+    known = [value for value in vars(parameters).values() if isinstance(value, parameters.Known)]
     # Those of a connection begin with its name, and no quantity is called so.
-    assert {one.name for one in known if "{" not in one.name} <= PARAMETERS
+    assert {parameter.name for parameter in known if "{" not in parameter.name} <= PARAMETERS

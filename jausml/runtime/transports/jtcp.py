@@ -71,7 +71,7 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
         self._most_connections = settings.max_connections
         self._listener: socket.socket | None = None
         self._rest = Alarm(loop)
-        self._takeover = Alarm(loop)
+        self._takeover_alarm = Alarm(loop)
         self._is_open = False
 
     def open(self) -> None:
@@ -89,7 +89,7 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
             self._send_unsent()
             self._is_open = False
             for timer in (
-                self._takeover,
+                self._takeover_alarm,
                 self._rest,
                 *(line.retry for line in self._lines.values()),
             ):
@@ -376,7 +376,7 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
                     advice("tcp", self._settings),
                 )
             self._connect(self._well_known)
-            self._takeover.set(self._settings.takeover_interval, self._share_port)
+            self._takeover_alarm.set(self._settings.takeover_interval, self._share_port)
             return
         self.loop.register(self._listener, self._accept)
         line = self._lines.pop(self._well_known, None)
