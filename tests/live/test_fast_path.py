@@ -58,15 +58,25 @@ def test_what_passes_while_a_bridge_ends_is_counted(path, tmp_path, monkeypatch)
     monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
     log, may_end = tmp_path / "bridge.log", tmp_path / "may_end"
     with System(path, log, compiled=True, program=(LATE_END, may_end)) as system:
-        wait_for(lambda: system.alone("point_up"), "core")
+        sent = 0
+
+        def pass_point():
+            nonlocal sent
+            sent += 1
+            system.peer.send(point(float(sent)))
+            wait_for(lambda: system.points[-1].point.x == sent, "point")
+
+        def is_passed_by_core():  # which may take over after the first messages
+            pass_point()
+            return system.alone("point_up")
+
+        wait_for(is_passed_by_core, "core")
         system.process.popen.send_signal(signal.SIGINT)
         wait_for(lambda: system.process.of_kind("ends"), "end")
-        heard = len(system.points)
-        system.peer.send(point(1.0))
-        wait_for(lambda: len(system.points) > heard, "message of the core")
+        pass_point()
         may_end.touch()
     (passed,) = re.findall(r"account of point_up: .*messages passed (\d+)", log.read_text())
-    assert int(passed) == system.greeted + 1
+    assert int(passed) == system.greeted + sent
 
 
 FORMS = [pytest.param(True, id="core"), pytest.param(False, id="Python")]

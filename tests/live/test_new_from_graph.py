@@ -1,5 +1,7 @@
 """`jausml new bridge --from-graph`: a bridge for what runs in ROS."""
 
+from threading import Condition
+
 import needs
 import pytest
 from click.testing import CliRunner
@@ -13,6 +15,10 @@ needs.ask("rclpy")
 from jausml.cli import main
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.names import name_of
+from jausml.live.ros.node import QuietNode
+from jausml.live.ros.running import ParameterReader
+
+from .bridge_support import wait_for
 
 pytestmark = pytest.mark.live
 
@@ -241,3 +247,25 @@ def test_names_of_frames_go_into_maps_and_parameters_are_shown(tmp_path, monkeyp
     assert not any(bridge_connection.silenceTimeout for bridge_connection in made.bridgeConnections)
     assert not made.quantities
     run("validate", file, "--strict")
+
+
+def test_a_question_without_an_answer_is_asked_again(monkeypatch):
+    monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
+    quiet = QuietNode("question").open()
+    # It takes the first question, and goes before it answers.
+    deaf = SpinningNode("wheels", "car")
+    reader = ParameterReader(quiet.node, ["/car/wheels"], "wheel_base".__eq__, Condition())
+    quiet.spin()
+
+    def is_read():
+        reader.ask()
+        return not reader.unread
+
+    with pytest.raises(AssertionError):
+        wait_for(is_read, "answer", seconds=2.0)
+    deaf.close()
+    with SpinningNode("wheels", "car") as spinning:
+        spinning.node.declare_parameter("wheel_base", 1.5)
+        wait_for(is_read, "answer")
+    quiet.close()
+    assert reader.found == {"/car/wheels": {"wheel_base": 1.5}}

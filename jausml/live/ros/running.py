@@ -162,6 +162,10 @@ _MOST = 200
 """Parameters of a node that are read."""
 
 
+_PATIENCE = 1.0
+"""Seconds for an answer, before the same is asked again."""
+
+
 class ParameterReader:
     """Asks nodes for their parameters."""
 
@@ -182,7 +186,7 @@ class ParameterReader:
             )
             for node_name in nodes
         }
-        self._asked: set[str] = set()
+        self._asked_at: dict[str, float] = {}
 
     @property
     def unread(self) -> tuple[str, ...]:
@@ -190,10 +194,15 @@ class ParameterReader:
         return tuple(sorted(self._waiting))
 
     def ask(self) -> None:
-        """Asks the nodes whose services are there by now and that were not asked before."""
+        """Asks the nodes whose services are there by now and that have not answered in a second.
+
+        A server that has not found the client yet loses its answer.
+        """
+        now = time.monotonic()
         for name, (lists, gets) in list(self._waiting.items()):
-            if name not in self._asked and lists.service_is_ready() and gets.service_is_ready():
-                self._asked.add(name)
+            is_due = now - self._asked_at.get(name, -_PATIENCE) >= _PATIENCE
+            if is_due and lists.service_is_ready() and gets.service_is_ready():
+                self._asked_at[name] = now
                 listed = lists.call_async(self._list())
                 listed.add_done_callback(lambda done, of=name: self._listed(of, done.result()))
 
@@ -204,8 +213,9 @@ class ParameterReader:
         if not wanted:
             self._note(name, {})
             return
-        got = self._waiting[name][1].call_async(self._get(names=wanted))
-        got.add_done_callback(lambda done: self._got(name, wanted, done.result()))
+        if name in self._waiting:  # else its answer to an earlier question has come meanwhile
+            got = self._waiting[name][1].call_async(self._get(names=wanted))
+            got.add_done_callback(lambda done: self._got(name, wanted, done.result()))
 
     def _got(self, name: str, wanted: list[str], answer: Any) -> None:
         from rclpy.parameter import parameter_value_to_python  # noqa: PLC0415
@@ -217,7 +227,7 @@ class ParameterReader:
         with self._come:
             if values:
                 self.found[name] = values
-            del self._waiting[name]
+            self._waiting.pop(name, None)
             self._come.notify_all()
 
 
