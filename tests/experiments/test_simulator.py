@@ -36,8 +36,8 @@ def test_events_keep_the_pace_of_the_simulation(tmp_path):
     half, wall_clock = run_conditions(
         tmp_path,
         [
-            Condition("half", 0.5, seconds=4.0),
-            Condition("wall_clock", 0.5, follows_clock=False, seconds=4.0),
+            Condition("half", 0.5, seconds=2.0),
+            Condition("wall_clock", 0.5, follows_clock=False, seconds=2.0),
         ],
         told.append,
     )

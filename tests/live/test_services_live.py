@@ -33,9 +33,12 @@ def test_a_query_is_a_service(system):
     answer = system.call("read")
     assert (answer.success, answer.message) == (True, "lit")
     wait_for(lambda: system.value("read", "calls answered") == "2", "diagnostics")
+    futures = [system.send("read") for _ in range(20)]  # under way together
+    wait_for(lambda: all(future.done() for future in futures), "20 responses")
+    assert {future.result().message for future in futures} == {"lit"}
 
 
-def test_a_command_is_confirmed_or_refused(system):
+def test_a_command_is_sent_once_and_confirmed_or_refused(system):
     lamp = system.lamp()
     assert system.switched(data=True).success
     system.mode(lamp, "refuse")
@@ -44,6 +47,9 @@ def test_a_command_is_confirmed_or_refused(system):
     assert "RejectLamp with the code 7" in answer.message
     assert [fact["brightness"] for fact in lamp.of_kind("set")] == [100, 0]
     wait_for(lambda: system.value("switch", "failed: rejected") == "1", "diagnostics")
+    system.mode(lamp, "silent")
+    assert not system.call("switch", data=True).success
+    assert [fact["brightness"] for fact in lamp.of_kind("set")] == [100, 0, 100]  # sent once
 
 
 def test_a_command_needs_control(system):
@@ -81,22 +87,6 @@ def test_a_late_answer_is_not_that_of_the_next_call(system):
     assert [fact["brightness"] for fact in lamp.of_kind("set")] == [100, 100, 0]
     system.mode(lamp, "refuse")
     assert "with the code 7" in system.call("switch", data=True).message
-
-
-def test_a_command_is_sent_once(system):
-    lamp = system.lamp()
-    assert system.switched(data=True).success
-    system.mode(lamp, "silent")
-    assert not system.call("switch", data=False).success
-    assert len(lamp.of_kind("set")) == 2
-
-
-def test_calls_are_under_way_together(system):
-    system.lamp()
-    assert system.call("read").success
-    futures = [system.send("read") for _ in range(20)]
-    wait_for(lambda: all(future.done() for future in futures), "20 responses")
-    assert {future.result().message for future in futures} == {"dark"}
 
 
 def test_more_calls_than_are_carried_are_refused(system):

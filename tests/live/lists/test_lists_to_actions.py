@@ -47,48 +47,26 @@ def test_speed_and_waypoint_are_told_before_while_and_after_it_drives(system, op
 
 
 @pytest.mark.slow
-def test_another_speed_is_told(system, operator):
-    operator.give(1)
-    operator.execute(speed=1.5)
-    wait_goal(system)
-    operator.execute(uid=None, speed=0.5)
-    wait_for(lambda: operator.asked_speed() == 0.5, "the other speed", PATIENCE)
-
-
-@pytest.mark.slow
-def test_execution_begins_at_the_named_element(system, operator):
-    operator.give(1, 2, 3)
-    operator.execute(2)
-    assert wait_goal(system)["x"] == [2.0, 3.0]
-    operator.wait_active(2)
-    pass_by(system, operator, 3)
-    assert operator.seen == [0, 2, 3, 0]
-
-
-@pytest.mark.slow
-def test_an_abort_is_told_though_the_last_element_was_active(system, operator):
+def test_an_abort_is_told_and_so_is_a_goal_that_is_refused(system, operator):
     operator.give(1)
     operator.execute()
-    operator.wait_active(1)
+    operator.wait_active(1)  # the last one
     wait_goal(system)
     order(system, "abort")
     operator.wait_active(0)
     wait_for(lambda: operator.ends == [False], "the failure", PATIENCE)
     assert "the wheels came off" in system.log_of("robot")
-
-
-@pytest.mark.slow
-def test_a_refused_goal_ends_the_list(system, operator):
     order(system, "refuse")
     wait_for(lambda: facts(system, "refuse"), "refusal", PATIENCE)
-    operator.give(1, 2)
+    count = 255
+    operator.give(*range(1, count + 1))
     operator.execute()
-    wait_for(lambda: operator.ends == [False], "the failure", PATIENCE)
+    wait_for(lambda: operator.ends == [False, False], "the failure", PATIENCE)
     operator.wait_active(0)
     order(system, "accept")
     wait_for(lambda: facts(system, "accept"), "acceptance", PATIENCE)
     operator.execute()
-    assert wait_goal(system)["x"] == [1.0, 2.0]
+    assert wait_goal(system, 2)["x"] == [float(number) for number in range(1, count + 1)]
 
 
 @pytest.mark.slow
@@ -144,6 +122,7 @@ def test_speed_zero_holds_and_another_speed_goes_on(system, operator):
     assert operator.seen[-1] == 2
     operator.execute(None, 0.5)
     assert wait_goal(system, 2)["x"] == [2.0, 3.0]
+    wait_for(lambda: operator.asked_speed() == 0.5, "the other speed", PATIENCE)
 
 
 @pytest.mark.slow
@@ -272,14 +251,6 @@ def test_hostile_lists_are_refused(system, operator):
 
 
 @pytest.mark.slow
-def test_a_long_list_is_followed(system, operator):
-    count = 255
-    operator.give(*range(1, count + 1))
-    operator.execute()
-    assert wait_goal(system)["x"] == [float(number) for number in range(1, count + 1)]
-
-
-@pytest.mark.slow
 def test_a_circular_list_goes_round(system, operator):
     contents = [(uid, operator.waypoint(uid), 0) for uid in (1, 2)]
     assert operator.set(chain(contents, circular=True))
@@ -289,6 +260,7 @@ def test_a_circular_list_goes_round(system, operator):
     assert wait_goal(system, 2)["x"] == [1.0, 2.0]
     order(system, "next", "next")
     assert wait_goal(system, 3)["x"] == [1.0, 2.0]
+    assert operator.seen[:3] == [0, 2, 1]
     assert 0 not in operator.seen[1:]
 
 
