@@ -35,7 +35,7 @@ test: $(READY)  ## run the tests that guard everything, in six minutes
 # The budget of tests is judged by a whole run only; JUDGED is what CI adds, the skips that it expects.
 test-all: $(READY)  ## run these, those that go further, and what uses rclpy on Kilted, in eighteen minutes
 	$(BIN)/python tools/suite.py $(JUDGED) $(if $(TESTS),$(TESTS),--judge-budget)
-	$(MAKE) live ROS=kilted TESTS='-m "live and not slow" $(TESTS)'
+	$(MAKE) live ROS=kilted TESTS='-m "live and not slow" $(if $(TESTS),$(TESTS),tests/live)'
 
 test-beside: $(READY)  ## run what compares with definitions of others, in a folder `shared` beside the checkout
 	$(BIN)/python tools/suite.py -m beside $(JUDGED) $(TESTS)

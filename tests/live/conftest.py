@@ -6,7 +6,7 @@ from ports import free_domain
 
 from jausml.runtime.base.loop import Loop
 
-from .bridge_support import RosPeer
+from .bridge_support import RosPeer, meet
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -56,8 +56,8 @@ def loop():
 
 
 @pytest.fixture
-def node(loop, waiting):
-    """Makes ROS sides of bridges, which end with the test."""
+def node(request, loop, waiting):
+    """Makes ROS sides of bridges, which end with the test, and know its peer if it has one."""
     from jausml.runtime.bridge.ros.node import RosNode
 
     nodes = []
@@ -66,6 +66,8 @@ def node(loop, waiting):
         line = ["--ros-args", *ros_arguments] if ros_arguments else []
         nodes.append(RosNode("tested", namespace, line, waiting))
         nodes[-1].attach(loop)
+        if "peer" in request.fixturenames:
+            meet(nodes[-1])
         return nodes[-1]
 
     yield make

@@ -99,8 +99,9 @@ def draws_a_picture(run: tuple[Path, str]) -> None:
 def a_drive_that_does_not_arrive_has_failed(run: tuple[Path, str]) -> None:
     logs = run[0] / "short"
     logs.mkdir()
-    code = f"import demo; print(demo.reason_of_failure(demo.drive({run[0] / 'ws'!r}, {logs!r}, 3), 3))"
-    result = succeeded([sys.executable, "-c", f"from pathlib import *; {code}"], cwd=DEMO.parent)
+    shown = f"demo.reason_of_failure(demo.drive({run[0] / 'ws'!r}, {logs!r}, 3), 3)"
+    code = f"from pathlib import *; import demo; print({shown})"
+    result = succeeded([sys.executable, "-c", code], cwd=DEMO.parent)
     assert "arrived at" not in result.stdout
     reason = "the vehicle did not arrive within 3 s; its last word: "
     assert result.stdout.splitlines()[-1].startswith(reason)

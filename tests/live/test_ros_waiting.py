@@ -18,7 +18,7 @@ from jausml.runtime.bridge.ros import internals as ros_internals
 from jausml.runtime.bridge.ros import waiting as ros_listener
 from jausml.runtime.bridge.ros.taking import AT_ONCE
 
-from .bridge_support import wait_for
+from .bridge_support import meet, wait_for
 
 pytestmark = pytest.mark.live
 
@@ -197,6 +197,7 @@ def test_a_turn_takes_so_many_messages_and_no_more(peer, waiting, topic):
     with Loop() as loop:
         tested = RosNode("tested", "", None, waiting)
         tested.attach(loop)
+        meet(tested)
         heard = Heard(tested, Topic(topic))
         publisher = reliable(peer, topic)
         send(publisher, range(2 * AT_ONCE + 5))
@@ -354,6 +355,7 @@ def test_it_ends_in_any_order_and_nobody_writes_to_its_descriptors(
         loop.start()
         tested = RosNode("tested", "", None, waiting)
         tested.attach(loop)
+        meet(tested)
         heard = Heard(tested, Topic(topic))
         tested.publisher(Float64, Topic(f"{topic}_out"))
         publisher = peer.node.create_publisher(Float64, topic, 10)
@@ -409,6 +411,7 @@ def test_without_the_functions_of_the_listener_a_wait_set_waits(
         (record,) = caplog.records
         assert "with a wait set" in record.getMessage()
         assert "rcl_of_another_age" in record.getMessage()
+        meet(tested)
         heard = Heard(tested, Topic(topic))
         tested.start(pytest.fail)
         publisher = reliable(peer, topic)
