@@ -97,7 +97,7 @@ def _compared(
 
 
 def _imported(file: File) -> Iterator[tuple[str, str]]:
-    """Yields what a file imports from other modules, by module and name."""
+    """Yields the imports of a file from other modules, by module and name."""
     module = file.module
     for node in ast.walk(file.tree):
         if isinstance(node, ast.ImportFrom):

@@ -185,7 +185,7 @@ def _not_produced(
 
 
 def unified_diff(plan: Plan) -> str:
-    """Returns what a plan would change as one patch (`patch -p1`), empty when nothing."""
+    """Returns the changes of a plan as one patch (`patch -p1`), empty when there are none."""
     return "".join(_diff(action) for action in plan.changes)
 
 
@@ -211,7 +211,7 @@ def _other_model_problem(
 def _compare(
     artifact: Artifact, state: FileState, manifest: Manifest, out: Path, *, force: bool
 ) -> Action:
-    """Returns what happens to a produced file; the first case that fits counts."""
+    """Returns the action for a produced file; the first case that fits counts."""
     path = artifact.path
     entry = manifest.files.get(path)
     if state.obstacle:
@@ -262,7 +262,7 @@ def _is_untouched(state: FileState, hashes: Collection[str]) -> bool:
 def _action_for_unproduced(
     path: str, manifest: Manifest, state: FileState, successor: str
 ) -> Action | None:
-    """Returns what happens to a file that is no longer produced; None when it is not there."""
+    """Returns the action for a file that is no longer produced; None when it is not there."""
     entry = manifest.files[path]
     if state.obstacle:
         return Action(ActionKind.ORPHAN, path, f"no longer produced; {state.obstacle}")

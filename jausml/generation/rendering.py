@@ -126,7 +126,7 @@ class _Compiled(jinja2.BytecodeCache):
 
 @cache
 def _compiled() -> _Compiled:
-    """Returns what all runs of this process share; all environments have the same settings."""
+    """Returns the templates that all runs of this process share, whatever their environments."""
     return _Compiled()
 
 

@@ -54,7 +54,7 @@ class FileTask(Generic[ViewT]):
     words: Callable[[ViewT], Collection[str]] | None = None
 
     def label(self, view: ViewT) -> str:
-        """Returns what an error names when no template line is known."""
+        """Returns the name for an error when no template line is known."""
         return f"{self.template} for {view.element_id}"
 
 
@@ -90,7 +90,7 @@ class TextTask:
 
     @staticmethod
     def label(view: TextFile) -> str:
-        """Returns what an error names."""
+        """Returns the name for an error."""
         return view.element_id
 
 

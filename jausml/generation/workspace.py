@@ -110,7 +110,7 @@ def generate(
 
 
 def broken_code(old: Model, new: Model, targets: Sequence[Target[Any]], out: Path) -> list[Finding]:
-    """Returns what a change of a model breaks in users' files; writes nothing."""
+    """Returns the findings about users' files after a change of a model; writes nothing."""
     beside = _beside(out, name_of(new), targets, None)
     before, after = render(old, targets, beside), render(new, targets, beside)
     manifest = read_manifest(out)

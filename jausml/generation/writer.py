@@ -141,7 +141,7 @@ def _opened(out: Path, path: str, *, make: bool = False) -> Iterator[_File]:
 
 
 def _announce(plan: Plan) -> None:
-    """Writes what will be there into a file that stays when the run is killed."""
+    """Writes the files to come into a file that stays when the run is killed."""
     with _opened(plan.out, PENDING_PATH, make=True) as file:
         with suppress(FileNotFoundError):
             file.unlink()

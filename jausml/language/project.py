@@ -129,7 +129,7 @@ class Index:
 
     @classmethod
     def here(cls) -> Index | None:
-        """Returns that of the project of the current folder, None where `init` has made none."""
+        """Returns the index of the current folder's project, None where `init` has made none."""
         root = made_project(Path.cwd())
         return None if root is None else cls(root)
 
@@ -210,7 +210,7 @@ def own_instances(models: Iterable[Model], kind: type[ElementT]) -> list[Element
 
 
 def stored_files(root: Path) -> dict[str, bytes]:
-    """Returns what the model files of a project hold; one that cannot be read is left out."""
+    """Returns the bytes of the model files of a project, without those that cannot be read."""
     contents = {}
     for file in model_files(root):
         try:
@@ -270,7 +270,7 @@ def _one_model(path: str) -> str:
 
 
 def _notations(files: Sequence[str], reading: Reading) -> Sequence[Notation]:
-    """Returns what reads files that are no XMI, with a bridge of maps where one is asked for."""
+    """Returns the notations of files that are no XMI, with a bridge of maps where it is wanted."""
     address = reading.bridge_address
     if address is None:
         return NOTATIONS
@@ -300,7 +300,7 @@ class OneDocument:
     library: tuple[str, ...] = ()
 
     def read(self, cache: LibraryCache | None = None) -> ReadResult:
-        """Reads it, with what it needs of the library that is installed."""
+        """Reads the document, with its part of the installed library."""
         own = {self.path: self.text.encode("utf-8")} if self.text else {}
         return read_models(
             [*own, *(library_root() / path for path in self.library)],

@@ -78,7 +78,7 @@ _PAGE = Path(jausml.__file__).parent / "authoring" / "studio" / "page" / "index.
 
 
 def python_checks() -> Iterator[Finding]:
-    """Yields what is to be said of Python."""
+    """Yields the findings about Python."""
     description = f"Python {platform.python_version()} at {sys.executable}, jausml {__version__}"
     if sys.version_info < OLDEST:
         oldest = ".".join(map(str, OLDEST))
@@ -99,7 +99,7 @@ def python_checks() -> Iterator[Finding]:
 
 
 def program_checks() -> Iterator[Finding]:
-    """Yields what is to be said of programs that need not be there."""
+    """Yields the findings about programs that need not be there."""
     for program in PROGRAMS:
         path = program.path()
         if path is not None:
@@ -127,7 +127,7 @@ _LIMIT = Path("/proc/sys/net/core/rmem_max")
 
 
 def network_checks(settings: TransportSettings) -> Iterator[Finding]:
-    """Yields what is to be said of the network; sends one datagram to a port of its own."""
+    """Yields the findings about the network; sends one datagram to a port of its own."""
     interface = _interface(settings)
     yield interface
     manager = manager_folder(settings)
@@ -242,7 +242,7 @@ _SHARED_MEMORY = Path("/dev/shm")  # noqa: S108 - where Fast DDS puts what it sh
 
 
 def ros_checks(packages: Mapping[str, bool]) -> Iterator[Finding]:
-    """Yields what is to be said of ROS.
+    """Yields the findings about ROS.
 
     Args:
         packages: Packages of messages that are needed, and whether each is the user's own.

@@ -57,7 +57,7 @@ class ObeyingProduct:
         return Obeying(Core(), ConnectionState())
 
     def steps(self, state: Obeying) -> Iterator[tuple[Step, Obeying]]:
-        """Yields what can happen."""
+        """Yields the possible steps, each with the state after it."""
         core, services, bridge = state.core, self.services, self.bridge
         for client in self.clients:
             yield self._commanded(state, client)
@@ -124,7 +124,7 @@ class ObeyingProduct:
         return ""
 
     def fault(self, state: Obeying, step: Step, after: Obeying) -> str:
-        """Returns what must not happen in a transition; empty for nothing."""
+        """Returns the fault of a transition; empty for none."""
         if step.passes and not self._may_command(state.core, step.passes):
             return f"{self.command} of {step.passes} takes effect {self._situation(state.core)}"
         return self._wrong_takeover(state.core, step, after.core) or self._fault_in(after)
@@ -216,7 +216,7 @@ class CommandingProduct:
         return Commanding(Core(), Core(), ConnectionState())
 
     def steps(self, state: Commanding) -> Iterator[tuple[Step, Commanding]]:
-        """Yields what can happen."""
+        """Yields the possible steps, each with the state after it."""
         yield self._published(state)
         if state.is_linked:
             yield Step(RADIO, "is lost"), state._replace(is_linked=False)
@@ -376,7 +376,7 @@ class CommandingProduct:
         return ""
 
     def fault(self, state: Commanding, step: Step, after: Commanding) -> str:
-        """Returns what must not happen in a transition; empty for nothing."""
+        """Returns the fault of a transition; empty for none."""
         guard = self.connection.guard
         if step.passes and halts(state.own):
             return f"{self.command} is sent while {self.bridge} is in {state.own.status}"

@@ -86,7 +86,7 @@ def without_allowed(outcomes: Iterable[Outcome], model: Model) -> list[Outcome]:
 
 
 def diagnostic_of(subject: Subject, example: CounterExample, model: Model) -> Diagnostic:
-    """Returns what was found as a finding at the element that it is about."""
+    """Returns a counterexample as a finding at its element."""
     steps = "; ".join(
         f"{moment.seconds:g} s {moment.step.actor}: {moment.step.what}"
         for moment in example.moments
@@ -168,7 +168,7 @@ def _as_data(example: CounterExample) -> dict[str, Any]:
 
 
 def sequence_diagram(subject: Subject, example: CounterExample) -> SequenceDiagram:
-    """Returns what happens one after the other; steps of time without anything else are one."""
+    """Returns the steps of a counterexample; steps of time without anything else are one."""
     events: list[Event] = []
     first = len(example.moments) - example.repeats
     for number, moment in enumerate(example.moments):
@@ -196,7 +196,7 @@ def _text(outcomes: Sequence[Outcome], model: Model) -> str:
 
 
 def summary(outcomes: Sequence[Outcome]) -> str:
-    """Returns what was searched and found, in one line."""
+    """Returns the extent and the result of the search, in one line."""
     total = sum(len(outcome.found) for outcome in outcomes)
     states = sum(outcome.states for outcome in outcomes)
     products = f"{len(outcomes)} product{'' if len(outcomes) == 1 else 's'}"

@@ -178,7 +178,7 @@ class CoreServices:
 def core_steps(
     services: CoreServices, core: Core, component: str, clients: tuple[str, ...]
 ) -> Iterator[tuple[Step, Core]]:
-    """Yields what clients, whoever sets emergencies, and a failure make of the core services.
+    """Yields the steps of the core services by clients, setters of emergencies and a failure.
 
     That the first client asks for control and resumes the component hinders nobody.
     """
@@ -195,7 +195,7 @@ def core_steps(
 def emergency_steps(
     services: CoreServices, core: Core, component: str
 ) -> Iterator[tuple[Step, Core]]:
-    """Yields what whoever sets emergencies makes of the core services."""
+    """Yields the steps of the core services by setters of emergencies."""
     sets = Step(EMERGENCY_CLIENT, "SetEmergency", component)
     yield sets, services.set_emergency(core, EMERGENCY_CLIENT)
     clears = Step(EMERGENCY_CLIENT, "ClearEmergency", component, is_helpful=True)

@@ -42,7 +42,7 @@ class Product(Protocol):
         """Returns the state at the start."""
 
     def steps(self, state: Any) -> Iterable[tuple[Step, Any]]:
-        """Yields what can happen in a state, and the state after it."""
+        """Yields the possible steps in a state, each with the state after it."""
 
     @property
     def bound(self) -> int:
@@ -62,7 +62,7 @@ class Product(Protocol):
         """Returns in which state of its machine it is; empty for a product without machine."""
 
     def fault(self, state: Any, step: Step, after: Any) -> str:
-        """Returns what must not happen in a transition; empty for nothing."""
+        """Returns the fault of a transition; empty for none."""
 
 
 class Bounds(NamedTuple):
@@ -107,7 +107,7 @@ _LOOKS_AT_CLOCK_EVERY = 1024
 
 
 def explore(product: Product, bounds: Bounds) -> Graph:
-    """Returns what can be reached, as far as the bounds allow."""
+    """Returns the reachable states, as far as the bounds allow."""
     graph = Graph()
     numbers: dict[Any, int] = {}
     steps: dict[Step, int] = {}

@@ -103,7 +103,7 @@ class MachineProduct:
         return self.machine.extends_core
 
     def steps(self, state: Behaving) -> Iterator[tuple[Step, Behaving]]:
-        """Yields what can happen."""
+        """Yields the possible steps, each with the state after it."""
         core, services = state.core, self.services
         for step, after in core_steps(services, core, self.component, self.clients):
             yield step, self.followed(state, after)
@@ -174,7 +174,7 @@ class MachineProduct:
     def outcomes(
         self, state: Behaving, trigger: str, sender: str
     ) -> Iterator[tuple[dict[str, bool], jaus.Transition | None]]:
-        """Yields what conditions of the user may say of a trigger, and what is taken then."""
+        """Yields each result of the user's conditions for a trigger, and the transition then."""
         if not self.is_obeyed(state, trigger, sender):
             return
         guards = (guard for _, guard in self._candidates(state.path, trigger))
@@ -298,7 +298,7 @@ class MachineProduct:
         return state.path
 
     def fault(self, state: Behaving, step: Step, after: Behaving) -> str:
-        """Returns what must not happen in a transition; empty for nothing."""
+        """Returns the fault of a transition; empty for none."""
         core = state.core
         is_command = step.actor in self.clients and after.commanded_by == step.actor and step.passes
         if is_command and core.controller != step.actor:

@@ -103,7 +103,7 @@ def _stepped(subjects: Iterator[Subject]) -> Iterator[SteppedMachine]:
 
 
 def walked(product: MachineProduct, path: Sequence[Chosen]) -> list[Choice]:
-    """Returns what happens along a path from the initial state.
+    """Returns the choices along a path from the initial state.
 
     Raises:
         SteppingError: There is no such step any more, since the machine is another one.

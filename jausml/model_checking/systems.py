@@ -60,7 +60,7 @@ class Subject:
 
 
 def subjects_of(system_: system.System, demanded: float = 0.0) -> Iterator[Subject]:
-    """Yields what is checked of a system."""
+    """Yields the parts of a system that are checked."""
     for owner in system_.bridges:
         for connection in () if owner.external else owner.bridgeConnections:
             if not stops.carries_commands(connection):

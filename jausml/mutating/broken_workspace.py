@@ -73,7 +73,7 @@ class BrokenWorkspace:
         return ""
 
     def refusing(self, files: Mapping[str, str], paths: Iterable[str]) -> str:
-        """Returns what the command says that fails with files replaced; empty where it does not.
+        """Returns the failure of the command with files replaced; empty where it succeeds.
 
         It runs where the campaign was begun, finds the packages on its path, and their folder in
         the environment.
@@ -210,7 +210,7 @@ def _is_same(path: str, one: str | None, other: str | None) -> bool:
 
 
 def _code(text: str) -> str:
-    """Returns what a module does, without its comments and docstrings."""
+    """Returns the code of a module, without its comments and docstrings."""
     tree = ast.parse(text)
     for node in ast.walk(tree):
         body = getattr(node, "body", None)

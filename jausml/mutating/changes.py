@@ -45,7 +45,7 @@ class Change:
         return replace(self, value=before, unsets=not was_set)
 
     def words(self) -> str:
-        """Says what changes, before and after."""
+        """Returns the change in words, before and after."""
         before, after = held(self.element, self.feature), self.value
         if self.feature.many:
             before, after = _differing(before, after)
@@ -64,16 +64,16 @@ class Together:
         return self.changes[0].element
 
     def apply(self) -> Together:
-        """Makes them, and returns what undoes them."""
+        """Makes the changes, and returns those that undo them."""
         return Together(tuple(change.apply() for change in self.changes)[::-1])
 
     def words(self) -> str:
-        """Says what each changes."""
+        """Returns all changes in words."""
         return "; ".join(change.words() for change in self.changes)
 
 
 def held(element: Any, feature: FeatureTable) -> Any:
-    """Returns what a feature holds; a list where it has many values."""
+    """Returns the value of a feature; a list where it has many values."""
     if feature.many:
         return list(contents(element, feature))
     return getattr(element, feature.name)
@@ -179,21 +179,21 @@ def _is_alike(one: Any, other: Any) -> bool:
 
 
 def next_entry(site: Site) -> Iterator[Any]:
-    """Yields what the next entry of a table has."""
+    """Yields the value of the next entry of a table."""
     entries = list(site.element.eContainer().entries)
     after = entries[(entries.index(site.element) + 1) % len(entries)]
     yield getattr(after, site.feature.name)
 
 
 def _exchange(site: Site, one: Any, other: Any) -> tuple[Change, Change]:
-    """Returns what gives two elements the values of each other."""
+    """Returns the changes that exchange the values of two elements."""
     feature = site.feature
     first, second = held(one, feature), held(other, feature)
     return Change(one, feature, second), Change(other, feature, first)
 
 
 def exchanged_entries(site: Site) -> Iterator[Together]:
-    """Yields what exchanges the values of an entry of a table and of the one behind it."""
+    """Yields the exchange of the values of an entry of a table and of the one behind it."""
     entries = list(site.element.eContainer().entries)
     at = entries.index(site.element) + 1
     if at < len(entries):
@@ -215,7 +215,7 @@ def partner(placed: Placed[Any] | None) -> Any:
 
 
 def crossed_members(site: Site) -> Iterator[Together]:
-    """Yields what exchanges the targets of two assignments alike, and those of their ways back."""
+    """Yields the exchange of the targets of two assignments alike, and of their ways back."""
     placed = site.placed
     back = partner(placed)
     if placed is None or back is None:

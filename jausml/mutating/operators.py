@@ -100,7 +100,7 @@ def _one_that_drives(site: Site) -> Iterator[Any]:
 
 
 def _followed_by(kind: str, *arguments: float) -> Callable[[Site], Iterator[Any]]:
-    """Returns what gives an assignment of a number one more conversion."""
+    """Returns a mutator that gives an assignment of a number one more conversion."""
 
     def values(site: Site) -> Iterator[Any]:
         if _ends(site) and not any(end.named for end in _ends(site)):
@@ -122,7 +122,7 @@ def _literals(table: ClassTable | None, name: str) -> Mapping[str, Any]:
 
 
 def _times(factor: float) -> Callable[[Site], Iterator[Any]]:
-    """Returns what multiplies a number; what is zero or not given is no number to multiply."""
+    """Returns a mutator that multiplies a number, unless it is zero or not stated."""
 
     def values(site: Site) -> Iterator[Any]:
         if site.feature.many:

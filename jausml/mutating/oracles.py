@@ -87,7 +87,7 @@ def _model_check(model: Model) -> _ModelCheck:
 
 
 class ProofOracle:
-    """Tells what a proof finds in a map of a broken model and not in that of the sound one.
+    """Finds by proofs the faults in a map of a broken model that the sound one does not have.
 
     Attributes:
         remarks: Which maps of the sound model have no proof, so that nothing is noticed by it.
@@ -138,7 +138,7 @@ def _provable_map(element: Any) -> str:
 
 
 def _proof(report: Report, name: str) -> _Proof:
-    """Returns what the proof of a map finds."""
+    """Returns the findings of the proof of a map."""
     trips = [round_trip for round_trip in round_trips(report.model) if round_trip.name == name]
     settings = Settings(str(compiler()), _PROOF_BUDGET, jobs=1)
     # By their numbers: places move with an assignment, and messages hold what was measured.

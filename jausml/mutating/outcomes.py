@@ -76,7 +76,7 @@ class Campaign:
         return {name: row for name, row in rows.items() if row}
 
     def survivors(self) -> Sequence[Outcome]:
-        """Returns what nothing noticed."""
+        """Returns the mutations that nothing noticed."""
         return [outcome for outcome in self.outcomes if outcome.verdict == "nothing"]
 
     def to_json(self) -> dict[str, Any]:
@@ -120,7 +120,7 @@ def summary(campaign: Campaign) -> str:
 
 
 def survivor_line(survivor: Outcome) -> str:
-    """Returns what survived, and what of the generated files it changes."""
+    """Returns the mutation that survived, and the generated files that it changes."""
     more = len(survivor.files) - _MOST_FILES
     files = ", ".join(survivor.files[:_MOST_FILES]) + (f" and {more} more" if more > 0 else "")
     reason = f"; {survivor.detail}" if survivor.detail else ""

@@ -46,7 +46,7 @@ class Mutation:
 
 
 def mutations(model: Model, names: Collection[str] = ()) -> list[Mutation]:
-    """Returns what operators can do to the elements of a model, without those of the library."""
+    """Returns the mutations of the elements of a model, without those of the library."""
     subject = Subject(model, [])
     placed: dict[Any, Placed[Any]] = {
         assignment.assignment: assignment
@@ -121,7 +121,7 @@ class Tried:
 def outcomes(
     document: OneDocument, chosen: Sequence[int], settings: Settings
 ) -> Iterator[tuple[int, Tried]]:
-    """Yields what becomes of mutations, in any order, by their place among the chosen ones."""
+    """Yields the outcomes of mutations, in any order, by their place among the chosen ones."""
     if not hasattr(os, "fork"):
         raise CampaignError("mutations need a system that can fork, such as Linux")
     until = time.time() + settings.budget
@@ -212,7 +212,7 @@ class _Original:
         return (*self._proof_oracle.remarks, *self._model_check_oracle.remarks)
 
     def outcome(self, mutation: Mutation, workspace: BrokenWorkspace) -> Outcome:
-        """Returns what becomes of a mutation."""
+        """Returns the outcome of a mutation."""
         undoing = mutation.change.apply()
         try:
             text = self._text()

@@ -149,7 +149,7 @@ class Sweep:
     varied: Sequence[Number] = ()
 
     def words(self) -> Iterator[object]:
-        """Yields it as the program takes it."""
+        """Yields the words of the sweep for the program."""
         yield self.message.hex()
         yield self.joins_back.hex() or _NONE
         yield self.between
@@ -227,14 +227,14 @@ class CompiledForm:
         self._process.communicate()
 
     def translate(self, data: bytes, *, to_ros: bool) -> bytes | None:
-        """Returns what a translation makes of what it takes; None where it gives way."""
+        """Returns the translation of a message; None where it is left to Python."""
         answer = self._ask(["translate", int(not to_ros), data.hex()])
         return None if answer == _NONE else bytes.fromhex(answer)
 
     def run(
         self, sweep: Sweep, indices: range | Sequence[int], most: int, threads: int = 1
     ) -> Tally:
-        """Returns what becomes of the values at some positions, in their order.
+        """Returns the tally of the values at some positions, in their order.
 
         Args:
             most: Of how many values that are left to Python it is told which they are.
@@ -306,7 +306,7 @@ class PythonForm(Worker):
     def trips(
         self, messages: Sequence[bytes], joins_back: bytes, *, to_ros: bool, has_back: bool
     ) -> list[Trip]:
-        """Returns what becomes of messages by a translation, and by its opposite."""
+        """Returns the trips of messages through a translation, and through its opposite."""
         trips: list[Trip] = []
         way = "to_ros" if to_ros else "to_jaus"
         for start in range(0, len(messages), _AT_ONCE):

@@ -183,7 +183,7 @@ class _Walk:
         self.numbers: list[Number] = []
 
     def layout(self) -> Layout:
-        """Returns what was found."""
+        """Returns the layout of the message."""
         if self._at != len(self._data):
             raise LayoutError("there are bytes behind the message")
         return Layout(bytes(self._data), self.numbers)

@@ -121,7 +121,7 @@ class _Passage:
 
 
 def plan(code: ProofCode, form: CompiledForm, trip: RoundTrip) -> Plan:
-    """Returns what is to be proved of a round trip."""
+    """Returns the fields of a round trip that are to be proved."""
     messages = inputs(trip)
     proof_plan = Plan(remarks=[f"left to Python: {reason}" for reason in code.reasons])
     for to_ros, name, map_ in ((True, JAUS, trip.to_ros), (False, ROS, trip.to_jaus)):
@@ -257,7 +257,7 @@ class _Planner:
         return None if returned is None else returned + data[len(side.taken.main(data)) :]
 
     def _field(self, message: bytes, number: Number, *, has_back: bool) -> Field | None:
-        """Returns what is to be proved of a number; None where nothing depends on it."""
+        """Returns the field of a number that is to be proved; None where nothing depends on it."""
         translation, side = self._translated(message), self._side
         if translation is None:
             return None

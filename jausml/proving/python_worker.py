@@ -30,7 +30,7 @@ class Forms:
         }
 
     def _takers(self, class_name: str, name: str) -> list[typing.Any]:
-        """Returns what reads the message of a translation, and those that are joined to it."""
+        """Returns the decoders of the message of a translation, and of those joined to it."""
         method = getattr(getattr(self._base, f"{class_name}Base"), f"translate_{name}")
         hints = typing.get_type_hints(getattr(method, "__wrapped__", method), vars(self._base))
         kinds = [kind for parameter, kind in hints.items() if parameter != "return"]
@@ -41,7 +41,7 @@ class Forms:
         ]
 
     def translate(self, name: str, data: bytes) -> tuple[bytes | None, list[str]]:
-        """Returns what becomes of a message, and what was limited or left out on the way."""
+        """Returns the translation of a message, and the fields that were limited or left out."""
         counts = getattr(self._bridge, name).statistics.out_of_range
         # The counts are those of this message alone.
         counts.clear()

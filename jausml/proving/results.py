@@ -134,14 +134,14 @@ class MapResult:
     error: str = ""
 
     def find(self, side: str, path: str) -> FieldResult | None:
-        """Returns what becomes of a number; None where nothing is known."""
+        """Returns the result for a number; None where there is none."""
         fields = self.fields
         return next(
             (result for result in fields if (result.side, result.path) == (side, path)), None
         )
 
     def to_json(self) -> dict[str, Any]:
-        """Returns it as JSON."""
+        """Returns the result as JSON."""
         return asdict(self)
 
 
@@ -167,7 +167,7 @@ def lines(result: MapResult) -> Iterator[str]:
 
 
 def outcome_text(result: FieldResult) -> str:
-    """Returns what became of the values of a number."""
+    """Returns the outcome for the values of a number, in words."""
     return "; ".join([_values(result), *_parts(result)])
 
 
@@ -291,7 +291,7 @@ def with_proofs(report: Report, trips: Sequence[RoundTrip], results: Sequence[Ma
 
 
 def by_map(report: Report) -> dict[str, list[str]]:
-    """Returns what falls short in proofs, by name of the map."""
+    """Returns the shortcomings that proofs have found, by name of the map."""
     findings_by_map: dict[str, list[str]] = {}
     for diagnostic in report.diagnostics:
         if diagnostic.rule in PROOF_RULES:
@@ -318,7 +318,7 @@ class ProofFinding:
 
 
 def findings(trip: RoundTrip, result: MapResult) -> Iterator[ProofFinding]:
-    """Yields what falls short in the proof of a map."""
+    """Yields the shortcomings in the proof of a map."""
     for field_result in result.fields:
         side, path = field_result.side, field_result.path
         for rule, text in _faults(field_result):

@@ -43,7 +43,7 @@ class RoundTrip:
 
 
 def round_trips(model: Model) -> list[RoundTrip]:
-    """Returns those of the maps of a model and of its bridges, and of connections that meet."""
+    """Returns the round trips of maps of a model and its bridges, and of connections that meet."""
     maps = model.instances(bridge.AttributeMap)
     own = [
         attribute_map
@@ -66,7 +66,7 @@ def round_trips(model: Model) -> list[RoundTrip]:
 
 
 def _meeting(model: Model) -> Iterator[RoundTrip]:
-    """Yields those by the topics that one connection publishes and another one takes.
+    """Yields the round trips by topics that one connection publishes and another one takes.
 
     They have maps of their own, between the same messages.
     """
@@ -131,7 +131,7 @@ def is_held(trip: RoundTrip, side: str, path: str) -> bool:
 
 
 def field_assignments(assignments: Iterable[bridge.Assignment]) -> Iterator[bridge.FieldAssignment]:
-    """Yields those of fields, in lists too."""
+    """Yields the assignments of fields, in lists too."""
     for assignment in assignments:
         if isinstance(assignment, bridge.FieldAssignment):
             yield assignment
@@ -205,7 +205,7 @@ def _behind(octets: bytes, name: str, number: Number) -> Number:
 
 
 def inputs(trip: RoundTrip) -> dict[bool, Input]:
-    """Returns what the translations of a round trip take, by whether they make messages of ROS."""
+    """Returns the inputs of the translations, by whether they make messages of ROS."""
     return {
         True: Input(
             _jaus(trip.to_ros.message),

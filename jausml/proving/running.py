@@ -58,7 +58,7 @@ class Settings:
 
 
 def prove(model: Model, trips: Iterable[RoundTrip], settings: Settings) -> Iterator[MapResult]:
-    """Yields what becomes of the values of maps."""
+    """Yields the results of the proofs of maps."""
     deadline = time.monotonic() + settings.budget
     for trip in trips:
         yield _proved(model, trip, settings, deadline)
@@ -91,7 +91,7 @@ def _proved(model: Model, trip: RoundTrip, settings: Settings, deadline: float) 
 
 
 def _swept(form: CompiledForm, planned: Field, jobs: int, deadline: float) -> Swept:
-    """Returns what becomes of the values of a number."""
+    """Returns the tallies of the values of a number."""
     sweep, bits = planned.sweep, planned.number.bits
     total = 1 << bits
     count = _DIRECTED if bits <= WIDEST else _DIRECTED_OF_MORE

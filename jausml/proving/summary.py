@@ -56,7 +56,7 @@ class Swept:
 def summed_up(
     trip: RoundTrip, planned: Field, sweep_result: Swept, python: PythonForm, form: CompiledForm
 ) -> FieldResult:
-    """Returns what becomes of the values of a number of a map."""
+    """Returns the result for the values of a number of a map."""
     number, tally = planned.number, sweep_result.wide or sweep_result.tally
     assignment = assignment_of(trip, planned.side, planned.path)
     is_constant = tally.result.seen > 1 and not (tally.result.rises or tally.result.falls)

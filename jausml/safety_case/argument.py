@@ -77,7 +77,7 @@ class Concern:
 
 
 def supports(concern: Concern, report: Report, evidence: Sequence[Evidence]) -> Iterator[Support]:
-    """Yields what evidence of the model as it is says of a hazard at an element."""
+    """Yields the support of a hazard at an element by evidence of the model as it is."""
     for evidence_item in evidence:
         if evidence_item.kind == kinds.RULES:
             yield Support(evidence_item.id, *_rules(concern, report))
@@ -121,7 +121,7 @@ def _tests(concern: Concern, content: dict[str, Any]) -> Iterator[_Said]:
 
 
 def _against(subject: dict[str, Any], rules: Sequence[str] = ()) -> str:
-    """Returns what was found about a subject of evidence, by some rules or by any."""
+    """Returns the findings about a subject of evidence, by some rules or by any."""
     entries = subject["found"] if isinstance(subject["found"], list) else []
     findings = [e if isinstance(e, dict) else {"rule": "", "message": e} for e in entries]
     chosen = [finding for finding in findings if not rules or finding.get("rule") in rules]
@@ -151,7 +151,7 @@ def _model_check(concern: Concern, content: dict[str, Any]) -> Iterator[_Said]:
 
 
 def _mutations(concern: Concern, content: dict[str, Any]) -> Iterator[_Said]:
-    """Yields what became of mutations: of assignments for what maps mean, of the rest for stops."""
+    """Yields the outcomes of mutations: of assignments for the meaning of maps, else for stops."""
     is_of_maps = concern.hazard.checks == "*"
     tried = [
         outcome

@@ -53,7 +53,7 @@ def former_case(path: str, text: str) -> Former:
 
 
 def findings(former: Former, case: SafetyCase, unread: Mapping[str, str]) -> list[Diagnostic]:
-    """Returns what a case has lost, compared with one that is made now of the same files."""
+    """Returns the losses of a case, compared with one that is made now of the same files."""
     diagnostics = [*_of_evidence(former, case, unread), *_of_goals(former, case)]
     if not diagnostics and to_plain(case) != former.plain:
         diagnostics = [_finding(OLD, Location(former.path), "the case is not what is found now")]

@@ -102,7 +102,7 @@ def _content(data: bytes, *, is_xml: bool) -> tuple[str, dict[str, Any]]:
 
 
 def _tests(data: bytes) -> dict[str, str]:
-    """Returns what became of tests, by module and name: `passed`, or what else."""
+    """Returns the outcomes of tests, by module and name: `passed`, or another word."""
     try:
         root = etree.fromstring(data, etree.XMLParser(resolve_entities=False, no_network=True))
     except etree.XMLSyntaxError as error:

@@ -96,7 +96,7 @@ def _stated(feature: str, text: str) -> Callable[[Any], Answer | None]:
 
 
 def _limited(feature: str, text: str) -> Callable[[Any], Answer | None]:
-    """Returns what tells a rate, which is no time."""
+    """Returns the answer of a feature that is a rate, and no time."""
 
     def answer_of(element: Any) -> Answer | None:
         rate = float(getattr(element, feature))

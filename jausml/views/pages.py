@@ -69,6 +69,6 @@ def markdown_table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> list[s
 
 
 def hashed(text: str) -> str:
-    """Returns what allows a text within a page in a policy."""
+    """Returns the source expression that allows a text within a page in a policy."""
     digest = hashlib.sha256(text.encode("utf-8")).digest()
     return f"'sha256-{base64.b64encode(digest).decode('ascii')}'"

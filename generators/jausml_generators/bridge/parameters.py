@@ -101,7 +101,7 @@ def parameter_lines(view: BridgeView) -> Iterator[ParameterLine]:
 
 
 def _budget_lines(element: bridge.Bridge) -> Iterator[ParameterLine]:
-    """Yields what strangers get."""
+    """Yields the budgets of strangers."""
     yield ParameterLine(
         "jaus_amplification_limit",
         element.amplificationLimit,

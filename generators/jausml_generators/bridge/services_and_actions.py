@@ -42,7 +42,7 @@ from jausml_generators.python.statements import call, condition, tuple_of
 
 
 def carried(owner: bridge.Bridge) -> list[bridge.Connection]:
-    """Returns what translations are generated for: connections, and elements of lists."""
+    """Returns the connections and elements of lists for which translations are generated."""
     return [*owner.bridgeConnections, *map(calls.of_elements, owner.actionConnections)]
 
 
@@ -59,7 +59,7 @@ def messages_of_driver(action: bridge.RosActionConnection) -> DriverMessages:
 
 
 def answers_of_driver(action: bridge.RosActionConnection) -> list[Answer]:
-    """Returns what the driver of a connection answers; a connection of the bridge comes first."""
+    """Returns the answers of a connection's list driver; connections of the bridge come first."""
     owner = action.eContainer()
     others = owner.bridgeConnections if isinstance(owner, bridge.Bridge) else ()
     asked = (other for other in others if other.exchange.name != "message")

@@ -298,7 +298,7 @@ class BridgeView(ProgramView):
         )
 
     def contract(self) -> SkeletonContract:
-        """Returns what the base expects of the user's class."""
+        """Returns the methods that the base expects of the user's class."""
         translations = tuple(
             MethodContract(
                 f"translate_{view.name}",

@@ -98,7 +98,7 @@ class PolicyView:
 
 
 def _uses(element: Bridge | ros.Node) -> Iterator[tuple[_Use, Iterable[str]]]:
-    """Yields what a node uses, by the names that the model has."""
+    """Yields the uses of a node, by the names in the model."""
     ends = list(endpoints([element]))
     yield _PUBLISH, [*_PUBLISHED, *(end.topic for end in ends if end.publishes)]
     yield _SUBSCRIBE, [end.topic for end in ends if not end.publishes]

@@ -53,7 +53,7 @@ def tasks(model: Model) -> list[Task]:
 
 
 def processes(model: Model) -> list[Mapping[str, Any]]:
-    """Returns what `jausml run` starts, as the manifest records it."""
+    """Returns the processes that `jausml run` starts, as the manifest records them."""
     bringup = bringup_view(model)
     return [_entry(bringup, process) for process in bringup.processes]
 

@@ -69,7 +69,7 @@ def provides(component: jaus.Component, name: str) -> bool:
 
 
 def service_identities(component: jaus.Component) -> tuple[str, ...]:
-    """Returns what Discovery reports of the services of a component and those that they inherit."""
+    """Returns the identities for Discovery of the services of a component, inherited ones too."""
     versions = service_versions(component)
     urns = dict.fromkeys(str(service.urn) for service in with_inherited(with_standard(component)))
     return tuple(
@@ -167,7 +167,7 @@ def transport_settings(system: System, component: jaus.Component) -> str:
 
 
 def _host_arguments(system: System, component: jaus.Component) -> list[str]:
-    """Returns what is not as the runtime has it by itself because of the host and the peers."""
+    """Returns the arguments that differ from the runtime's defaults because of host and peers."""
     host = host_of(system, component)
     arguments = [] if host is None else _network_arguments(host)
     book = _address_book(system, host)
@@ -192,7 +192,7 @@ def _network_arguments(host: Host) -> list[str]:
 
 
 def _source_arguments(component: jaus.Component) -> list[str]:
-    """Returns what says from where a bridge takes messages."""
+    """Returns the arguments for the hosts from which a bridge takes messages."""
     if not isinstance(component, bridge.Bridge):
         return []
     arguments = []

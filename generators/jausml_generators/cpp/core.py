@@ -132,7 +132,7 @@ class Core:
         return self._printed(steps, self.inputs[function][1]).lines
 
     def structs_of(self, function: str) -> tuple[Struct, Struct]:
-        """Returns what a function takes and what it makes."""
+        """Returns the structs that a function takes and makes."""
         return self._structs(self.inputs[function][1])
 
     # -- parts -----------------------------------------------------------------------------------

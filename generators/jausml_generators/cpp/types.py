@@ -323,7 +323,7 @@ class Places:
         return name
 
     def at(self, place: Place) -> Found:
-        """Returns what stands at a place."""
+        """Returns the slot at a place."""
         root = place.root
         slot = self.root(root) if isinstance(root, str) else self.locals[root]
         for at, step in enumerate(place.steps):

@@ -82,7 +82,7 @@ def deployed_hosts(model: Model, processes: Sequence[ProcessView]) -> tuple[Depl
 
 
 def _faults(system: System) -> Iterator[tuple[System | Host, str, str]]:
-    """Says what several hosts lack to hear each other: element, feature and fault of each."""
+    """Yields the obstacles for several hosts to hear each other: element, feature and fault."""
     if not system.hosts:
         fault = f"system '{system.name}' has no host to deploy on; add one,"
         yield system, "hosts", f'{fault} for example: host onboard {{ interface: "192.168.0.7" }}'

@@ -158,7 +158,7 @@ class Peers:
             )
 
     def provider_of(self, connection: jaus.ServiceConnection) -> tuple[str, str]:
-        """Returns who sends the report of a connection, as an expression and for people."""
+        """Returns the sender of the report of a connection, as an expression and for people."""
         if connection.search is not None:
             services = " and ".join(clean(service.name) for service in connection.search.services)
             return search_call(connection.search), f"a provider of {services}"
@@ -221,7 +221,7 @@ class Received:
 
 
 def documented(element: jaus.NamedElement, otherwise: str) -> str:
-    """Returns what the model says of an element, as a sentence."""
+    """Returns the documentation of an element, as a sentence."""
     return sentence(clean(element.documentation) or otherwise)
 
 
@@ -263,7 +263,7 @@ def _reported(report: MessageView) -> str:
 
 
 def _commanded(message: MessageView) -> str:
-    """Returns what a command sets, empty when that is not known."""
+    """Returns the quantity that a command sets, empty when it is not known."""
     name = message.jaus_name
     is_set = name.startswith(_SET)
     return name.removeprefix(_SET) if is_set else _BY_DEFINITION.get(name, "")
@@ -286,7 +286,7 @@ def _keep(message: MessageView, report: MessageView) -> str:
 
 
 def _at_rest(report: MessageView, member: Member) -> str:
-    """Returns what an optional member says at rest; empty where the class says it."""
+    """Returns the value of an optional member at rest; empty where the class has it."""
     if _is_stamp(member):
         return f"{report.class_name}.TimeStamp.of(self.current_time)"
     if isinstance(member.value, Fixed) and not isinstance(member.value, Bits):
@@ -299,7 +299,7 @@ def _is_stamp(member: Member) -> bool:
 
 
 def _meaning(value: Any) -> Any:
-    """Returns what a value is on the wire and means, without the names of classes."""
+    """Returns the layout and meaning of a value on the wire, without the names of classes."""
     match value:
         case Fixed() if not isinstance(value, Bits):
             return (value.format, value.python_type, value.scale, value.offset, value.listed)

@@ -278,7 +278,7 @@ def _trigger(transition: jaus.Transition) -> jaus.MessageDef | str | None:
 def _actions(
     machine: Machine, state: str, transition: jaus.Transition, after: str
 ) -> Iterator[jaus.Action]:
-    """Yields what a transition from a state to another does: exits, its own actions, entries."""
+    """Yields the actions of a transition from a state to another: exits, its own, entries."""
     kind = transition.kind.name
     if kind == "internal" or (kind == "simple" and not transition.target):
         yield from transition.actions

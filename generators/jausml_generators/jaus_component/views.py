@@ -418,7 +418,7 @@ class ComponentView(ProgramView):
         )
 
     def contract(self) -> SkeletonContract:
-        """Returns what the base expects of the user's class."""
+        """Returns the methods that the base expects of the user's class."""
         hooks = (
             MethodContract(name, parameters, f"hook:{name}", "", optional=True)
             for name, parameters in _HOOKS.items()

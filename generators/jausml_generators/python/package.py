@@ -41,7 +41,7 @@ WIRE = f"{FACE}.wire"
 
 @functools.cache
 def runtime_names() -> Mapping[str, Origin]:
-    """Returns what generated modules may import of the runtime besides messages and codecs.
+    """Returns the names of the runtime for generated modules, besides messages and codecs.
 
     The face is read from the file that is copied: nothing that generates imports the runtime.
     """
@@ -219,7 +219,7 @@ class ProgramView(ABC):
 
     @abstractmethod
     def contract(self) -> SkeletonContract:
-        """Returns what the base expects of the user's class."""
+        """Returns the methods that the base expects of the user's class."""
 
     @property
     @abstractmethod

@@ -142,7 +142,7 @@ def _field(field: ros.Field, package: str) -> FieldDefinition:
 
 
 def described(documentation: str | None, units: str | None, limits: str = "") -> str:
-    """Returns what is said about a field: its documentation, its unit and its range.
+    """Returns the comment of a field: its documentation, its unit and its range.
 
     The unit stands in square brackets, from where rosidl and the importer take it; brackets of the
     documentation would hide it.

@@ -132,7 +132,7 @@ class _Fields:
     # -- parts of nested types -------------------------------------------------------------------
 
     def add_parts(self, kind: wire.Kind) -> None:
-        """Adds what a type that is nested holds."""
+        """Adds the members of a nested type."""
         match kind:
             case wire.Record():
                 for member in kind.members:

@@ -259,7 +259,7 @@ class NodeView(ProgramView):
         )
 
     def contract(self) -> SkeletonContract:
-        """Returns what the base expects of the user's class."""
+        """Returns the methods that the base expects of the user's class."""
         methods = [
             MethodContract(
                 f"on_{topic.name}",

@@ -117,7 +117,7 @@ def copied(module: Module, kept: Mapping[str, str]) -> str:
 
 
 def _asked(text: str) -> list[tuple[str, str]]:
-    """Returns what code imports of the runtime, whatever older runs or somebody's hand left.
+    """Returns the imports of code from the runtime, whatever older runs or somebody's hand left.
 
     Of a package that is imported as a whole, it is what the code names behind a dot.
     """
@@ -168,7 +168,7 @@ def _statements(node: ast.AST) -> Iterator[ast.stmt]:
 
 
 def _imports(statements: Iterable[ast.stmt], package: str) -> Iterator[tuple[str, str]]:
-    """Yields what statements of a module in a package import of the runtime: module and name."""
+    """Yields the imports from the runtime by a module of a package: module and name."""
     for node in statements:
         if isinstance(node, ast.ImportFrom):
             above = package.split(".")[: len(package.split(".")) - node.level + 1]

@@ -218,7 +218,7 @@ def words(name: str) -> str:
 
 
 def element_words(table: ClassTable) -> str:
-    """Returns what an element is, in words."""
+    """Returns the word for the kind of an element, such as `message` or `connection`."""
     return _ELEMENTS.get(table.qualified_name) or words(table.name)
 
 

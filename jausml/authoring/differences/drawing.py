@@ -47,7 +47,7 @@ def compared(old: Drawn, new: Drawn, matching: Matching, changes: Sequence[Chang
 def _texts(
     old: Drawn, new: Drawn, same: Mapping[Ref, Ref], changes: Iterable[Change]
 ) -> dict[Ref, list[str]]:
-    """Returns what changed in words, by the references of the parts of the new state."""
+    """Returns the words of the changes, by the references of the parts of the new state."""
     shown = {part.element for part in _parts(new.graph) if part.element}
     texts: dict[Ref, list[str]] = defaultdict(list)
     for change in changes:
@@ -200,7 +200,7 @@ class _Comparison:
 
 
 def _signature(edge: Edge, element: Ref) -> tuple[object, ...]:
-    """Returns what an edge of one state has in common with that of the other."""
+    """Returns the key under which an edge of one state and that of the other are the same."""
     return edge.kind, edge.source, edge.target, element or edge.title
 
 

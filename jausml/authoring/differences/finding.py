@@ -58,7 +58,7 @@ def changes(
     roots: Sequence[tuple[EObject | None, EObject | None]],
     lost: Iterable[LostReference] = (),
 ) -> list[Change]:
-    """Returns what changed, in the order of the new state; what was removed comes at its owner.
+    """Returns all changes, in the order of the new state; a removal comes at the former owner.
 
     Documentation, layout, ids and the order of parts that means nothing do not count. `roots`: root
     elements that belong together; None for one that the other state lacks. `lost`: the references
@@ -173,7 +173,7 @@ class _Finding:
         return "; ".join(parts)
 
     def _users(self, provider: EObject, services: list[Any]) -> list[str]:
-        """Returns who in the old state uses services of a provider."""
+        """Returns the components of the old state that use services of a provider."""
         lost = {address(service) for service in services}
         users = []
         for component in self._old.instances(jaus.Component, library=False):

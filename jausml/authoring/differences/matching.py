@@ -99,7 +99,7 @@ class Matching:
         return (ours & theirs).total() / both if both else 0.0
 
     def facts(self, obj: EObject) -> Counter[Hashable]:
-        """Returns what an element and what it owns say, but for its own name and documentation."""
+        """Returns the values of an element and its parts, but for its name and documentation."""
         known = self._facts.get(obj)
         if known is None:
             known = self._facts[obj] = Counter()

@@ -231,7 +231,7 @@ class Applying:
             self._drop(element)
 
     def _orphaned(self, gone: set[ElementCopy], going: set[ElementCopy]) -> Sequence[ElementCopy]:
-        """Returns what cannot be without something that goes."""
+        """Returns the elements that need another one which goes."""
         orphans = []
         for copy, name in self._working_copy.referrers(gone):
             feature = copy.table.features[name]

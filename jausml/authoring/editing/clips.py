@@ -69,7 +69,7 @@ def clip_text(elements: Sequence[EObject], model: Model, root: Path) -> str:
 
 
 def read_clip(text: str, root: Path, files: Mapping[str, bytes], known: Collection[str]) -> Clip:
-    """Returns what a text has.
+    """Returns the elements that a text describes, as a clip.
 
     `files`: what the files of the project hold. `known`: those whose names hold where it is pasted.
     What leads to nothing here is left out; of a map or a connection it becomes an open decision.
@@ -118,7 +118,7 @@ def read_clip(text: str, root: Path, files: Mapping[str, bytes], known: Collecti
 
 
 def _elements(model: Model, features: Sequence[str]) -> Iterator[tuple[EObject, str]]:
-    """Yields what is to be pasted, each with the feature that it had, empty where nobody says."""
+    """Yields each element to paste and the feature that had it, empty where the text names none."""
     said = iter(features)
     for root in model.documents[0].roots:
         if model.metamodels.class_of(root).qualified_name in STANDING:

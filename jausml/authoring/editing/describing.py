@@ -77,7 +77,7 @@ class _Describing:
         return contents(self._elements[path][0], feature)
 
     def _inner_targets(self, path: _Path) -> Iterator[_Path]:
-        """Yields what an element refers to among all that is copied."""
+        """Yields the targets of the references of an element that are copied along with it."""
         obj, model = self._elements[path]
         for feature in model.metamodels.class_of(obj).features.values():
             if feature.settable and feature.kind is FeatureKind.CROSS_REFERENCE:

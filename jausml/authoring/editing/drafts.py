@@ -134,7 +134,7 @@ class Draft:
         return self.read(file).model.documents[0].readable
 
     def changes(self) -> tuple[FileChange, ...]:
-        """Returns what was changed so far, in the order of the files."""
+        """Returns the changes so far, in the order of the files."""
         states = {
             file: (self._before.get(file), self.files.get(file))
             for file in sorted(self._before.keys() | self.files.keys())

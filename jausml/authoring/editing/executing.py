@@ -83,7 +83,7 @@ def names_elements(file: str, data: bytes) -> bool:
 
 
 def referrers(ref: Ref, draft: Draft) -> tuple[Referrer, ...]:
-    """Returns what refers to an element or to what it owns, in all files."""
+    """Returns the elements that refer to an element or to one of its parts, in all files."""
     models = {file: draft.read(file).model for file in draft.referring(draft.editable(ref))}
     working_copy = WorkingCopy.of(models, draft.root)
     targets = set(copy_of(ref, working_copy).everything())
@@ -201,7 +201,7 @@ class _Work:
         return (is_laid_out_text if is_text(context.file) else is_laid_out_xmi)(context)
 
     def _check(self, applying: Applying) -> None:
-        """Reads what was changed, and sees to it that it is what was meant."""
+        """Reads the changed files, and compares their elements with the working copy."""
         models = self._read(list(self._working_copy.roots))
         changed = applying.changed.keys()
         read = renewed(self._working_copy, models, changed)
@@ -260,7 +260,7 @@ class _Work:
         return refs.ref_of(obj, model, self._draft.root), model.metamodels.class_of(obj)
 
     def _known(self, ref: Ref) -> Ref:
-        """Returns what `new:0` and `new:0/@maps.1` stand for, and any other ref as it is."""
+        """Returns the elements of `new:0` and `new:0/@maps.1`; any other ref as it is."""
         if not ref.startswith(NEW):
             return ref
         number, parting, path = ref.removeprefix(NEW).partition("/")
@@ -276,7 +276,7 @@ def _shift(before: Mapping[ElementCopy, Ref], after: Mapping[ElementCopy, Ref]) 
 
 
 def _referrers_of(applying: Applying, paths: Mapping[ElementCopy, str]) -> Iterable[Referrer]:
-    """Yields what goes with an element that is removed, and what loses its reference to it."""
+    """Yields the elements that go with a removed one, and those that lose a reference to it."""
     # The first is the element that the command itself names.
     for copy in applying.removed[1:]:
         yield Referrer(f"{copy.file}#{paths[copy]}", copy.label, "")
@@ -353,12 +353,12 @@ def _is_written_alike(copy: ElementCopy, obj: EObject, wanted: WorkingCopy, mode
 def _stated(
     values: Mapping[str, tuple[str | None, ...]], open_names: set[str]
 ) -> dict[str, tuple[str | None, ...]]:
-    """Returns what attributes have, without those that a text leaves open."""
+    """Returns the values of attributes, without those that a text leaves open."""
     return {name: value for name, value in values.items() if name not in open_names}
 
 
 def _children(copy: ElementCopy, read: WorkingCopy) -> list[tuple[ElementCopy, EObject]]:
-    """Returns what a copy owns, and the elements that were read of it."""
+    """Returns the parts of a copy, each with the element that was read of it."""
     elements_by_feature = read.owned_by(copy)
     if not elements_by_feature and not copy.owned:
         return []

@@ -43,7 +43,7 @@ class _NamedTarget:
 def targets_through(
     state: ElementCopy, name: str, working_copy: WorkingCopy
 ) -> Iterator[tuple[ElementCopy, str, str]]:
-    """Yields what names a state as its target, and how if that had another name."""
+    """Yields each text that names a state as its target, and the text for another name of it."""
     machine = _machine(state)
     if machine is None or not name or not state.name:
         return
@@ -157,7 +157,7 @@ def _path(state: ElementCopy, name: str) -> str:
 
 
 def paths_through(join: ElementCopy, name: str) -> Iterator[tuple[ElementCopy, str, str]]:
-    """Yields what has paths through a join, the feature, and the paths with another name for it."""
+    """Yields elements with paths through a join, the feature, and the paths for another name."""
     if join.owner is None or join.feature not in _DIRECTIONS or not join.name:
         return
     feature, direction = _DIRECTIONS[join.feature]

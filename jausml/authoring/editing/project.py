@@ -161,7 +161,7 @@ class Project:
         raise EditError(f"there is no element {ref}", conflict=True)
 
     def preview(self, commands: Sequence[Command], base: int | None = None) -> records.Preview:
-        """Returns what commands with refs of a revision would do; nothing is written."""
+        """Returns the effect of commands with refs of a revision; nothing is written."""
         with self._lock:
             commands = self._rebased(commands, base)
             draft = self._draft()
@@ -229,7 +229,7 @@ class Project:
         return entry
 
     def write_text(self, file: str, text: str, base: int) -> records.Entry:
-        """Writes what somebody typed; what cannot be parsed is written too, and its model stays."""
+        """Writes a typed text, also one that cannot be parsed: then its last model stays."""
         with self._lock:
             known = self._known(file)
             if not is_text(file):
@@ -310,20 +310,20 @@ class Project:
             )
 
     def clip(self, text: str, owner: Ref) -> Clip:
-        """Returns what a text has, as it can be pasted into an owner."""
+        """Returns the elements of a text, as they can be pasted into an owner."""
         with self._lock:
             draft = self._draft()
             held = {file: draft.files[file].data for file in draft.models}
             return read_clip(text, self.root, held, draft.documents(draft.editable(owner)))
 
     def paste(self, commands: Sequence[Add | Set], owner: Ref, label: str) -> records.Entry:
-        """Adds what a clip has, under names that are free."""
+        """Adds the elements of a clip, under names that are free."""
         with self._lock:
             obj, model = self._draft().element(owner)
             return self.do(pasted(commands, obj, model, self.ref), label)
 
     def referrers(self, ref: Ref) -> tuple[records.Referrer, ...]:
-        """Returns what refers to an element or to what it owns, in all files."""
+        """Returns the elements that refer to an element or to one of its parts, in all files."""
         with self._lock:
             return referrers(ref, self._draft())
 

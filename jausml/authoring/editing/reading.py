@@ -101,7 +101,7 @@ class Reader:
         return replace(result, diagnostics=[*faults, *result.diagnostics]) if faults else result
 
     def freshness(self, file: str, files: Mapping[str, Stored], revision: int) -> Freshness:
-        """Returns what the model of a file is worth."""
+        """Returns how current the model of a file is."""
         result = self.read(file, files)
         documents = {file_of(document, self._root): document for document in result.model.documents}
         old = [
@@ -155,7 +155,7 @@ def _has_markers(held: Stored) -> bool:
 
 
 def _contents(files: Mapping[str, Stored]) -> dict[str, bytes]:
-    """Returns what the models of files are read of."""
+    """Returns the bytes of which the models of files are read."""
     return {file.file: file.good for file in files.values() if not layout.is_layout(file.file)}
 
 
@@ -212,7 +212,7 @@ class Disk:
         self._is_alone = False
 
     def read(self, file: str) -> bytes | None:
-        """Returns what is stored of a file, None when it is not there."""
+        """Returns the stored bytes of a file, None when it is not there."""
         path = self._root / file
         if not Path(os.path.realpath(path)).is_relative_to(self._root):
             raise EditError(f"{file} lies outside the opened folder")
@@ -224,7 +224,7 @@ class Disk:
             raise EditError(f"{file} cannot be read: {error.strerror}") from error
 
     def readable(self, file: str) -> bytes | None:
-        """Returns what is stored of a file, None also when it cannot be read."""
+        """Returns the stored bytes of a file, None also when it cannot be read."""
         try:
             return self.read(file)
         except EditError:

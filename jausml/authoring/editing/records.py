@@ -56,7 +56,7 @@ class FileChange:
         return FileChange(self.file, splices, self.after, self.before)
 
     def applied(self, data: bytes) -> bytes:
-        """Returns what it makes of a file that has the digest before."""
+        """Returns the file after the change, for its bytes before."""
         for splice in self.splices:
             data = splice.applied(data)
         return data
@@ -207,7 +207,7 @@ class Log:
         is_outside: bool = False,
         formatted: tuple[str, ...] = (),
     ) -> Entry:
-        """Adds what was done; what was undone before can no longer be done again."""
+        """Adds an entry; entries that were undone before can no longer be done again."""
         self._count += 1
         if formatted:
             label = f"{label}, and format {' and '.join(formatted)}"
@@ -217,7 +217,7 @@ class Log:
         return entry
 
     def add_typing(self, label: str, changes: tuple[FileChange, ...], pause: float) -> Entry:
-        """Adds what was typed in a file: to the last entry while nobody pauses or does else."""
+        """Adds typing in a file: to the last entry, unless there was a pause or another change."""
         [new], last, (number, at), now = changes, self.last, self._typed, monotonic()
         is_fluent = self.next is None and now - at <= pause
         if last is not None and (last.number, last.files) == (number, (new.file,)) and is_fluent:

@@ -21,7 +21,7 @@ class Splice:
         return Splice(self.start, self.new, self.old)
 
     def applied(self, data: bytes) -> bytes:
-        """Returns what it makes of a file that has its old bytes."""
+        """Returns the file after the splice, for its bytes before."""
         return data[: self.start] + self.new + data[self.start + len(self.old) :]
 
 

@@ -87,7 +87,7 @@ class ElementCopy:
         return own[:at], own[at + 1 :]
 
     def everything(self) -> Iterator[ElementCopy]:
-        """Yields it and all that it owns, in order."""
+        """Yields the element and all of its parts, in order."""
         pending = [self]
         while pending:
             copy = pending.pop()
@@ -159,7 +159,7 @@ class WorkingCopy:
         return {copy: f"{copy.file}#{at}" for copy, at in self.fragments(paths).items()}
 
     def referrers(self, targets: set[ElementCopy]) -> Iterator[tuple[ElementCopy, str]]:
-        """Yields what refers to one of some copies, and the name of the feature."""
+        """Yields the elements that refer to one of some copies, with the name of the feature."""
         for copy in self.everything():
             for name, values in copy.references.items():
                 if any(value in targets for value in values):
@@ -216,7 +216,7 @@ class WorkingCopy:
             copy.open -= {child.tag for child in node.children}
 
     def owned_by(self, copy: ElementCopy) -> dict[str, list[EObject]]:
-        """Returns what the element of a copy owns of its own file, by the name of the feature."""
+        """Returns the parts of an element in its own file, by the name of the feature."""
         model = self.models[copy.file]
         document = model.documents[0]
         elements_by_feature = {}
@@ -247,7 +247,7 @@ class WorkingCopy:
                 pending += zip(own, owned, strict=False)
 
     def references_of(self, copy: ElementCopy) -> dict[str, list[ElementCopy | Ref]]:
-        """Returns what the element of a copy refers to, when all copies are there."""
+        """Returns the targets of the references of an element, once all copies are there."""
         obj: Any = copy.obj
         model = self.models[copy.file]
         targets_by_feature = {}
@@ -294,7 +294,7 @@ def open_features(table: ClassTable, file: str) -> set[str]:
 
 
 def attribute_values(obj: Any, feature: FeatureTable) -> tuple[str | None, ...]:
-    """Returns what an attribute has, as XMI writes it; nothing when that need not be written."""
+    """Returns the texts of an attribute as XMI has them; none when they need not be written."""
     texts = tuple(lexical(content, feature) for content in contents(obj, feature))
     if feature.many:
         return texts

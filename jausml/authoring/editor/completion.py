@@ -81,7 +81,7 @@ class CompletionList:
 
 
 def complete(bench: Workbench, path: Path, place: Place) -> CompletionList:
-    """Returns what can stand at a place."""
+    """Returns the completions at a place."""
     text = bench.text(path)
     context = context_at(text, parsed_text(text), place)
     completions = _OFFERS.get(context.part, _nothing)(bench, path, context)

@@ -84,7 +84,7 @@ def features_of(container: tree.Item | None, owner: ClassTable | None) -> dict[s
 def feature_named(
     feature: tree.Feature, container: tree.Item | None, owner: ClassTable | None
 ) -> FeatureTable | None:
-    """Returns what the metamodels say of a feature; None when they do not know it."""
+    """Returns the feature of the metamodels that an item names; None for an unknown one."""
     return features_of(container, owner).get(feature.name.text)
 
 
@@ -275,7 +275,7 @@ def _begin(level: Level, start: Place) -> Place:
 
 
 def _part(level: Level, statement: Sequence[Token]) -> tuple[Part, str]:
-    """Returns what follows the tokens of an unfinished item, and what it is about."""
+    """Returns the part that follows the tokens of an unfinished item, and its subject."""
     item = level.item
     types = [token.type for token in statement]
     last = types[-1] if types else ""

@@ -74,7 +74,7 @@ def fields_of(place: PathPlace | None) -> list[attributes.Part]:
 
 
 def facts(attribute: Attribute) -> list[str]:
-    """Returns what is known of an attribute: kind, unit, range, resolution, axes, presence."""
+    """Returns the facts of an attribute: kind, unit, range, resolution, axes, presence."""
     details = [attribute.name]
     if attribute.units:
         details.append(f"unit {attribute.units}")
@@ -233,7 +233,7 @@ class Symbol:
 
 
 def outline(text: str) -> list[Symbol]:
-    """Returns what a text declares, as trees."""
+    """Returns the declarations of a text, as trees."""
     roots: list[Symbol] = []
     by_item: dict[int, Symbol] = {}
     for declaration in names_in(text).declarations:

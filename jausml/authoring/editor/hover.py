@@ -41,7 +41,7 @@ class Hover:
 
 
 def hover(bench: Workbench, path: Path, place: Place) -> Hover | None:
-    """Returns what is known of the word at a place, None when it is nothing."""
+    """Returns the facts of the element that the word at a place names, None without one."""
     text = bench.text(path)
     token = word_at(text, place)
     if token is None:
@@ -128,7 +128,7 @@ def _place(token: Token) -> Place:
 
 
 def described(element: EObject) -> str:
-    """Returns what is known of an element of the library or a text; empty for other classes."""
+    """Returns the facts of an element of the library or a text; empty for other classes."""
     if isinstance(element, jaus.MessageDef):
         return _joined(_head(element, element.code), element.documentation, _fields(element))
     if isinstance(element, ros.MessageType):

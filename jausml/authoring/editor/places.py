@@ -45,7 +45,7 @@ class Columns:
         return "\n".join(self._lines)
 
     def edited(self, start: tuple[int, int], end: tuple[int, int], new: str) -> Columns:
-        """Returns what the text becomes with a new stretch in place of another.
+        """Returns the text with a new stretch in place of another.
 
         `start`, `end`: line and units as the editor counts them.
         """

@@ -139,7 +139,7 @@ class Workbench:
         return parsed_text(self.text(path)).document
 
     def module_of(self, path: Path, element: EObject) -> str:
-        """Returns what a text imports for an element; empty for one that it knows."""
+        """Returns the module that a text imports for an element; empty for one that it knows."""
         document = library().document_of(element)
         return module_of(document.path) if document is not None else self.file_of(path, element)
 
@@ -195,7 +195,7 @@ def imported_file(item: Import, path: Path) -> Path | None:
 def checked(
     result: ReadResult, is_wanted: Callable[[], bool] = lambda: True
 ) -> Sequence[Diagnostic]:
-    """Returns what is found in a model that was read of texts."""
+    """Returns the findings of a model that was read of texts."""
     try:
         return check(result, is_wanted=is_wanted).diagnostics
     except RuleError:

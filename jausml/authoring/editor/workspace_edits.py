@@ -66,7 +66,7 @@ class Unsaved:
         return refs.ref_of(find(model), model, self.root)
 
     def edits(self, path: Path, commands: Sequence[Command]) -> list[Edit]:
-        """Returns what commands would change.
+        """Returns the edits of texts that commands lead to.
 
         `path`: the text that they begin with, which has to be sound. `EditError`: they cannot be
         carried out.

@@ -144,7 +144,7 @@ class Execution:
         return commands.Child(feature, kind, values, tuple(children))
 
     def _added(self, obj: EObject, feature: FeatureTable) -> list[EObject]:
-        """Returns what an element of theirs owns and our side has in no other place."""
+        """Returns the parts of an element of theirs that our side has in no other place."""
         return [content for content in contents(obj, feature) if content not in self._moved]
 
     def _locate(self, obj: EObject, ref: Ref) -> None:

@@ -205,7 +205,7 @@ class _Merge:
         return data, [comment for comment in comments if comment not in known]
 
     def _lines(self, model: Model) -> LineOf:
-        """Returns what finds lines of the merge by places of theirs."""
+        """Returns the function that finds the line of the merge for a place of theirs."""
         sides, where = self._sides, self.execution.where
         placed = sorted(
             (place.line, place.column, where[ours])
@@ -341,7 +341,7 @@ def _line(identifier: str, table: ClassTable, uris: dict[str, str]) -> bytes:
 
 
 def _present(path: Path) -> bytes:
-    """Returns what a file has already, to stand in another document."""
+    """Returns the present text of a file, to stand in another document."""
     try:
         data = read_input(path)
     except OSError:

@@ -129,7 +129,7 @@ class Plan:
 
 
 def planned(sides: Sides) -> Plan:
-    """Returns what makes of our side the merge of both."""
+    """Returns the plan by which our side becomes the merge of both."""
     planner = _Planner(sides)
     for root in sides.base.documents[0].roots:
         planner.pair(root, sides.ours.matching.news[root], sides.theirs.matching.news[root])
@@ -260,7 +260,7 @@ class _Planner:
                     self._clash(twin, "", f"{what}: from ours to theirs: {difference}")
 
     def _twin(self, theirs: EObject, new: Sequence[EObject]) -> EObject | None:
-        """Returns what our side added that is the same element, or bears the same name."""
+        """Returns the new element of our side with the same id or name."""
         name = getattr(theirs, "name", None)
         identifier = self._sides.theirs.model.identifier(theirs)
         for element in new:

@@ -66,7 +66,7 @@ class Sides:
                 yield feature
 
     def token(self, obj: EObject, side: Side | None) -> EObject | Ref:
-        """Returns what an element is whatever the side.
+        """Returns the identity of an element, which is the same on all sides.
 
         `side`: the side that has it, None for the base.
         """

@@ -128,7 +128,7 @@ def _carry(
     chosen: Sequence[Crossing],
     command_factory: Callable[[Opened, Scope, Sequence[Crossing]], Sequence[Command]],
 ) -> Written:
-    """Adds what carries topics by ready maps; returns the files that were written.
+    """Adds the connections that carry topics by ready maps; returns the files that were written.
 
     Text imports the ready maps. Eclipse reads no text, so XMI gets copies of them beside it.
     """
@@ -182,7 +182,7 @@ def ready_maps(scope: Scope) -> list[bridge.AttributeMap]:
 
 
 def _identity(map_: bridge.AttributeMap) -> tuple[str, str, str]:
-    """Returns what a map and a copy of it have in common."""
+    """Returns the key that a map and a copy of it have in common."""
     message, kind = map_.message, map_.type
     return name_of(map_), name_of(message) if message else "", name_of(kind) if kind else ""
 

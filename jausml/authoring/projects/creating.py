@@ -173,7 +173,7 @@ def _differs(path: Path, data: bytes) -> bool:
 
 
 def sums_of(digests: Mapping[str, str]) -> bytes:
-    """Returns what says of copies what they are."""
+    """Returns the file of checksums of the copies."""
     return "".join(f"{digest}  {path}\n" for path, digest in sorted(digests.items())).encode()
 
 

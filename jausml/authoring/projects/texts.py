@@ -122,7 +122,7 @@ def _copied_fragments(source: Path, copy: Path) -> dict[str, str]:
 
 
 def _key(element: EObject) -> tuple[str, str]:
-    """Returns what an element and a copy of it have in common."""
+    """Returns the key that an element and a copy of it have in common."""
     return element.eClass.name, qualified_name(element)
 
 

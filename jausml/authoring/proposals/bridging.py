@@ -63,7 +63,7 @@ class Offer:
 
 
 def offers(component: jaus.Component, direction: str) -> Iterator[Offer]:
-    """Yields what a component can exchange with a bridge in a direction.
+    """Yields the messages that a component can exchange with a bridge in a direction.
 
     Queries are asked by the bridge itself and not translated. `direction`: `jausToRos` or
     `rosToJaus`.
@@ -123,7 +123,7 @@ class Draft:
     is_own: bool = False
 
     def commands(self, scope: Scope, owner: EObject) -> list[Command]:
-        """Returns what makes it."""
+        """Returns the commands that make the connection."""
         changes: list[Command] = []
         if isinstance(owner, bridge.Bridge):
             place = scope.ref(owner)
@@ -151,7 +151,7 @@ class Draft:
     def connection(
         self, scope: Scope, place: str, map_ref: str, siblings: Iterable[EObject] = ()
     ) -> Add:
-        """Returns what makes the connection alone.
+        """Returns the command that adds the connection alone.
 
         `place`: ref of the bridge that shall have it; empty for one that is made with it.
         """
@@ -201,7 +201,7 @@ class Draft:
 def map_commands(
     scope: Scope, owner: EObject, map_: bridge.AttributeMap, *, to_ros: bool
 ) -> list[Command]:
-    """Returns what lets a bridge carry a map, whose other end is found when it runs."""
+    """Returns the commands for a bridge to carry a map, whose other end is found when it runs."""
     offer = offer_of(map_.message, to_ros=to_ros)
     if offer is None:
         return []
@@ -255,7 +255,7 @@ def needed_topic(join: bridge.Join) -> str:
 
 
 def qos_of(profile: Mapping[str, str]) -> tuple[Child, ...]:
-    """Returns what gives an end a quality of service; nothing where none is stated."""
+    """Returns the quality of service of an end as its part; nothing where none is stated."""
     stated = {feature: (value,) for feature, value in profile.items()}
     return (Child("qos", "ros.QoSProfile", stated),) if stated else ()
 
@@ -273,7 +273,7 @@ def profile_of(scope: Scope, end: ros.TopicEndpoint | bridge.Topic) -> dict[str,
 
 
 def with_service(scope: Scope, owner: bridge.Bridge, offer: Offer) -> list[Command]:
-    """Returns what lets a bridge provide or use the service of a message."""
+    """Returns the commands by which a bridge provides or uses the service of a message."""
     feature = "uses" if offer.is_provided else "provides"
     known = list(getattr(owner, feature))
     if has_message(known, offer.message):
@@ -327,7 +327,7 @@ def shifted(commands: Iterable[Command], by: int) -> list[Command]:
 def copied(
     scope: Scope, place: str, map_: bridge.AttributeMap, name: str, *, first: int = 0
 ) -> list[Command]:
-    """Returns what makes a copy of a map, with its tables, quantities and vectors.
+    """Returns the commands that copy a map, with its tables, quantities and vectors.
 
     `place`: ref of the bridge that shall have it. `first`: the number of elements that are made
     before.

@@ -159,7 +159,7 @@ def connection_commands(
     map_commands: Mapping[str, Sequence[Command]],
     name: str,
 ) -> list[Command]:
-    """Returns what makes the connection of calls, the service for it and its maps.
+    """Returns the commands that make the connection of calls, the service for it and its maps.
 
     `map_commands`: what makes the maps of halves, by `request` and `response`; the first of each
     makes the map itself.
@@ -198,7 +198,7 @@ def connection_commands(
 def peers_of(
     scope: Scope, message: jaus.MessageDef, service: jaus.Service | None = None
 ) -> tuple[dict[str, tuple[str, ...]], tuple[Child, ...]]:
-    """Returns what says who is asked: a component of the model that takes a message, or a search.
+    """Returns the peers to ask: a component of the model that takes the message, or a search.
 
     `service`: the service to search for, None for that of the message.
     """
@@ -223,7 +223,7 @@ def peers_of(
 def own_copy(
     scope: Scope, owner: bridge.Bridge, map_: bridge.AttributeMap
 ) -> Sequence[Command] | None:
-    """Returns what copies a ready map where the model cannot refer to it: XMI to a text.
+    """Returns the commands that copy a ready map where the model cannot refer to it: XMI to a text.
 
     Returns none where the model can.
     """
@@ -238,7 +238,7 @@ def _count(commands: Iterable[Command]) -> int:
 
 
 def opens_of(call: Call) -> list[OpenPoint]:
-    """Returns what a person has to decide about calls, besides what is open in their maps."""
+    """Returns the decisions about calls that are left to a person, besides those of their maps."""
     open_points = []
     response = ros_name(call.type.response)
     bools = members_of(call.type.response, ("bool",))

@@ -273,7 +273,7 @@ class Choice:
 
 
 def legal_targets(scope: Scope, element: EObject, feature: FeatureTable) -> tuple[Choice, ...]:
-    """Returns what a reference of an element may lead to, in the order of the names."""
+    """Returns the elements that a reference may lead to, in the order of their names."""
     table = scope.model.metamodels.class_of(element)
     for cls in table.supertypes:
         find = _NARROW.get(f"{cls.qualified_name}.{feature.name}")

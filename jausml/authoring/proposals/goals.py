@@ -54,7 +54,7 @@ class ListWay:
         return messages.is_single or knows_speed(messages)
 
     def says(self) -> str:
-        """Returns what it is in words, for people who choose."""
+        """Returns the way in words, for people who choose."""
         message = name_of(self.map.message)
         return f"{name_of(self.map)}: {message} of {name_of(self.driver)} is {self.member}"
 
@@ -160,7 +160,7 @@ def action_commands(
     name: str,
     speed: float = 0.0,
 ) -> list[Command]:
-    """Returns what makes the connection of an action, with the driver and the map that it needs."""
+    """Returns the commands that make the connection of an action, with its driver and its map."""
     place = scope.ref(owner)
     commands: list[Command] = []
     feature = "provides" if to_ros else "uses"
@@ -227,7 +227,7 @@ def _as_topics(kind: ros.ActionType) -> Iterator[str]:
 def opens_of(
     kind: ros.ActionType, way: ListWay, name: str, *, to_ros: bool, speed: float
 ) -> list[OpenPoint]:
-    """Returns what a person has to decide about a connection of an action."""
+    """Returns the decisions about a connection of an action that are left to a person."""
     open_points = []
     messages = driver_messages(way.driver)
     if not to_ros and not speed and messages is not None and knows_speed(messages):

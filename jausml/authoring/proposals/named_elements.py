@@ -106,7 +106,7 @@ def copied_with_names(
     *,
     first: int,
 ) -> list[Command]:
-    """Returns what makes a copy of a map with other names of elements or of frames.
+    """Returns the commands that copy a map with other names of elements or of frames.
 
     Test vectors have the names of elements of the original, so that such a copy is without.
     `frames`: new names by those of the original. `first`: the number of elements that are made
@@ -124,7 +124,7 @@ def copied_with_names(
 
 
 def _of_robot(addition: Add, names: Sequence[str], frames: Mapping[str, str], about: str) -> Add:
-    """Returns what a copy adds, with names and frames of the robot; a map says what it is of."""
+    """Returns an addition with names and frames of the robot; a map gets a remark on its source."""
     is_map = addition.kind == "bridge.AttributeMap"
     if is_map and names:
         addition = _with_names(addition, names)
@@ -180,7 +180,7 @@ def _stopping(values: Sequence[AddedT], names: Sequence[str]) -> Iterator[AddedT
 
 
 def _text_at(index: int, texts: Mapping[int, str]) -> str:
-    """Returns what the stop of a copy says of an element, by the texts of the original.
+    """Returns the value of an element in the stop of a copy, by the texts of the original.
 
     A copy may have more elements: numbers that count them, as StabilizerID does, go on, and else
     the last one has the value of all further ones.

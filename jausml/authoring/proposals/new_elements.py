@@ -190,7 +190,7 @@ def usual_values(
 
 
 def _siblings(owner: EObject, feature: FeatureTable) -> list[EObject]:
-    """Returns what an element owns among whose names a new one is to be found."""
+    """Returns the elements from whose names the name of a new one has to differ."""
     if isinstance(owner, jaus.Service) and feature.name in ("inputs", "outputs"):
         return [*owner.inputs, *owner.outputs]
     return list(getattr(owner, feature.name)) if feature.many else []
@@ -212,7 +212,7 @@ def _first_name(
 
 
 def _of_the_core(owner: EObject, kind: str) -> str:
-    """Returns what a machine is called that extends that of the core, or its first state."""
+    """Returns the name of a machine that extends that of the core, or of its first state."""
     if kind == "jaus.StateMachine" and isinstance(owner, jaus.Service):
         is_core = any(str(service.urn).startswith(CORE) for service in lineage(owner))
         return CORE_MACHINE if is_core else ""

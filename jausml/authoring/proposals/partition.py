@@ -57,7 +57,7 @@ _FEATURES: Mapping[type, str] = {
 def taken_over(
     scope: Scope, planner: Planner, carriers: Sequence[Carrier], target: str = ""
 ) -> Option:
-    """Returns what moves connections to a bridge, with those that have to go along.
+    """Returns the option that moves connections to a bridge, with those that have to go along.
 
     `target`: its name; empty for a new one. `AnswerError`: they cannot be there.
     """
@@ -80,7 +80,7 @@ def _told(plan: Plan) -> str:
 
 
 def commands_of(scope: Scope, plan: Plan) -> list[Command]:
-    """Returns what makes the bridges of a system those of a plan.
+    """Returns the commands by which the bridges of a system become those of a plan.
 
     `AnswerError`: the plan has faults.
     """
@@ -90,7 +90,7 @@ def commands_of(scope: Scope, plan: Plan) -> list[Command]:
 
 
 def burden(owner: EObject, component: jaus.Component, node: EObject) -> tuple[int, int]:
-    """Returns what sorts bridges, the one that serves a component and a node best first."""
+    """Returns a sort key of bridges: the one that serves a component and a node best is first."""
     carried = len(owner.bridgeConnections) if isinstance(owner, bridge.Bridge) else 0
     return -len(merits_of(owner, component, node)), carried
 
@@ -122,7 +122,7 @@ class _Applying:
         self._whole: system.System = plan.before[0].origin.eContainer()  # type: ignore[assignment]
 
     def commands(self) -> Iterator[Command]:
-        """Yields them in an order in which the refs of each hold."""
+        """Yields the commands in an order in which the refs of each hold."""
         yield from self._new_bridges()
         for carrier, planned in self._moved.items():
             yield from self._kept(carrier, planned)
@@ -178,7 +178,7 @@ class _Applying:
             yield Add(self._scope.ref(self._whole), "bridges", "bridge.Bridge", values, children)
 
     def _quantities(self, planned: Planned) -> Iterator[Child]:
-        """Yields what bridges say of quantities of maps that go to another bridge."""
+        """Yields the quantities of a bridge that maps of its new connections need."""
         known = {name_of(one) for one in planned.owner.quantities} if planned.owner else set()
         for carrier in planned.carriers:
             needed = {name_of(one) for map_ in maps_of(carrier) for one in map_.quantities}
@@ -191,7 +191,7 @@ class _Applying:
                     yield Child("quantities", "bridge.Quantity", stated)
 
     def _kept(self, carrier: Carrier, planned: Planned) -> Iterator[Command]:
-        """Yields what a connection has to say itself where another bridge is other."""
+        """Yields the values that a connection has to state in a bridge that states others."""
         old, new = self._home[carrier], planned.origin
         is_elsewhere = (old.namespace or "").strip("/") != (new.namespace or "").strip("/")
         named: list[tuple[Any, str]] = [(carrier, "service"), (carrier, "action")]
@@ -206,7 +206,7 @@ class _Applying:
                 yield self._set(element, feature, (full_name(old, name),))
 
     def _redirected(self) -> Iterator[Command]:
-        """Yields what lets others speak with the bridge that has what they speak of."""
+        """Yields the commands that lead components to services of the bridge that now has them."""
         for owner in (*self._whole.components, *self._whole.bridges):
             for wanted in owner.connections:
                 partner = self._partner(owner, wanted.provider, wanted.message, TO_JAUS)
@@ -259,7 +259,7 @@ class _Applying:
         return homes[0] if homes and None not in homes else None
 
     def _services(self, planned: Planned) -> dict[str, list[jaus.Service]]:
-        """Returns what a bridge provides and uses, as its connections need it."""
+        """Returns the services that a bridge provides and uses, as its connections need them."""
         known: dict[str, list[jaus.Service]] = {"provides": [], "uses": []}
         sources = [planned.owner] if planned.owner else []
         sources += [self._home[c] for c in planned.carriers if self._home[c] is not planned.owner]
@@ -278,7 +278,7 @@ class _Applying:
         return known
 
     def _going(self) -> dict[Any, Planned]:
-        """Returns what moves: connections, and the maps that they alone use.
+        """Returns the elements that move: connections, and the maps that they alone use.
 
         A map whose users part goes with the first of them, if nothing of its bridge remains.
         """
@@ -312,7 +312,7 @@ class _Applying:
                 yield Rename(self._scope.ref(element), free)
 
     def _moves(self, going: Mapping[Any, Planned]) -> Iterator[Movement]:
-        """Yields what moves connections and maps; refs are those before all of it."""
+        """Yields the movements of connections and maps; refs are those before all of it."""
         counts: dict[tuple[str, str], int] = defaultdict(int)
         lists: dict[tuple[Any, str], list[Any]] = defaultdict(list)
         for element in going:
@@ -329,7 +329,7 @@ class _Applying:
                 counts[name_of(owner), feature] -= 1
 
     def _more_quantities(self) -> Iterator[Command]:
-        """Yields what bridges that are there have to say of quantities from now on."""
+        """Yields the quantities that existing bridges have to state from now on."""
         for planned in self._plan.after:
             if planned.owner is not None:
                 for child in self._quantities(planned):

@@ -28,7 +28,7 @@ def new_bridge(
     address: str = "",
     namespace: str = "",
 ) -> list[Command]:
-    """Returns what makes a bridge with a connection for each chosen way.
+    """Returns the commands that make a bridge with a connection for each chosen way.
 
     `topics`: all topics, which may feed the joins of maps. `address`: its JAUS id; empty for one
     that is free. `namespace`: where the names of its topics are resolved; empty for the root.
@@ -50,7 +50,7 @@ def new_bridge(
 def new_connections(
     scope: Scope, owner: bridge.Bridge, chosen: Sequence[Crossing], topics: Sequence[TopicEnd] = ()
 ) -> list[Command]:
-    """Returns what adds a connection for each chosen way to a bridge, and the services of them."""
+    """Returns the commands that add a connection for each chosen way, and the services of them."""
     place = scope.ref(owner)
     commands: list[Command] = []
     for feature, is_used in (("provides", False), ("uses", True)):
@@ -64,7 +64,7 @@ def new_connections(
 
 
 def _offers(chosen: Sequence[Crossing]) -> list[Offer]:
-    """Returns what is exchanged with others."""
+    """Returns the messages that are exchanged with others."""
     return [crossing.offer for crossing in chosen if not crossing.is_own]
 
 
@@ -77,7 +77,7 @@ def _connections(
     *,
     first: int = 0,
 ) -> list[Command]:
-    """Returns what makes a connection for each way, with the copies of maps that it needs.
+    """Returns the commands that add a connection for each way, with the copies of maps it needs.
 
     `owner`: the bridge at the place, None for a new one. `first`: the number of elements that are
     made before.
@@ -135,7 +135,7 @@ def new_component(
     address: str = "",
     simulated: bool = False,
 ) -> Add:
-    """Returns what makes a component."""
+    """Returns the command that adds a component."""
     values: dict[str, tuple[str, ...]] = {
         "name": (name,),
         "address": (stated_or_free_address(scope.model, address),),
@@ -157,7 +157,7 @@ def new_node(
     publishes: Iterable[tuple[str, str]] = (),
     subscribes: Iterable[tuple[str, str]] = (),
 ) -> Add:
-    """Returns what makes a node of ROS."""
+    """Returns the command that adds a node of ROS."""
     ends: list[Child] = []
     for feature, kind, topics in (
         ("publishers", "ros.Publisher", publishes),
@@ -198,7 +198,7 @@ def new_service(
     urn: str = "",
     inherits: str = "",
 ) -> Add:
-    """Returns what makes a service: in a service set, or in a system with a set of its own.
+    """Returns the command that adds a service: to a service set, or to a system with its own set.
 
     Args:
         messages: The names of its messages; without any it has a report and the query for it, as
@@ -266,7 +266,7 @@ def _begin(name: str) -> int:
 
 
 def _subject(name: str) -> str:
-    """Returns what a message is about: its name without the word that says the kind."""
+    """Returns the subject of a message: its name without the word that says the kind."""
     prefix = next((word for word in (*_BEGINS, "Set") if name.startswith(word)), "")
     return name.removeprefix(prefix) or name
 

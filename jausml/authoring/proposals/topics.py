@@ -114,7 +114,7 @@ class Crossing:
         return {**(usual if known is None else known), "depth": depth}
 
     def says(self) -> str:
-        """Returns what it is in words, for people who choose."""
+        """Returns the way of a topic in words, for people who choose."""
         message, service = name_of(self.offer.message), name_of(self.offer.service)
         if self.offer.to_ros:
             how = "asked for as a periodic event" if self.offer.exchange == EVENT else "taken"
@@ -356,7 +356,7 @@ def is_worth_reading(name: str) -> bool:
 
 
 def says(name: str, value: Any) -> str:
-    """Returns what a parameter means for a model; empty for one that means nothing as it is."""
+    """Returns the meaning of a parameter for a model; empty where it has none as it is."""
     if name == _DESCRIPTION:
         joints = ",".join(described_joints(value))
         return f"movable joints {joints}; --joints TOPIC={joints} states them" if joints else ""

@@ -149,7 +149,7 @@ class StudioContext:
         """Are called when the project has changed."""
 
     def freshness(self, verdict: Verdict) -> Freshness:
-        """Returns what a verdict is worth: in conflict also when an edit of a file is kept."""
+        """Returns how current a verdict is: in conflict also when an edit of a file is kept."""
         if not verdict.freshness.is_current:
             return verdict.freshness
         model, root = verdict.result.model, self.project.root

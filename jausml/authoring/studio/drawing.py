@@ -188,7 +188,7 @@ def _box_of(graph: Graph, element: str) -> Node | None:
 
 
 def difference(before: Mapping[str, Any], after: Mapping[str, Any]) -> dict[str, Any]:
-    """Returns what makes a picture of the one before it: parts that are new or gone, by id.
+    """Returns the difference of two pictures: parts that are new or gone, by id.
 
     Parts that are put take the place of those of their id, or come behind the others; where that
     is not their order, it is told.

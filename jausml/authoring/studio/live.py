@@ -31,7 +31,7 @@ from jausml.live.systems.tables import cell, state_text
 
 
 def live_values(state: SystemState, places: Places) -> dict[str, Any]:
-    """Returns what `jausml top --json` tells, and the same by ids of the system view.
+    """Returns the state as `jausml top --json` has it, and the same by ids of the system view.
 
     Connections have the id of their `row`, empty for none, and neither history nor what was told
     with each status. Boxes of states of machines are beside those of the system view.
@@ -104,7 +104,7 @@ def row_of(connection: ConnectionState, places: Places) -> str | None:
 def _shown(
     part: ConnectionState | ComponentState, text: str, level: Level | None = None
 ) -> dict[str, Any]:
-    """Returns what the diagram shows of a part: how it is, and a few words."""
+    """Returns the words that the diagram shows of a part: how it is, and a few facts."""
     return {"level": (level or part.level).value, "gone": part.is_gone, "text": text}
 
 

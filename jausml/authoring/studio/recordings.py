@@ -110,7 +110,7 @@ class Recordings:
         return opened
 
     def system(self, name: str) -> RecordedSystem:
-        """Returns what a recording tells.
+        """Returns the recorded system of a recording.
 
         Raises:
             AnswerError: There is none of this name, or it is not read yet, or cannot be.

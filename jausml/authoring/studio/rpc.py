@@ -64,7 +64,7 @@ def log_as_json(project: Project) -> dict[str, bool]:
 
 
 def freshness_as_json(freshness: Freshness) -> dict[str, Any]:
-    """Returns what an answer is worth."""
+    """Returns how current an answer is."""
     return {"state": freshness.state, "since": freshness.since, "why": freshness.why}
 
 
@@ -75,7 +75,7 @@ def entry_as_json(entry: Entry | None) -> dict[str, Any] | None:
 
 
 def refusal_of(error: Exception) -> RpcError | None:
-    """Returns what a page is told of an error; None for a fault of ours."""
+    """Returns the answer that a page gets for an error; None for a fault of ours."""
     if isinstance(error, EditError):
         return RpcError(REFUSED, for_people(str(error)), {"conflict": error.conflict})
     refusals = (AnswerError, LayoutError, UnknownViewError)

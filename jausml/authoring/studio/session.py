@@ -39,7 +39,7 @@ DEBOUNCE_MS, STEP_MS = 50, 10
 
 
 def methods_of(context: StudioContext) -> dict[str, Method]:
-    """Returns what answers requests about a project, by their names."""
+    """Returns the functions that answer requests about a project, by the names of the requests."""
     methods = {
         name: Method(partial(answer, context))
         for module in _MODULES

@@ -143,7 +143,7 @@ def add_to(
 
 
 def report(place: Place, written: Written) -> None:
-    """Says what was written, and what comes next."""
+    """Shows the written files, and the next command."""
     for file in written.files:
         done = "written and formatted" if file in written.formatted else "written"
         remark(f"{_shown(place.root / file)} {done}")
@@ -151,7 +151,7 @@ def report(place: Place, written: Written) -> None:
 
 
 def show_open(points: Sequence[OpenPoint], findings: Sequence[str] = ()) -> None:
-    """Says what a person has to decide, and what else to know of a new element.
+    """Shows the decisions that are left to a person, and remarks on a new element.
 
     `findings`: what rules report of the element as it is.
     """

@@ -135,7 +135,7 @@ def _map_of(
     *,
     yes: bool,
 ) -> Sequence[Command] | None:
-    """Returns what makes the map of a half; None where the model can refer to one."""
+    """Returns the commands that make the map of a half; None where the model can refer to one."""
     from jausml.authoring.proposals.calls import own_copy
     from jausml.authoring.proposals.mapping.beginning import Wish
     from jausml.authoring.proposals.new_elements import name_among

@@ -130,7 +130,7 @@ def _copy(
     *,
     yes: bool,
 ) -> Sequence[Command]:
-    """Returns what copies a ready map, nothing where none is wanted or there is none."""
+    """Returns the commands that copy a ready map; none where none is wanted or there is none."""
     from jausml.authoring.proposals.bridging import between, copied
     from jausml.authoring.proposals.named_elements import are_examples, copied_with_names, names_in
     from jausml.cli.authoring.topics import joints_of

@@ -53,7 +53,7 @@ def graph_options(command: Callable[..., None]) -> Callable[..., None]:
 
 
 def what_runs_here(seconds: float) -> Running:
-    """Returns what runs now, after it has listed all of it."""
+    """Returns the running system, after it has listed all of it."""
     from jausml.authoring.proposals.topics import is_worth_reading
     from jausml.live.ros.node import RosFault
     from jausml.live.ros.running import what_runs
@@ -229,7 +229,7 @@ def _joints(topic: RunningTopic, running: Running) -> tuple[str, ...]:
 
 
 def _heard(publishers: Sequence[RosEndpoint]) -> dict[str, str] | None:
-    """Returns what hears all of some publishers: no more than the least of them offers."""
+    """Returns the quality by which all of some publishers are heard: the least that they offer."""
     if not publishers:
         return None
     sure = all(publisher.reliability == "reliable" for publisher in publishers)
@@ -240,7 +240,7 @@ def _heard(publishers: Sequence[RosEndpoint]) -> dict[str, str] | None:
 
 
 def _published(subscriptions: Sequence[RosEndpoint]) -> dict[str, str] | None:
-    """Returns what all of some subscriptions get: as much as the most demanding asks for."""
+    """Returns the quality for all of some subscriptions: as much as the most demanding asks for."""
     if not subscriptions:
         return None
     kept = any(subscription.durability == "transient_local" for subscription in subscriptions)
@@ -271,7 +271,7 @@ def show_left(running: Running, scope: Scope, namespace: str) -> None:
 
 
 def left_topic(scope: Scope) -> LeftOut:
-    """Returns what says of a topic why it is left out, and which command comes next."""
+    """Returns the function that shows why a topic is left out, and which command comes next."""
     from jausml.authoring.proposals.elements import AnswerError, type_of
 
     def tell(topic: TopicEnd, reason: str, command: str) -> None:

@@ -384,7 +384,7 @@ def _taken(
 
 
 def _options(candidates: Sequence[Crossing]) -> list[str]:
-    """Returns what to choose from; ways of which the same is said are told apart by their maps."""
+    """Returns the choices; ways with the same description are told apart by their maps."""
     from jausml.language.model.names import name_of
 
     descriptions = []

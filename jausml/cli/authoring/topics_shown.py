@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def show_chosen(chosen: Sequence[Crossing], topics: Sequence[TopicEnd]) -> None:
-    """Says what was made of each topic, and which facts of the vehicle a map has assumed."""
+    """Shows the connection of each topic, and which facts of the vehicle a map has assumed."""
     from jausml.language.model.names import name_of
 
     for crossing, joins in zip(chosen, joined(chosen, topics), strict=True):

@@ -180,7 +180,7 @@ def _refuse_capture(path: str) -> None:
 
 
 class _Output:
-    """Writes what is decoded."""
+    """Writes decoded messages."""
 
     def __init__(self, output_format: str, *, are_numbers: bool = False) -> None:
         self.has_failed = False
@@ -318,7 +318,7 @@ class _Reading:
     def network(
         self, port: int, interface: str, multicast_group: str, duration: float | None
     ) -> None:
-        """Shows what is sent to the multicast group."""
+        """Shows the messages that the multicast group is sent."""
         from jausml.live.traffic.captures import TrafficError
         from jausml.live.traffic.listening import MulticastListener
 

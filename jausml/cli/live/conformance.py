@@ -321,7 +321,7 @@ def _check_names(only: tuple[str, ...], competition: str) -> None:
 
 
 def _shown() -> Callable[[Score], None]:
-    """Returns what prints each score as it comes, under the title of its task."""
+    """Returns the function that prints each score as it comes, under the title of its task."""
     from jausml.live.peers.judging.sheets import score_lines, task_lines
 
     latest = ""

@@ -76,7 +76,7 @@ def command(
 
 
 def _peers(interface: str, port: int, group: str, peers: Sequence[str]) -> list[Finding]:
-    """Returns what components are like that are asked."""
+    """Returns the findings about components that are asked."""
     from jausml.cli.live.network import identified_network, network_from
     from jausml.cli.shared.models import open_catalogue
     from jausml.live.machine import Finding, Outcome

@@ -110,7 +110,7 @@ def latency(
 
 
 def _meant(source: str) -> tuple[list[tuple[JausAddress, str]], JausAddress | None]:
-    """Returns what the model carries, or the component that is meant."""
+    """Returns the reports that the model carries, or the named component."""
     from jausml.live.peers.measuring import reports_of
     from jausml.live.peers.network import component_address
 

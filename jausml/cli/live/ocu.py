@@ -369,7 +369,7 @@ def _complete_with(console: Console) -> None:
 
 
 def _typed() -> Iterator[str]:
-    """Yields what the user types until the end of input."""
+    """Yields the lines that the user types, until the end of input."""
     while True:
         try:
             yield input("ocu> ")

@@ -150,7 +150,7 @@ def _opened(site: OperatorSite, no_browser: bool) -> None:
 
 
 def _powers(stop_all: str | None, lease: float | None, stops: tuple[str, ...]) -> Powers | None:
-    """Returns what pages may command, None for nothing."""
+    """Returns the commands that pages may give, None for none."""
     if (stop_all is None) != (lease is None):
         raise click.UsageError("--stop-all and --lease belong together: both say what is safe")
     if stop_all is None or lease is None:

@@ -215,7 +215,7 @@ def _parts(path: Path, limits: SplitLimits, compression: str, *, force: bool) ->
 
 
 def _so_far(recorder: Recorder, parts: RecordingFiles) -> str:
-    """Returns what a terminal shows while it is recorded."""
+    """Returns the line that a terminal shows during a recording."""
     of_ros = sum(list(recorder.topics.values()))  # at once: others add topics
     size = f"{parts.current.size / _MEGA:.1f} MB of {parts.current.path.name}"
     return f"{recorder.captured.count} JAUS messages, {of_ros} of ROS, {size}"
@@ -270,7 +270,7 @@ def _is_fragment(packet: bytes) -> bool:
 def _opened(
     settings: TransportSettings, stack: ExitStack
 ) -> tuple[Iterator[CapturedFrame | None], str]:
-    """Returns what passes the interface, None where nothing does, and what is said of it.
+    """Returns the frames of the interface, None between them, and a remark on what they lack.
 
     Where that cannot be seen, it is what the group is sent.
     """

@@ -81,7 +81,7 @@ class _Counted:
         self._read = 0
 
     def read(self, size: int = -1) -> bytes:
-        """Returns what the stream gives."""
+        """Returns the next bytes of the stream."""
         data = self._stream.read(size)
         self._read += len(data)
         self._progress.at(self._read / self._size)
@@ -109,7 +109,7 @@ def opened(path: str) -> Iterator[BinaryIO]:
 
 
 def skipped_lines(reader: UdpReader, port: int) -> Iterator[str]:
-    """Yields what a reader of frames has left out."""
+    """Yields the frames that a reader has left out, counted by reason."""
     for reason, number in sorted(reader.skipped.items()):
         yield f"skipped {number} {reason}"
     if reader.other_ports.unclaimed:

@@ -232,7 +232,7 @@ def _again(recording: str, output: str, span: TimeSpan, *, force: bool, ros_only
 
 
 def _warn_if_damaged(path: str, fault: str, reached: int | None) -> bool:
-    """Tells what of a recording was not read, and how far it goes; returns whether it is so."""
+    """Warns of the part of a recording that cannot be read; returns whether there is one."""
     if fault and reached is not None:
         until = shown_time(reached / _NANO)
         warn(f"{shown_path(path)} is not whole: {fault}; it was read until {until}")
@@ -304,7 +304,7 @@ def _shown(
 
 
 def _wire_lines(replay: WireReplay) -> Iterator[str]:
-    """Yields what became of the messages of a recording of ROS."""
+    """Yields the counts of the messages of a recording of ROS: published, dropped, not used."""
     for topic, number in sorted(replay.published.items()):
         yield f"{number} of {topic}"
     for name, counts in sorted(replay.connections.items()):
@@ -372,7 +372,7 @@ def _counted(counts: dict[str, int]) -> Iterator[str]:
 def _show_results(
     replay: CaptureReplay, translator: Translator, jaus: JausWriter | None, model: str
 ) -> bool:
-    """Tells what became of the messages; returns whether those that maps take all became topics."""
+    """Shows the counts of the messages; returns whether all that maps take became topics."""
     click.echo(f"{replay.captured.count} JAUS messages", err=True)
     for topic, number in sorted(replay.topics.items()):
         sources = replay.sources[topic]

@@ -253,7 +253,7 @@ def process_arguments(
 def with_frequency(
     entries: Sequence[ProcessEntry], passed: Sequence[ProcessArguments], frequency: float
 ) -> list[ProcessArguments]:
-    """Returns what each process gets, with the frequency before the ROS arguments of bridges."""
+    """Returns the arguments of each process, the frequency before the ROS arguments of bridges."""
     if not any(entry.kind == "bridge" for entry in entries):
         raise click.UsageError("no process is a bridge, which --frequency is for")
     # A number without a point is an integer to ROS, which the parameter is not.

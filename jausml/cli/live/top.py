@@ -128,7 +128,7 @@ def _expected(model: str | None) -> Monitor:
 def _sources(
     settings: Settings, monitor: Monitor
 ) -> Iterator[tuple[Operator | None, RosDiagnostics | None]]:
-    """Yields what listens and asks; one of both is enough."""
+    """Yields the listener to ROS and the asker of JAUS; one of both is enough."""
     from jausml.live.systems.monitoring import listening, polling
 
     with ExitStack() as stack:

@@ -33,7 +33,7 @@ def _with_files(kind: type[ShellComplete]) -> type[ShellComplete]:
         """Completions of a shell, with files where nothing else can stand."""
 
         def get_completions(self, args: list[str], incomplete: str) -> list[CompletionItem[Any]]:
-            """Returns what may stand in the place of a word that was begun."""
+            """Returns the completions of a word that was begun."""
             completions = super().get_completions(args, incomplete)
             if completions or incomplete.startswith("-"):
                 return list(completions)

@@ -87,7 +87,7 @@ def command(
 
 
 def _readable(path: str, reading: Reading) -> Report:
-    """Returns what is found about a model that could be read; rules may find errors in it."""
+    """Returns the report on a model that could be read; rules may find errors in it."""
     from jausml.language.validation.rules import all_rules
 
     report = checked([path], reading, is_one=True)
@@ -107,7 +107,7 @@ def _errors(report: Report) -> list[Diagnostic]:
 def _evidence(
     report: Report, folder: Path, links: Iterable[str]
 ) -> tuple[list[Evidence], dict[str, str]]:
-    """Returns what files say, named from a folder on, and why some of them cannot be read."""
+    """Returns the evidence in files, named from a folder on, and why some cannot be read."""
     from jausml.language.model.model import digests
     from jausml.safety_case.evidence import EvidenceError, read_evidence
 

@@ -103,7 +103,7 @@ def _check_paths(source: str, target: str) -> None:
 
 
 def _report(result: ReadResult, source: str, *, quiet: bool) -> None:
-    """Shows what was found in reading, and ends when the model cannot be used."""
+    """Shows the findings of reading, and ends when the model cannot be used."""
     from jausml.language.model.diagnostics import Severity
     from jausml.language.validation.rule import Report
 
@@ -175,7 +175,7 @@ def _written(
 
 
 def _left_behind(result: ReadResult, target: str, written: str) -> Iterator[str]:
-    """Yields what the new file does not say, and where it leads that cannot be followed."""
+    """Yields the parts that the new file lacks, and the references that it cannot follow."""
     from jausml.language.model.project import find_project_root
 
     document, *others = result.model.documents

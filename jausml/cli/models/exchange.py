@@ -113,7 +113,7 @@ def jsidl(
 
 
 def read_jsidl(paths: Sequence[str], **how: Any) -> tuple[jsidl_importer.ImportResult, list[str]]:
-    """Returns what files and folders hold, and all files that were looked at."""
+    """Returns the import of files and folders, and all files that were looked at."""
     from jausml.language.importers.jsidl import import_jsidl
 
     folders = [path for path in paths if Path(path).is_dir()]
@@ -123,7 +123,7 @@ def read_jsidl(paths: Sequence[str], **how: Any) -> tuple[jsidl_importer.ImportR
 
 
 def _show(report: Report, output_format: str, *, quiet: bool) -> None:
-    """Shows what was found, which ends the verb where it is an error."""
+    """Shows a report, and ends the verb where it has errors."""
     from jausml.language.validation.formats import RENDERERS, text
 
     click.echo(RENDERERS[output_format](report), nl=False)

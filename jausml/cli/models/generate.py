@@ -160,7 +160,7 @@ def command(
 
 
 def _mode(modes: dict[str, bool], *, fix: bool, is_report: bool) -> str:
-    """Returns what is done with the plan, where the options go together."""
+    """Returns the mode of the run; refuses options that exclude each other."""
     chosen = [mode for mode in _MODES if modes[mode]]
     if len(chosen) > 1:
         raise click.UsageError("--check, --diff and --dry-run exclude each other")
@@ -269,7 +269,7 @@ def _tell_fixes(result: Result) -> None:
 
 
 def _tell_changes(result: Result, folder: Path, mode: str, *, quiet: bool) -> None:
-    """Tells what no longer fits, and what becomes of files."""
+    """Shows the user code that no longer fits, and the changes of files."""
     from jausml.generation.plan import unified_diff
     from jausml.language.validation.formats.text import lines_of
 
@@ -299,7 +299,7 @@ def _conclude(result: Result, *, quiet: bool) -> None:
 
 
 def _changes(plan: Plan) -> Iterator[str]:
-    """Yields what is not kept; many files of a package with one fate are one line."""
+    """Yields the changes of files; many files of a package with one fate are one line."""
     from jausml.generation.plan import ActionKind
 
     fates: dict[tuple[str, str, str], list[str]] = {}

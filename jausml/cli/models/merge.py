@@ -115,7 +115,7 @@ def _shown(commit: str, file: str) -> bytes | None:
 
 
 def _as_lines(ours: str, base: str, theirs: str) -> tuple[bytes, bool]:
-    """Returns what git makes of three files as lines, and whether there were no conflicts."""
+    """Returns git's merge of three files by lines, and whether there were no conflicts."""
     labels = [part for label in ("ours", "base", "theirs") for part in ("-L", label)]
     done = git("merge-file", "-p", *labels, "--", ours, base, theirs)
     if not 0 <= done.returncode <= _MOST_CONFLICTS:

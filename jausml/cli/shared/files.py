@@ -66,7 +66,7 @@ def cannot_write(path: str | Path, error: OSError) -> EnvironmentFault:
 
 
 def git(*arguments: str, cwd: Path | None = None) -> subprocess.CompletedProcess[bytes]:
-    """Returns what the user's git says; ends the verb where it cannot be run."""
+    """Returns the result of the user's git; ends the verb where it cannot be run."""
     import subprocess
 
     try:

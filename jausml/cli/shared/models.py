@@ -60,7 +60,7 @@ def _or_system_of_project(_: click.Context, __: click.Parameter, value: str | No
 
 
 def or_only_system(argument: str) -> Callable[..., str]:
-    """Returns what takes the value of an argument, and without one the only system that is here."""
+    """Returns a callback for the value of an argument, by default the only system that is here."""
     return lambda _context, _parameter, value: value or only_system(argument)
 
 
@@ -335,7 +335,7 @@ def open_catalogue(models: Iterable[str]) -> DefinedCatalogue:
 
 
 def explained(error: Exception, models: Sequence[str]) -> str:
-    """Returns what is wrong with a message, and where those come from that are known.
+    """Returns the fault of a message, and the origin of the known ones.
 
     `models`: files and folders whose messages are known too.
     """

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def completing(names: Callable[[Sequence[str]], Iterable[str]]) -> Completing:
-    """Returns what completes a word by names, of which some come from the models of `--model`."""
+    """Returns a completion of words by names, of which some come from the models of `--model`."""
 
     def fitting(context: click.Context, _parameter: click.Parameter, begun: str) -> list[str]:
         return beginning(begun, names(context.params.get("models") or ()))
@@ -66,7 +66,7 @@ def field_paths(name: str, models: Sequence[str] = ()) -> Iterator[str]:
 
 
 def _catalogue(models: Sequence[str]) -> Catalogue:
-    """Returns what is known; what is wrong with models is left out, since nobody can be told."""
+    """Returns the known messages; models with faults are left out, as completion cannot say so."""
     from jausml.cli.shared.models import open_catalogue
     from jausml.live.messages.of_project import project_catalogue
 

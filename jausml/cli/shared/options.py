@@ -111,7 +111,7 @@ def quiet_option(text: str) -> Decorator:
 
 
 def _network_option(word: str, parameter: str, text: str, **attributes: Any) -> OptionMaker:
-    """Returns what makes an option of the JAUS network, by other names or with another text too.
+    """Returns a maker of an option of the JAUS network, by other names or with another text.
 
     By default it has the short name and that of generated processes.
     """

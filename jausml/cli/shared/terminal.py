@@ -38,7 +38,7 @@ class Verbosity:
 
 
 def verbosity() -> Verbosity:
-    """Returns what was asked for; the usual where nothing was."""
+    """Returns the chosen verbosity, or the usual one."""
     context = click.get_current_context(silent=True)
     return (context and context.find_object(Verbosity)) or Verbosity()
 

@@ -262,7 +262,7 @@ class Lines:
         return len(text[:offset].decode(errors="replace")) + 1 if text else offset + 1
 
     def between(self, start: tuple[int, int], end: tuple[int, int]) -> str:
-        """Returns what stands from one place to another."""
+        """Returns the text from one place to another."""
         taken = [line.encode() for line in self.lines[start[0] - 1 : end[0]]]
         if end[0] == start[0] + len(taken) - 1:
             taken[-1] = taken[-1][: end[1]]
@@ -271,7 +271,7 @@ class Lines:
         return b"".join(taken).decode(errors="replace")
 
     def around(self, start: tuple[int, int], end: tuple[int, int]) -> tuple[str, str]:
-        """Returns what stands before and after two places in their lines."""
+        """Returns the texts before and after two places in their lines."""
         before = self.lines[start[0] - 1].encode()[: start[1]]
         return before.decode(), self.lines[end[0] - 1].encode()[end[1] :].decode()
 

@@ -51,7 +51,7 @@ class Imports:
         self._modules = around.types.modules
 
     def of_modules(self, node: ast.Import) -> Iterator[Lost]:
-        """Yields what `import a.b` does not find."""
+        """Yields the modules of `import a.b` that do not exist."""
         for alias in node.names:
             parts = alias.name.split(".")
             names = [".".join(parts[: count + 1]) for count in range(len(parts))]
@@ -60,7 +60,7 @@ class Imports:
                 yield Lost(alias, f"there is no module {gone} any more")
 
     def of_names(self, node: ast.ImportFrom, scope: Scope) -> Iterator[Lost]:
-        """Yields what `from a import b` does not find."""
+        """Yields the names of `from a import b` that do not exist."""
         source = absolute(node, self._module.name, is_package=self._module.is_package)
         module = self._modules.find(source) if source else self._module
         if module is None:
@@ -98,7 +98,7 @@ class Imports:
         return Lost(alias, message + (_unused(cut) or alike(alias.name, names)), cut)
 
     def _elsewhere(self, aliases: Sequence[ast.alias], source: str) -> str:
-        """Says that the package itself has what an inner module of it has lost."""
+        """Returns a remark that the package itself has the names that an inner module has lost."""
         package = source.partition(".")[0]
         face = self._modules.find(package)
         if package == source or not isinstance(face, Module):

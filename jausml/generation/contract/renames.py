@@ -163,7 +163,7 @@ def _by_unique(identity: Callable[[Symbol | None], str], symbols: _Symbols) -> d
 
 
 def _identity(symbol: Symbol | None) -> str:
-    """Returns what a class keeps when it is renamed; empty for all that is no class."""
+    """Returns the identity of a class, which outlasts a new name; empty for other symbols."""
     if not isinstance(symbol, Class):
         return ""
     for statement in symbol.node.body:

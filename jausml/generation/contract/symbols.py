@@ -146,7 +146,7 @@ class Modules:
         return UNKNOWN if self._read(place) is UNKNOWN else None
 
     def member(self, module: Module, name: str) -> Symbol | None:
-        """Returns what a module gives to who imports a name; None when it has no such name."""
+        """Returns the symbol that an importer of a name gets; None for an unknown name."""
         return self._member(module, name, ())
 
     def _member(self, module: Module, name: str, passed: tuple[Module, ...]) -> Symbol | None:
@@ -210,7 +210,7 @@ class Modules:
         return names
 
     def members(self, cls: Class) -> dict[str, Symbol]:
-        """Returns what the body and the methods of a class define, without its base classes."""
+        """Returns the names of the body and the methods of a class, without its base classes."""
         return {
             name: UNKNOWN if isinstance(symbol, _Alias) else symbol
             for name, symbol in self._body(cls).symbols.items()
@@ -259,7 +259,7 @@ class Modules:
         return None
 
     def symbol(self, node: ast.expr, module: Module) -> Symbol | None:
-        """Returns what a dotted name means at the top of a module; None for no such name."""
+        """Returns the meaning of a dotted name at the top of a module; None for no such name."""
         if isinstance(node, ast.Name):
             return self.member(module, node.id)
         if not isinstance(node, ast.Attribute):
@@ -270,7 +270,7 @@ class Modules:
         return self.attribute(owner, node.attr) if isinstance(owner, Class) else UNKNOWN
 
     def attribute(self, cls: Class, name: str) -> Symbol | None:
-        """Returns what a class or its objects have by a name; None when they have no such one."""
+        """Returns the attribute of a class or its objects by a name; None when there is none."""
         is_open = _is_special(name)
         for ancestor in self.ancestors(cls):
             if isinstance(ancestor, Class):
@@ -313,7 +313,7 @@ def _names(node: ast.Module | ast.ClassDef, module: Module, owner: Class | None 
 
 
 def _symbol(name: str, binding: Binding, module: Module, owner: Class | None) -> Symbol | _Alias:
-    """Returns what a binding makes of a name."""
+    """Returns the symbol of a name that a binding defines."""
     match binding.node:
         case ast.ClassDef() as node:
             return Class(f"{owner.name}.{name}" if owner else name, node, module)

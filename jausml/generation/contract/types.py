@@ -66,7 +66,7 @@ class Types:
         self._depth = 0
 
     def at_top(self, module: Module) -> LookUp:
-        """Returns what names mean at the top of a module."""
+        """Returns the function that finds the type of a name at the top of a module."""
 
         def look_up(name: str) -> Type:
             return self.of_symbol(self.modules.member(module, name))
@@ -74,7 +74,7 @@ class Types:
         return look_up
 
     def of_symbol(self, symbol: object) -> Type:
-        """Returns what reading a symbol gives."""
+        """Returns the type of the value of a symbol."""
         if isinstance(symbol, (Module, Class, Function, External)):
             return symbol
         if not isinstance(symbol, Value):
@@ -88,7 +88,7 @@ class Types:
         return UNKNOWN if symbol.value is None else self.of(symbol.value, look_up)
 
     def _within(self, owner: Class) -> LookUp:
-        """Returns what names mean in the body of a class."""
+        """Returns the function that finds the type of a name in the body of a class."""
 
         def look_up(name: str) -> Type:
             symbol = self.modules.members(owner).get(name)
@@ -99,7 +99,7 @@ class Types:
         return look_up
 
     def of(self, node: ast.expr, look_up: LookUp) -> Type:
-        """Returns what an expression is."""
+        """Returns the type of an expression."""
         if self._depth > _DEPTH:
             return UNKNOWN
         self._depth += 1
@@ -130,7 +130,7 @@ class Types:
         return UNKNOWN
 
     def attribute(self, owner: Type, name: str) -> Type:
-        """Returns what an attribute is."""
+        """Returns the type of an attribute."""
         if isinstance(owner, Module):
             return self.of_symbol(self.modules.member(owner, name))
         if not isinstance(owner, (Class, Object)):
@@ -178,14 +178,14 @@ class Types:
         return UNKNOWN
 
     def _annotated(self, function: Function) -> Type:
-        """Returns what a function returns, as its annotation has it."""
+        """Returns the type of the result of a function, as its annotation has it."""
         # A call of it gives something to await.
         if function.node.returns is None or isinstance(function.node, ast.AsyncFunctionDef):
             return UNKNOWN
         return self.of_annotation(function.node.returns, self.at_top(function.module))
 
     def parameter(self, function: Function, position: int) -> Type:
-        """Returns what a method is called with at a position, `self` being the first."""
+        """Returns the type of the argument of a method at a position, `self` being the first."""
         arguments = (*function.node.args.posonlyargs, *function.node.args.args)
         if position >= len(arguments) or arguments[position].annotation is None:
             return UNKNOWN
@@ -194,7 +194,7 @@ class Types:
         return self.of_annotation(annotation, self.at_top(function.module))
 
     def of_annotation(self, node: ast.expr, look_up: LookUp) -> Type:
-        """Returns what has an annotation; what may also be None counts as what it is else."""
+        """Returns the type that an annotation names, of an optional one without None."""
         match node:
             case ast.Constant(value=str(text)):
                 try:
@@ -234,7 +234,7 @@ class Names:
         self.scopes = scopes_of(module.tree)
 
     def in_scope(self, scope: Scope) -> LookUp:
-        """Returns what names mean in a scope."""
+        """Returns the function that finds the type of a name in a scope."""
 
         def look_up(name: str) -> Type:
             if name == "super":

@@ -62,7 +62,7 @@ class Signature:
 
 
 def signature(modules: Modules, called: object) -> Signature | None:
-    """Returns what may be given to a function or class; None when it is not certain."""
+    """Returns the possible arguments of a function or class; None when they are not certain."""
     match called:
         case Method(function=function, is_bound=is_bound):
             return _of_function(function.node, int(is_bound))
@@ -168,7 +168,7 @@ class _Reader:
         self._place = place
 
     def read(self, node: ast.AST) -> Iterator[Finding]:
-        """Yields what does not fit of a node itself."""
+        """Yields the findings about a node itself."""
         match node:
             case ast.Import():
                 yield from self._tell_imports(self._imports.of_modules(node))
@@ -292,7 +292,7 @@ class _Reader:
     def _lost(
         self, label: str, name: str, places: list[str], names: Iterable[str]
     ) -> tuple[str, str]:
-        """Returns what is said of a name that is not there, and what it is for certain now."""
+        """Returns the message about a name that is not there, and its certain successor."""
         known = [self._around.former.get(f"{place}.{name}") for place in places]
         successor = next(filter(None, known), "")
         message = f"{label} has no {name}"

@@ -235,7 +235,7 @@ def _fit(lines: Sequence[str]) -> bool:
 
 
 def _without_parentheses(parts: Sequence[Part]) -> Sequence[Part]:
-    """Returns what stands in parentheses that say nothing."""
+    """Returns the parts inside needless parentheses."""
     if len(parts) == 1 and isinstance(parts[0], Bracket) and parts[0].opening == "(":
         bracket = parts[0]
         plain = not bracket.comma and not any(is_word(part, ",", "for") for part in bracket.inside)

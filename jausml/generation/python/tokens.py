@@ -199,7 +199,7 @@ def split_at(parts: Sequence[Part], positions: Sequence[int]) -> list[tuple[Part
 
 
 def items(bracket: Bracket) -> list[tuple[Part, ...]]:
-    """Returns what stands between the commas of a bracket."""
+    """Returns the parts between the commas of a bracket."""
     # Of a comprehension or a generator, commas part nothing.
     if any(is_word(part, "for") for part in bracket.inside):
         return [bracket.inside]

@@ -98,7 +98,7 @@ class TokenCursor:
             raise self.error(f"{self.token} where the {self._language.noun} should end")
 
     def nested(self, read: Callable[[], T]) -> T:
-        """Returns what a function reads one level deeper."""
+        """Returns the result of a function that reads one level deeper."""
         self._depth += 1
         if self._depth > self._language.deepest:
             raise self.error(f"the {self._language.noun} is nested too deeply")
@@ -107,7 +107,7 @@ class TokenCursor:
         return inner
 
     def parenthesized(self, read: Callable[[], T]) -> T:
-        """Returns what a function reads between the parenthesis just taken and its partner."""
+        """Returns the result of a function that reads to the end of the parenthesis just taken."""
         opening = self._tokens[self._next - 1]
         inner = self.nested(read)
         if not self.take(")"):

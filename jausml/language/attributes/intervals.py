@@ -104,7 +104,7 @@ def greatest(*operands: Interval) -> Interval:
 def increasing(
     function: Callable[[float], float], domain: Interval = EVERYTHING, *, exact: bool = False
 ) -> Callable[[Interval], Interval]:
-    """Returns what bounds a function that increases within its domain."""
+    """Returns the function that gives the interval of a function that increases in its domain."""
 
     def bound(a: Interval) -> Interval:
         within = meet(a, domain)

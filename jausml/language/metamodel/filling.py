@@ -220,7 +220,7 @@ def holds(obj: Any, table: FeatureTable, value: Any) -> bool:
 
 
 def _value(held: Any) -> Any:
-    """Returns what a single-valued feature has, of what the element holds by its name."""
+    """Returns the value of a single-valued feature, as the element holds it."""
     return held._value if isinstance(held, EValue) else held
 
 
@@ -259,7 +259,7 @@ def _take_attribute(obj: Any, name: str) -> None:
 
 
 def _known(obj: Any, name: str) -> Any:
-    """Returns what the class of an element has by a name."""
+    """Returns the attribute of the class of an element by its name, None when there is none."""
     return next((vars(base)[name] for base in type(obj).__mro__ if name in vars(base)), None)
 
 

@@ -292,7 +292,7 @@ class _Flattening:
         return table
 
     def _link(self, table: FeatureTable) -> None:
-        """Adds what a reference says about other tables, once all of them exist."""
+        """Links a reference to the tables of its target and opposite, once all of them exist."""
         if table.kind is FeatureKind.ATTRIBUTE:
             return
         feature = table.feature

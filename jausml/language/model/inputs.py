@@ -46,7 +46,7 @@ def open_input(path: str | os.PathLike[str]) -> BinaryIO:
 
 
 def read_input(path: str | os.PathLike[str]) -> bytes:
-    """Returns what a file holds.
+    """Returns the bytes of a file.
 
     Raises:
         OSError: It cannot be read, is no regular file or too large; `strerror` says which.
@@ -56,7 +56,7 @@ def read_input(path: str | os.PathLike[str]) -> bytes:
 
 
 def bounded(data: bytes, path: str | os.PathLike[str]) -> bytes:
-    """Returns what a file holds, whoever read it, if it is not too large.
+    """Returns the bytes of a file, unless it is too large.
 
     Raises:
         OSError: It is larger than the limit (`EFBIG`).
@@ -69,7 +69,7 @@ def bounded(data: bytes, path: str | os.PathLike[str]) -> bytes:
 
 
 def read_text(path: str | os.PathLike[str]) -> str:
-    """Returns what a file holds, as UTF-8 and with line ends as Python has them.
+    """Returns the text of a file, as UTF-8 and with line ends as Python has them.
 
     Raises:
         ValueError: It is no UTF-8, or no file can have this name.
@@ -103,7 +103,7 @@ UNMERGED_HINT = "keep what is meant, and remove the marks"
 
 
 def unmerged(data: bytes) -> tuple[str, int]:
-    """Returns what is said of all markers of conflicts, and the line of the first; empty for none.
+    """Returns a remark on all markers of conflicts, and the line of the first; empty for none.
 
     To be asked where a file cannot be read: some texts may hold such lines.
     """

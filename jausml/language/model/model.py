@@ -173,7 +173,7 @@ class Model:
         return elements_by_class
 
     def derived(self, make: Callable[[Model], MadeT]) -> MadeT:
-        """Returns what a function derives from the model, once until something is read."""
+        """Returns the result of a function of the model, computed once until something is read."""
         if make not in self._products:
             self._products[make] = make(self)
         result: MadeT = self._products[make]

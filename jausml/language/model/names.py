@@ -99,7 +99,7 @@ class NameFinder:
         return f"{qualified_name(element)} ({file_name})"
 
     def how_to_choose(self, elements: list[EObject], document: Document) -> str:
-        """Returns what makes one of several elements the one that a document means."""
+        """Returns the advice by which a document means a certain one of several elements."""
         documents = [self._model.document_of(element) for element in elements]
         if len({qualified_name(element) for element in elements}) < len(elements) and len(
             set(documents)
@@ -179,7 +179,7 @@ class NameFinder:
         return []
 
     def _referred(self, element: EObject) -> list[EObject]:
-        """Returns what the references of an element that take one value refer to."""
+        """Returns the targets of the references of an element that take one value."""
         names = _single_references(self._model.metamodels.class_of(element))
         values = (getattr(element, name) for name in names)
         return [value for value in values if value is not None]

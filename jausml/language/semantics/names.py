@@ -17,7 +17,7 @@ _NOT_NAME = re.compile("[^A-Za-z0-9]+")
 
 
 def parts(name: str) -> list[str]:
-    """Returns what stands between characters that no name can have."""
+    """Returns the words between characters that no name can have."""
     return [part for part in _NOT_NAME.split(name) if part]
 
 
@@ -65,7 +65,7 @@ def is_identifier(name: str) -> bool:
 
 
 def package_key(name: str) -> str:
-    """Returns what the names of two packages must not have in common.
+    """Returns the part of a package name by which two packages must differ.
 
     Generated packages whose name is taken get the ending _jaus.
     """
@@ -73,7 +73,7 @@ def package_key(name: str) -> str:
 
 
 def taken(name: str) -> str:
-    """Says what a package name is taken by already, or returns an empty string."""
+    """Returns the present holder of a package name, or an empty string."""
     if keyword.iskeyword(name) or name in keyword.softkwlist:
         return "is a Python keyword"
     if name in sys.stdlib_module_names:

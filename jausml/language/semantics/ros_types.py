@@ -85,7 +85,7 @@ def _inner_first(
 def _measured(
     message_type: ros.MessageType, known: dict[ros.MessageType, Extent | None]
 ) -> tuple[Extent | None, Excess | None]:
-    """Returns what a type holds, None where that is too much, and the field that makes it so."""
+    """Returns the extent of a type, None where that is too much, and the field that makes it so."""
     parts = values = 0
     depth = 1
     for field in message_type.fields:

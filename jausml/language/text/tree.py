@@ -303,7 +303,7 @@ def comments_in(text: str) -> Iterator[re.Match[str]]:
 
 
 def documentation_text(comment: str) -> str:
-    r"""Returns what a documentation comment says, without its marks and the stars of its lines.
+    r"""Returns the text of a documentation comment, without its marks and the stars of its lines.
 
     A line break stands for a blank; empty lines stand between paragraphs.
     """

@@ -31,7 +31,7 @@ class BaselineError(Exception):
 
 
 def read(path: Path) -> Counter[Identity]:
-    """Returns what a baseline lists, with how often each is there.
+    """Returns the findings that a baseline lists, with the count of each.
 
     Raises:
         BaselineError: It is no baseline, or one of another schema.
@@ -103,7 +103,7 @@ def without_known(report: Report, known: Counter[Identity], path: Path) -> tuple
 
 
 def _elsewhere(known: Counter[Identity], report: Report, path: Path) -> Counter[Identity]:
-    """Returns what is known of files that are there and that a report is not about."""
+    """Returns the known findings of existing files that a report is not about."""
     seen = {_relative(file, path) for file in report.files}
     return Counter(
         {

@@ -87,7 +87,7 @@ class _Judging:
 
 
 def _found_in_whole(subject: Subject, rule: Rule) -> list[tuple[Rule, Finding]]:
-    """Returns what the parts of a rule find that look at the model as a whole."""
+    """Returns the findings of those parts of a rule that look at the model as a whole."""
     try:
         return [
             (rule, finding)
@@ -103,7 +103,7 @@ def _found_in_whole(subject: Subject, rule: Rule) -> list[tuple[Rule, Finding]]:
 def _found_at(
     subject: Subject, element: EObject, groups: Iterable[tuple[Scope, _Checks]]
 ) -> list[tuple[Rule, Finding]]:
-    """Returns what rules find that judge an element by itself."""
+    """Returns the findings of rules that judge an element by itself."""
     findings: list[tuple[Rule, Finding]] = []
     for scope, checks in groups:
         rule = checks[0][0]
@@ -120,7 +120,7 @@ def _found_at(
 def _read_well(
     subject: Subject, findings: Iterable[tuple[Rule, Finding]]
 ) -> Iterator[tuple[Rule, Finding]]:
-    """Yields what was found in features that were read; in an element as a whole, in all of it.
+    """Yields the findings about features that were read; about whole elements, if all was read.
 
     What was found in the members of an assignment of a whole stands at what is written.
     """

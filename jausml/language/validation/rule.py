@@ -68,7 +68,7 @@ class Scope:
     within: Callable[[Subject, Any], Iterable[Any]] | None = None
 
     def judged(self, subject: Subject, element: EObject) -> Iterable[Any]:
-        """Returns what is judged in an element of the classes."""
+        """Returns the objects to judge in an element of the classes."""
         if not subject.is_read(element, self.needs):
             return ()
         if self.condition is not None and not self.condition(subject, element):
@@ -106,7 +106,7 @@ class Rule:
         return inspect.getdoc(self.parts[0].check) or ""
 
     def findings(self, subject: Subject) -> Iterator[Finding]:
-        """Yields what is wrong with a model."""
+        """Yields the findings of the rule in a model."""
         for part in self.parts:
             if not part.scope.kinds:
                 yield from part.check(subject)

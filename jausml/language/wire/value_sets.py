@@ -61,7 +61,7 @@ def legal_integers(value_set: jaus.ValueSet | None, lower: int, upper: int) -> L
 
 
 def offset_of(value_set: jaus.ValueSet | None) -> int:
-    """Returns what a value set subtracts from a value to give the integer on the wire.
+    """Returns the number that is subtracted from a value to give the integer on the wire.
 
     Raises:
         LayoutError: Its lower limit is no integer to count from.

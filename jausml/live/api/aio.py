@@ -63,7 +63,7 @@ class AsyncSubscription:
             self._loop.call_soon_threadsafe(self._put, report)
 
     def begin(self, cancel: Callable[[], None]) -> None:
-        """Takes what cancels the event at the end."""
+        """Keeps the function that cancels the event at the end."""
         self._cancel = cancel
 
     def _put(self, report: Received | None) -> None:

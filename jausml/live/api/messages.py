@@ -164,7 +164,7 @@ class Subscription:
                 return
 
     def begin(self, cancel: Callable[[], None]) -> None:
-        """Takes what cancels the event at the end."""
+        """Keeps the function that cancels the event at the end."""
         self._cancel = cancel
 
     def _drop(self) -> None:
@@ -218,7 +218,7 @@ class Declarations:
 def taking(
     take: Callable[[Received], Reply | None],
 ) -> Callable[[MessageEntry, Fields, JausAddress], Reply | None]:
-    """Returns what takes a message as an operator has it, and hands it to a user's function."""
+    """Returns a handler that hands messages to a user's function, as an operator has them."""
 
     def take_entry(entry: MessageEntry, fields: Fields, sender: JausAddress) -> Reply | None:
         return take(Received(entry.name, entry.shortened(fields), str(sender)))

@@ -46,7 +46,7 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    """Returns what reads models (PEP 562): who was handed a catalogue needs none."""
+    """Returns `load_catalogue`, which reads models (PEP 562): a given catalogue needs none."""
     if name != "load_catalogue":
         raise AttributeError(f"module 'jausml.live.messages' has no attribute {name!r}")
     from jausml.live.messages.defined import load_catalogue  # noqa: PLC0415 - as said

@@ -133,7 +133,7 @@ class _Record:
             raise error.beside(self._faults(fields, error.path)) from None
 
     def _faults(self, fields: Mapping[str, Any], path: str) -> Iterator[EncodeError]:
-        """Yields what is wrong with the members, but for the one that was told."""
+        """Yields the faults of the members, but for the one that was raised."""
         first = path.partition(".")[0].partition("[")[0]
         for name, part in self._parts.items():
             if name not in fields or name == first:
@@ -160,7 +160,7 @@ class _Record:
 
 
 def _presence(kind: wire.Record, vector_type: wire.IntegerType) -> Named:
-    """Returns what reads a presence vector as a member, and writes one that `_vector_of` made."""
+    """Returns the codec of a presence vector as a member, which writes those of `_vector_of`."""
     known_bits = kind.known_bits
 
     def from_wire(vector: int) -> int:
@@ -204,7 +204,7 @@ def _segments(parts: Sequence[tuple[str, Item | Codec]]) -> list[Run | Named]:
 
 
 def _inner(field: wire.Field, encode_message: EncodeMessage) -> Item | Codec:
-    """Returns what reads and writes a field inside of another; errors tell the path to it."""
+    """Returns the codec of a field inside of another; its errors name the path to the field."""
     try:
         if isinstance(field.kind, wire.Scalar):
             return item_of(field.kind)
@@ -296,7 +296,7 @@ def _elements(element: wire.Field, encode_message: EncodeMessage) -> _Elements:
 
 
 def _read_run(item: Item) -> Callable[[int, bytes, int], tuple[list[Any], int]]:
-    """Returns what reads a number of equal numbers at once."""
+    """Returns the function that reads a number of equal numbers at once."""
 
     def read(count: int, buffer: bytes, offset: int) -> tuple[list[Any], int]:
         size = count * item.size

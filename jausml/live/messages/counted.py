@@ -30,7 +30,7 @@ EncodeMessage = Callable[[Any], bytes]
 
 
 def count_of(count: wire.Count, what: str) -> Codec:
-    """Returns what reads and writes a count; a peer may send fewer than may be written."""
+    """Returns the codec of a count; a peer may send fewer than may be written."""
     lower, upper = count.lower, count.upper
 
     def from_wire(number: int) -> int:
@@ -47,7 +47,7 @@ def count_of(count: wire.Count, what: str) -> Codec:
 
 
 def _counted(limits: wire.Count) -> Codec:
-    """Returns what reads and writes bytes with their count before them."""
+    """Returns the codec of bytes with their count before them."""
     count = count_of(limits, "length")
 
     def read(buffer: bytes, offset: int) -> tuple[bytes, int]:
@@ -65,7 +65,7 @@ def _counted(limits: wire.Count) -> Codec:
 
 
 def text_of(kind: wire.Text) -> Codec:
-    """Returns what reads and writes text with its count before it."""
+    """Returns the codec of text with its count before it."""
     counted = _counted(kind.count)
 
     def read(buffer: bytes, offset: int) -> tuple[str, int]:
@@ -79,7 +79,7 @@ def text_of(kind: wire.Text) -> Codec:
 
 
 def octets_of(kind: wire.Octets, encode_message: EncodeMessage) -> Codec:
-    """Returns what reads and writes counted bytes, as `{"hex": ...}`."""
+    """Returns the codec of counted bytes, as `{"hex": ...}`."""
     counted = _counted(kind.count)
     encode_inner = encode_message if kind.holds_message else None
 
@@ -94,7 +94,7 @@ def octets_of(kind: wire.Octets, encode_message: EncodeMessage) -> Codec:
 
 
 def formatted_of(kind: wire.FormattedOctets, encode_message: EncodeMessage) -> Codec:
-    """Returns what reads and writes bytes with a format, as `{"format": ..., "hex": ...}`."""
+    """Returns the codec of bytes with a format, as `{"format": ..., "hex": ...}`."""
     counted = _counted(kind.count)
     names = kind.names
     named = named_values(names)
@@ -162,7 +162,7 @@ def _bytes_of(fields: Mapping[str, Any], encode_inner: EncodeMessage | None, *mo
 
 
 def variable_of(kind: wire.VariableNumber) -> Codec:
-    """Returns what reads and writes a number of some type, as `{"index": ..., "value": ...}`.
+    """Returns the codec of a number of some type, as `{"index": ..., "value": ...}`.
 
     It also takes `{UNIT: value}` and `"value UNIT"`, where the unit tells the index.
     """

@@ -42,7 +42,7 @@ class CodecError(MessageError):
         return self
 
     def beside(self: ErrorT, others: Iterable[CodecError]) -> ErrorT:
-        """Adds what else is wrong, and returns the error."""
+        """Adds further faults, and returns the error."""
         self.others = (*self.others, *others)
         return self
 

@@ -53,7 +53,7 @@ class FrozenMessages:
 
 
 def frozen(catalogue: Catalogue) -> FrozenMessages:
-    """Returns what a catalogue lists, as values that can be pickled."""
+    """Returns the messages of a catalogue, as values that can be pickled."""
     messages = catalogue.messages
     place = {entry: number for number, entry in enumerate(messages)}
     services = {service: number for number, service in enumerate(catalogue.services.values())}

@@ -164,7 +164,7 @@ def too_short(size: int, buffer: bytes, offset: int) -> DecodeError:
 
 
 def single(item: Item) -> Codec:
-    """Returns what reads and writes an item by itself."""
+    """Returns the codec of an item by itself."""
     alone = struct.Struct(f"<{item.format}")
     size, from_wire, to_wire = item.size, item.from_wire, item.to_wire
 

@@ -138,7 +138,7 @@ class Row:
         return self.path.rpartition(".")[2]
 
     def to_json(self) -> dict[str, Any]:
-        """Returns what is known, without what is empty."""
+        """Returns the known facts as JSON, without empty ones."""
         content = {
             "path": self.path,
             "type": self.type,
@@ -211,7 +211,7 @@ def _rows(field: wire.Field, before: str, depth: int, presence: str = "") -> Ite
 
 
 def _list_rows(element: wire.Field, path: str, depth: int) -> Iterator[Row]:
-    """Yields what stands in an element; a record is named by its members alone."""
+    """Yields the rows of an element; a record is named by its members alone."""
     kind = element.kind
     if isinstance(kind, wire.Record):
         for member in kind.members:

@@ -291,7 +291,7 @@ def options_in_words(kind: wire.Variant) -> str:
 
 
 def in_words(kind: wire.Kind) -> str:  # noqa: C901 - a branch for each kind
-    """Returns what may stand in a field, for an error message."""
+    """Returns the values that a field may have in words, for an error message."""
     match kind:
         case wire.Integer():
             return in_units(integers_in_words(kind.legal.ranges, kind.legal.names), kind.units)

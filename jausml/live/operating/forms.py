@@ -45,7 +45,7 @@ def offers_of(system: WatchedSystem, sticks: Sticks, target: JausAddress) -> dic
 
 
 def _stick(sticks: Sticks, target: JausAddress, entry: MessageEntry) -> dict[str, Any]:
-    """Returns what stops a command that is sent again and again, or why nothing does."""
+    """Returns the stop of a command that is sent again and again, or why it has none."""
     try:
         stop = sticks.stop_of(target, entry)
     except (Refused, MessageError) as error:

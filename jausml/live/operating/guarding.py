@@ -46,14 +46,14 @@ class Guarding:
             self._of_controlled = self._ward.guard(self._controlled_stops)
 
     def hold(self, target: JausAddress, stopping: Message, seconds: float) -> None:
-        """Takes that a stick begins to move a component, whose word holds for some seconds."""
+        """Arms the stop of a stick that moves a component, whose word holds for some seconds."""
         with self._lock:
             self._stick = target, stopping, seconds
             if self._of_stick is not None:
                 self._of_stick.arm(True)  # noqa: FBT003
 
     def let_go(self) -> None:
-        """Takes that the stop of the stick was sent."""
+        """Disarms the stop of the stick, which was sent."""
         with self._lock:
             if self._of_stick is not None:
                 self._of_stick.arm(False)  # noqa: FBT003
@@ -92,7 +92,7 @@ class Guarding:
         return _stops(self._lease, reached.values())
 
     def _datagram(self, target: JausAddress, message: Message) -> dict[str, Any] | None:
-        """Returns what it would send to a component; None where there is nothing that it could."""
+        """Returns the datagram for a component; None where none could reach it."""
         transport, own = self._operator.transport, self._operator.own
         datagram = transport.datagram(own, target, message.encode(), Priority.SAFETY_CRITICAL)
         if datagram is None:

@@ -91,7 +91,7 @@ class Journal:
         self.note("alarm", f"{about}: {text}")
 
     def returned(self, subject: str) -> None:
-        """Takes that a subject is well again: its alarms say so, and sound on."""
+        """Marks the alarms of a subject that is well again; they sound on."""
         with self._lock:
             alarms = self._alarms.values()
             lost = [alarm for alarm in alarms if alarm.subject == subject and not alarm.back]

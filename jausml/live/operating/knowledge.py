@@ -90,7 +90,7 @@ class Learning:
         return knowledge
 
     def follow(self, learnt: Callable[[Knowledge], None], ended: Callable[[], None]) -> None:
-        """Tells what is known whenever files have changed, on a thread of its own.
+        """Reports the knowledge whenever files have changed, on a thread of its own.
 
         Args:
             ended: Is called when no more will be told.

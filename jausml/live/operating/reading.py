@@ -38,7 +38,7 @@ _NICE = 10
 
 
 def read(path: Path) -> Knowledge:
-    """Returns what a file says, or the first file below a folder that has a system."""
+    """Returns the knowledge in a file, or in the first file below a folder that has a system."""
     index = None if path.is_file() else Index(path)
     beside = () if index is None else index.files_with_messages
     for file in (path,) if index is None else index.files_with_systems:
@@ -129,7 +129,7 @@ def _value(text: str) -> Any:
 
 
 def main(path: Path) -> None:
-    """Says what is known, and again after each change."""
+    """Writes the knowledge, and again after each change."""
     os.nice(_NICE)
     # Whatever is printed must not come between the values.
     pipe = os.fdopen(os.dup(1), "wb")

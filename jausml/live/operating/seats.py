@@ -314,7 +314,7 @@ def _check_authority(authority: int) -> None:
 
 
 def _refusal_of(error: Exception) -> RpcError | None:
-    """Returns what a page is told of an error; None for a fault of ours."""
+    """Returns the answer that a page gets for an error; None for a fault of ours."""
     if isinstance(error, RpcError):
         return error
     if isinstance(error, CodecError):

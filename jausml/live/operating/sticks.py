@@ -172,7 +172,7 @@ class Sticks:
         held.stick.move(self._system.operator.message(held.entry, fields))
 
     def release(self, number: int) -> None:
-        """Takes that its hand lets go."""
+        """Ends a stick that its hand let go."""
         self._held(number).stick.end(RELEASED)
 
     def end(self, why: str, target: JausAddress | None = None) -> None:

@@ -88,7 +88,7 @@ class Stops:
     def __init__(
         self, of_model: Mapping[tuple[str, str], Declarations], stated_stops: Iterable[DeclaredStop]
     ) -> None:
-        """Takes what is declared."""
+        """Keeps the declared stops."""
         self._by_message = {stop.message: stop for stop in stated_stops}
         self._of_model = of_model
 

@@ -113,7 +113,7 @@ class OperatorUnit:
         self._system.start()
 
     def learn(self, knowledge: Knowledge) -> None:
-        """Takes what models say now that they have changed; their stops are those of the start."""
+        """Takes the knowledge of models that have changed; stops stay those of the start."""
         self._system.learn(knowledge)
         self._notify("operate.learnt", {})
 
@@ -152,23 +152,23 @@ class OperatorUnit:
             self._guarding.control(controlled)
 
     def _guardian_spoke(self) -> None:
-        """Takes that this process stood still for so long that its guardian has stopped all."""
+        """Notes that the guardian has stopped all, as this process stood still for too long."""
         self.journal.alarm("this unit", "it stood still, and its guardian said the stops")
         Thread(target=self.sticks.end, args=("this unit stood still",)).start()
 
     # ---- what all see -----------------------------------------------------------------------
 
     def begin(self) -> dict[str, Any]:
-        """Returns what a page is told first."""
+        """Returns the first state for a page."""
         state = self._system.monitor.state()
         return {**self.content(), "ages": _ages(state), "components": _components(state)}
 
     def offers(self, target: JausAddress) -> dict[str, Any]:
-        """Returns what a component takes and gives, as far as is known of it."""
+        """Returns the messages that a component takes and gives, as far as they are known."""
         return offers_of(self._system, self.sticks, target)
 
     def content(self) -> dict[str, Any]:
-        """Returns what all pages are told of the unit itself."""
+        """Returns the state of the unit itself, for all pages."""
         operator, commander = self._system.running, self._commander
         holds = operator.holds if operator is not None else ()
         waiting = operator.handoffs.waiting if operator is not None else ()
@@ -313,7 +313,7 @@ class OperatorUnit:
         return client
 
     def _changed(self, target: JausAddress, news: str) -> None:
-        """Takes what became of control; on the loop's thread, which must not wait for a stick."""
+        """Notes a change of control; on the loop's thread, which must not wait for a stick."""
         operator, name = self._system.running, self._system.name_of(target)
         if operator is not None and operator.controls(target) and "no more" not in news:
             self.journal.note(name, news)
@@ -348,7 +348,7 @@ class OperatorUnit:
         return self._stopping.stop(name, self.powers.stop, stopped)
 
     def act(self, target: JausAddress) -> None:
-        """Takes that a person has something done to a component: what follows is no alarm."""
+        """Notes that a person acts on a component: what follows is no alarm."""
         self._system.act(target)
 
     def _silent(self, page: int) -> None:
@@ -357,7 +357,7 @@ class OperatorUnit:
             self._lose(commander, f"said nothing for {commander.lease.seconds:g} s")
 
     def leave(self, page: int) -> None:
-        """Takes that a page is gone: if it commanded, all stops."""
+        """Forgets a page that is gone: if it commanded, all stops."""
         commander = self._commander
         if commander is not None and commander.page == page:
             self._lose(commander, "is gone")
@@ -393,7 +393,7 @@ class OperatorUnit:
 
 
 def _components(state: SystemState) -> list[dict[str, Any]]:
-    """Returns who is there, without what changes all the time."""
+    """Returns the present components, without the values that change all the time."""
     return [
         {
             "id": component.address,

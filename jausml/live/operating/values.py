@@ -189,7 +189,7 @@ def _numbers(values: Iterable[Leaf]) -> Iterator[tuple[str, float]]:
 
 
 def _pictures(values: Iterable[Leaf]) -> Iterator[tuple[str, str]]:
-    """Yields what may be a picture: bytes with a format, which hold no message."""
+    """Yields the possible pictures: bytes with a format, which hold no message."""
     for path, kind, value in values:
         if isinstance(kind, wire.FormattedOctets) and value.get("hex"):
             yield path, value["hex"]

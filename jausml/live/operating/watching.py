@@ -65,7 +65,7 @@ class WatchedSystem(RunningSystem):
         self._ready = Event()
 
     def learn(self, knowledge: Knowledge) -> None:
-        """Takes what models say now; what was known stays where they cannot be read."""
+        """Takes the knowledge of models; former knowledge stays where they cannot be read."""
         self.unread = knowledge.fault or knowledge.left_out
         if knowledge.fault:
             return
@@ -105,7 +105,7 @@ class WatchedSystem(RunningSystem):
         return f"{name} ({address})" if name else str(address)
 
     def act(self, target: object) -> None:
-        """Takes that we stop or release a component: what follows of it is no alarm."""
+        """Notes that we stop or release a component: what follows of it is no alarm."""
         self._acts[str(target)] = time.monotonic()
 
     def has_acted(self, target: object) -> bool:

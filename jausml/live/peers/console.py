@@ -33,7 +33,7 @@ def _next(
     target: JausAddress | None,
     words: list[str],
 ) -> Iterable[str]:
-    """Returns what may follow the words of a line.
+    """Returns the possible continuations of the words of a line.
 
     Messages and fields are those of the component that is addressed, as far as it has said what it
     provides; nothing is asked for that.
@@ -297,7 +297,7 @@ class Console:
         self._emit(f"{target} is told that {client} is {_TOLD[decision]}")
 
     def _changed(self, target: JausAddress, news: str) -> None:
-        """Tells what became of control, and asks why; runs on the loop's thread."""
+        """Reports a change of control, and asks why; runs on the loop's thread."""
         self._emit(f"note: {target} {news}")
         self._operator.look(target, lambda text: self._emit(f"note: {target} {text}"))
 

@@ -88,7 +88,7 @@ class Hold:
             return self._news.wait_for(lambda: self.is_lost, max(0.0, seconds))
 
     def lose(self) -> None:
-        """Takes that the component is lost; what it has not confirmed since is in doubt."""
+        """Notes that the component is lost; what it has not confirmed since is in doubt."""
         with self._news:
             self.is_lost = True
             self.doubtful += self.sent - self._confirmed
@@ -111,12 +111,12 @@ class Hold:
         self.was_ready |= state is ControlState.READY
 
     def status_reported(self, report: ReportStatus) -> None:
-        """Takes what the component says of itself."""
+        """Notes a status of the component."""
         if self.is_held and (report.status == Status.READY or not self.was_ready):
             self._confirmed = self.sent
 
     def rejected(self) -> None:
-        """Takes that the component lets go of us, up to now in Ready."""
+        """Notes that the component lets go of us, up to now in Ready."""
         self._confirmed = self.sent
 
     def _obeys(self, state: ControlState) -> bool:
@@ -153,7 +153,7 @@ class Handoffs:
         return tuple(request for asked in list(self._waiting.values()) for request in asked)
 
     def asked(self, target: JausAddress, requests: tuple[HandoffRequest, ...]) -> None:
-        """Takes who asks for control of a component that we control; on the loop's thread."""
+        """Notes the requests for control of a component that we control; on the loop's thread."""
         self._waiting[target] = requests
         for request in requests:
             self.on_news(

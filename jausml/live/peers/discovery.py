@@ -47,7 +47,7 @@ _TYPE_NAMES = {
 
 
 def awaited(look: Callable[[], T], seconds: float = math.inf) -> T:
-    """Returns what there is to see as soon as that is something, or what there is after a time."""
+    """Returns the result of a look as soon as it is not empty, or the last one after a time."""
     end = time.monotonic() + seconds
     while not (seen := look()) and time.monotonic() < end:
         time.sleep(POLL)
@@ -135,7 +135,7 @@ class Survey:
                 return self.known()
 
     def known(self) -> tuple[KnownSubsystem, ...]:
-        """Returns who was heard of so far, ordered by number."""
+        """Returns the subsystems that were heard so far, ordered by number."""
         with self._component.loop.lock:
             subsystems = [self._subsystems[number] for number in sorted(self._subsystems)]
             for subsystem in subsystems:
@@ -143,13 +143,13 @@ class Survey:
             return tuple(subsystems)
 
     def services(self, address: JausAddress) -> tuple[ServiceIdentity, ...]:
-        """Returns what a component provides, as far as it was heard."""
+        """Returns the services of a component, as far as they were heard."""
         subsystem = self._subsystems.get(address.subsystem)
         component = subsystem.components.get(address) if subsystem else None
         return component.services if component else ()
 
     def services_within(self, seconds: float, address: JausAddress) -> tuple[ServiceIdentity, ...]:
-        """Returns what a component provides; it and its subsystem are asked if that is unknown."""
+        """Returns the services of a component, which is asked with its subsystem if unknown."""
         known = self.services(address)
         if not known:
             self.ask(address)
@@ -217,7 +217,7 @@ class Survey:
 def provided_services(
     network: Network, address: JausAddress, seconds: float
 ) -> tuple[ServiceIdentity, ...]:
-    """Returns what a component provides, by a component of ours that does nothing else."""
+    """Returns the services of a component, asked by a component of ours for this alone."""
     with running_transport(network.settings) as transport:
         settings = ComponentSettings(register_services=False)
         component = JausComponent(

@@ -88,7 +88,7 @@ class Heard:
     def why(
         self, target: JausAddress, message: str, report: str, services: Sequence[ServiceIdentity]
     ) -> str:
-        """Returns what is known of a component that leaves a message unanswered."""
+        """Returns the known reason why a component leaves a message unanswered."""
         if not self.of(target):
             return f"{target} does not answer {message}; {self._why_silent(target)}"
         fault = self._fault(target, report)
@@ -103,7 +103,7 @@ class Heard:
         return f"{target} answers ({listed(answers)}), but not {message}: {reason}"
 
     def nothing(self) -> str:
-        """Returns what may be the cause when nothing at all was heard, the likeliest first."""
+        """Returns the possible causes when nothing at all was heard, the likeliest first."""
         drops = self._counters.drops()
         counts = ", ".join(f"{name} {drops[name]}" for name in _UNUSABLE if name in drops)
         if counts:
@@ -127,7 +127,7 @@ class Heard:
         return ""
 
     def lack(self, message: str, services: Sequence[ServiceIdentity]) -> str:
-        """Returns that none of some services takes a message, empty when one does."""
+        """Returns the fault that none of some services takes a message, empty when one does."""
         if not services or self._providing(message, services):
             return ""
         own = listed([printable(service.urn.rpartition(":")[2]) for service in services])
@@ -144,7 +144,7 @@ class Heard:
         return self.lack(message, services)
 
     def _providing(self, message: str, services: Sequence[ServiceIdentity]) -> list[ServiceEntry]:
-        """Returns those of some services that take a message."""
+        """Returns the services among some that take a message."""
         takers = list(self._takers(message))
         labels = set(map(label_of, services))
         return [

@@ -62,7 +62,7 @@ class Network:
         )
 
     def hints(self) -> str:
-        """Returns what may be the cause when nothing at all was heard, the likeliest first."""
+        """Returns the possible causes when nothing at all was heard, the likeliest first."""
         if self.settings.transport is TransportKind.NODE_MANAGER:
             if manager_folder(self.settings) is None:
                 return f"{self.place}, and none runs: --node-manager-directory says where it is"

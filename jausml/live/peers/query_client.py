@@ -100,7 +100,7 @@ class QueryClient:
         return "transport.own_source" in self._component.counters.drops()
 
     def quirks(self) -> tuple[tuple[JausAddress, Learnt], ...]:
-        """Returns what was learnt of those that were heard, in the order of their ids."""
+        """Returns the quirks of peers that were heard, in the order of their ids."""
         known = self._component.transport.quirks
         with self._component.loop.lock:
             return tuple(
@@ -160,7 +160,7 @@ class QueryClient:
         return NoAnswer(self._heard.why(target, message, report, services))
 
     def lack(self, target: JausAddress, message: str) -> str:
-        """Returns that a component provides nothing that takes a message, as far as it has said."""
+        """Returns the fault that no service of a component takes a message, as far as known."""
         return self._heard.lack(message, self.survey.services(target))
 
     def _begin(
@@ -243,7 +243,7 @@ class QueryClient:
         return self._heard.sources()
 
     def services(self, target: JausAddress) -> tuple[ServiceIdentity, ...]:
-        """Returns what a component, or the Discovery service of its subsystem, says it provides."""
+        """Returns the services of a component, told by it or by Discovery of its subsystem."""
         return self.survey.services_within(self.timeout, target)
 
     def status(self, target: JausAddress) -> tuple[Status | None, ReportControl | None]:

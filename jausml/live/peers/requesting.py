@@ -83,7 +83,7 @@ def _standing(operator: Operator, hold: Hold) -> str:
 
 
 def outcome(name: str, hold: Hold) -> str:
-    """Returns what was sent, and how much of it may have had no effect."""
+    """Returns the number of sent messages, and of those that may have had no effect, in words."""
     times = f" {hold.sent} times" if hold.sent != 1 else ""
     text = f"{name} sent to {hold.target}{times}"
     if hold.doubtful:

@@ -101,7 +101,7 @@ class Bag:
             raise RecordingError(f"{self._path}: {error.strerror or error}") from error
 
     def _all(self) -> Iterator[_Encoded]:
-        """Yields what stands in files, one after the other, and counts it."""
+        """Yields the messages in files, one after the other, and counts them."""
         bag, count = _files_of(self._path), 0
         for path in bag.paths:
             try:
@@ -119,7 +119,7 @@ class Bag:
         self.fault = "; ".join(filter(None, (self.fault, fault)))
 
     def _read(self, path: Path, compression: str) -> Iterator[_Encoded]:
-        """Yields what stands in a file."""
+        """Yields the messages in a file."""
         with ExitStack() as stack:
             if compression == "file":
                 path = _unpacked(path, Path(stack.enter_context(tempfile.TemporaryDirectory())))
@@ -130,7 +130,7 @@ class Bag:
                 yield encoding, whole
 
     def _records(self, path: Path) -> Iterator[_Encoded]:
-        """Yields what stands in an MCAP file."""
+        """Yields the messages in an MCAP file."""
         recording = McapRecording(str(path))
         definitions: dict[tuple[str, bytes], RecordedDefinition] = {}
         try:
@@ -149,7 +149,7 @@ class Bag:
                 self._note(recording.fault)
 
     def _rows(self, path: Path) -> Iterator[_Encoded]:
-        """Yields what stands in a database (rosbag2, sqlite3 storage)."""
+        """Yields the messages in a database (rosbag2, sqlite3 storage)."""
         row = None
         try:
             open_input(path).close()  # a database is opened without a look at what it is

@@ -64,7 +64,7 @@ class TimeSpan:
     duration: float | None = None
 
     def of(self, messages: Iterable[T], time_of: Callable[[T], int | None]) -> Iterator[T]:
-        """Yields what is in it.
+        """Yields the messages within the span.
 
         Args:
             time_of: The time of each in nanoseconds, None where nobody told: these are in it.

@@ -66,7 +66,7 @@ UNDEFINED = RecordedDefinition()
 
 
 def definition_in(schema: Schema) -> RecordedDefinition:
-    """Returns what a schema says of the type of its messages."""
+    """Returns the definition of the type of messages in a schema."""
     return RecordedDefinition(schema.encoding, schema.data.decode("utf-8", "replace"))
 
 

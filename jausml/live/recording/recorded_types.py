@@ -80,7 +80,7 @@ def _differing(
 
 
 def _form(kind: FieldType) -> tuple[str, str, int]:
-    """Returns what decides the bytes of a field: bounds do not, nor names of types in it."""
+    """Returns the parts of a field that decide its bytes: no bounds, no names of types in it."""
     name = kind.name if kind.is_primitive else ""
     if kind.array in (SINGLE, FIXED):
         return "uint8" if name in _OCTETS else name, kind.array, kind.array_size

@@ -54,7 +54,7 @@ _DURATIONS = ("deadline", "lifespan", "liveliness_lease_duration")
 
 
 def _offer(publishers: Sequence[Any]) -> dict[str, str]:
-    """Returns what rosbag2 notes of the publishers of a topic beside its channel."""
+    """Returns the notes of rosbag2 on the publishers of a topic beside its channel."""
     profiles = [publisher.qos_profile for publisher in publishers]
     hashes = {
         str(publisher.topic_type_hash)
@@ -190,7 +190,7 @@ class RosTopics:
         self._subscribed = time.monotonic()
 
     def _noting(self, topic: str, kind: str, *, is_late: bool) -> Callable[[bytes, Any], None]:
-        """Returns what takes the messages of a topic, and counts those that did not come."""
+        """Returns the function that takes messages of a topic, and counts those that got lost."""
         expected = None
 
         def note(data: bytes, info: Any) -> None:

@@ -145,7 +145,7 @@ def _short(name: str) -> str:
 
 
 def _record(name: str, parts: Mapping[str, str], known: dict[str, Read], depth: int) -> Read:
-    """Returns what reads a type; `known` has those of types that were met before."""
+    """Returns the reader of a type; `known` has those of types that were met before."""
     if name in known:
         return known[name]
     if depth > _DEEPEST:

@@ -89,7 +89,7 @@ class Translator:
         self._worker.close()
 
     def translate(self, messages: Iterable[JausMessage]) -> Iterator[TranslatedMessage]:
-        """Yields what becomes of messages, in their order."""
+        """Yields the translations of messages, in their order."""
         waiting: list[tuple[JausMessage, int, str]] = []
         for message in messages:
             takers = self._takers_of(message)
@@ -334,7 +334,7 @@ class CaptureReplay:
         self._jaus = jaus
 
     def run(self, datagrams: Iterable[Datagram]) -> None:
-        """Writes what becomes of datagrams."""
+        """Writes the translations of the messages in datagrams."""
         for message in self._translator.translate(self._messages(datagrams)):
             for topic in message.route.topics:
                 channel = self._file.ros_channel(topic.name, topic.type, topic.definition)

@@ -29,7 +29,7 @@ class RecordingClock:
         self.nanoseconds = 0
 
     def now(self) -> Time:
-        """Returns it as bridges have it."""
+        """Returns the time as bridges have it."""
         return Time(*divmod(self.nanoseconds, _NANO))
 
 
@@ -78,7 +78,7 @@ class ConnectionTranslation:
         self._clock = clock
 
     def run(self, subsystem: int, at: int, data: bytes) -> Answer:
-        """Returns what becomes of a message."""
+        """Returns the translation of a message."""
         self._clock.nanoseconds = at
         try:
             joins = {join.parameter: join.fresh(subsystem, at) for join in self.joins.values()}
@@ -99,7 +99,7 @@ def _class_of(hint: typing.Any) -> typing.Any:
 
 
 def _decoder(kind: typing.Any) -> typing.Any:
-    """Returns what reads messages of a class of either side."""
+    """Returns the function that reads messages of a class of either side."""
     return kind.from_cdr if hasattr(kind, "from_cdr") else kind.decode
 
 

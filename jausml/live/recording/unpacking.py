@@ -22,7 +22,7 @@ class DamageError(Exception):
 
 
 def unpacked(data: bytes, compression: str, most: int = MOST_UNPACKED) -> bytes:
-    """Returns what was compressed.
+    """Returns the unpacked bytes.
 
     Args:
         compression: As MCAP names it: empty, `lz4` or `zstd`.
@@ -37,7 +37,7 @@ def unpacked(data: bytes, compression: str, most: int = MOST_UNPACKED) -> bytes:
 
 
 def unpack_file(source: BinaryIO, target: BinaryIO) -> None:
-    """Writes what a file has that was compressed by zstd.
+    """Writes the unpacked contents of a file that zstd compressed.
 
     Raises:
         DamageError: It is no such file, or becomes out of proportion large.
@@ -49,7 +49,7 @@ def unpack_file(source: BinaryIO, target: BinaryIO) -> None:
 
 
 def _pieces(source: BinaryIO, compression: str, most: int) -> Iterator[bytes]:
-    """Yields what was compressed, piece by piece."""
+    """Yields the unpacked bytes, piece by piece."""
     left = most
     try:
         reader, stated = _opened(source, compression)
@@ -69,7 +69,7 @@ def _pieces(source: BinaryIO, compression: str, most: int) -> Iterator[bytes]:
 
 
 def _opened(source: BinaryIO, compression: str) -> tuple[BinaryIO, int]:
-    """Returns what unpacks, and how many bytes the beginning says that it is; -1 for unknown."""
+    """Returns the reader that unpacks, and the stated size in bytes; -1 for unknown."""
     if compression == "zstd":
         import zstandard  # noqa: PLC0415 - an extra
 

@@ -66,7 +66,7 @@ class RunningGraph:
 
 
 def settled_graph(node: Any, end: float) -> RunningGraph:
-    """Returns what runs, once nothing has changed for two seconds if there is anything."""
+    """Returns the graph, once nothing has changed for two seconds if there is anything."""
     running_graph = _graph(node)
     since = time.monotonic()
     while time.monotonic() < end and not (running_graph and time.monotonic() - since >= SETTLED):
@@ -119,7 +119,7 @@ def _with_ends(
     served: Callable[[str, str], Iterable[tuple[str, Sequence[str]]]],
     called: Callable[[str, str], Iterable[tuple[str, Sequence[str]]]],
 ) -> tuple[RunningCall, ...]:
-    """Returns what the nodes serve and call, by two questions to the graph."""
+    """Returns the calls that nodes serve and make, by two questions to the graph."""
     from rclpy.node import NodeNameNonExistentError  # noqa: PLC0415
 
     types: dict[str, set[str]] = {}
@@ -307,7 +307,7 @@ class Running:
 
 
 def what_runs(seconds: float, is_wanted: Callable[[str], bool]) -> Running:
-    """Returns what runs.
+    """Returns the running system.
 
     It looks until nothing has changed for two seconds, if there is anything. Then it waits for
     messages and answers, not longer than the time that is left.

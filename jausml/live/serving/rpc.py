@@ -63,7 +63,7 @@ def _typed(kind: Any, value: Any, where: str) -> Any:
 
 
 def _bound(call: Any, value: Any, where: str) -> Any:
-    """Returns what a dataclass or another callable makes of an object with its parameters."""
+    """Returns the result of a dataclass or another callable for an object with its parameters."""
     if not isinstance(value, dict):
         raise TypedError(f"{where} is an object")
     hints, known = _hints(getattr(call, "func", call)), signature(call).parameters
@@ -149,7 +149,7 @@ def _is_unicode(text: str) -> bool:
 
 
 def as_json(value: Any) -> Any:
-    """Returns what JSON can hold of a value.
+    """Returns a value in the types of JSON.
 
     Dataclasses become objects, of which a `NAME` is the kind, paths posix text, and numbers that
     JSON does not have null.

@@ -46,7 +46,7 @@ def _declared(
     connection: bridge.Connection | bridge.RosServiceConnection | bridge.RosActionConnection,
     message: str,
 ) -> DeclaredConnection:
-    """Returns what is declared of any connection; topics, reports and rates not all have."""
+    """Returns the declaration of any connection; topics, reports and rates not all have."""
     return DeclaredConnection(
         bridge=node_of(owner),
         name=str(connection.name),

@@ -192,7 +192,7 @@ def _nobody(controller: str) -> str:
 
 
 def _beside(component: ComponentState | None) -> str:
-    """Returns what a peer said of itself."""
+    """Returns the state that a peer reported, in words."""
     texts = [f"in {component.state}"] if component is not None and component.state else []
     if component is not None and component.controller is not None:
         texts.append(f"controlled by {_nobody(component.controller)}")

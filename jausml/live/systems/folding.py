@@ -74,7 +74,7 @@ class DiagnosticStatus:
 
 
 def connection_of(status: DiagnosticStatus, now: float) -> ConnectionState | None:
-    """Returns what a status tells of a connection or of a bridge; None when it is of another maker.
+    """Returns the connection or bridge of a status; None for a status of another maker.
 
     Whatever a value cannot be read as is left out; as text it is among the values all the same.
     """
@@ -328,7 +328,7 @@ def _unheard(declaration: DeclaredConnection) -> ConnectionState:
 
 
 def _declaration(state: SystemState, latest: ConnectionState) -> DeclaredConnection | None:
-    """Returns what the model says of a connection, whose bridge may have another name or id."""
+    """Returns the declaration of a connection, whose bridge may have another name or id."""
     node = latest.bridge.rpartition("/")[2]
     candidates = [
         declaration for declaration in state.declarations if declaration.name == latest.name

@@ -36,7 +36,7 @@ class MachineState:
     times: tuple[StateTime, ...] = ()
 
     def later(self, seconds: float) -> MachineState:
-        """Returns it after it has stayed where it is for so long."""
+        """Returns the machine after it has stayed in its state for so long."""
         times = (
             replace(time, seconds=time.seconds + seconds) if time.state == self.state else time
             for time in self.times

@@ -170,7 +170,7 @@ class JausObserver:
         return (due[begin:] + due[:begin])[:MOST_ASKED]
 
     def _tell_found(self) -> None:
-        """Tells what Discovery said of components, once."""
+        """Reports the findings of Discovery about components, once."""
         for subsystem in self._operator.survey.known():
             for address, component in subsystem.components.items():
                 services = tuple(map(label_of, component.services))
@@ -252,19 +252,19 @@ class Monitor:
             self._state = fold_statuses(self._state, statuses, time.monotonic())
 
     def take_answer(self, answer: ComponentAnswer) -> None:
-        """Takes what a component tells."""
+        """Folds an answer of a component into the state."""
         with self._lock:
             self._state = fold_answer(self._state, answer, time.monotonic())
 
     def take_model(
         self, declarations: Iterable[DeclaredConnection], components: dict[str, str]
     ) -> None:
-        """Takes what the model promises now that it has changed."""
+        """Folds the declarations of a model that has changed into the state."""
         with self._lock:
             self._state = fold_model(self._state, declarations, components, time.monotonic())
 
     def take_source(self, source: str, fault: str) -> None:
-        """Takes that a source opened, or why it could not."""
+        """Notes that a source opened, or why it could not."""
         with self._lock:
             self._state = fold_source(self._state, source, fault)
 

@@ -218,7 +218,7 @@ def _indexing(path: str) -> Iterator[float | RecordedSystem]:
 
 
 def changes(former: SystemState, latest: SystemState, fact: Fact) -> Iterator[Mark]:
-    """Yields what is another after something was told."""
+    """Yields the changes of the state by a fact."""
     if fact.answer is not None:
         address = fact.answer.address
         yield from _of_component(former.components.get(address), latest.components.get(address))

@@ -98,7 +98,7 @@ class Listener:
         self._asked: dict[str, set[tuple[str, str]]] = {}
 
     def facts(self, time: float, record: Found) -> Iterator[Fact]:
-        """Yields what a message tells; of most there is nothing."""
+        """Yields the facts in a message; most have none."""
         topic = record[1].topic
         try:
             if topic == DIAGNOSTICS:
@@ -139,7 +139,7 @@ class Listener:
 
 
 def _of_itself(status: DiagnosticStatus) -> ComponentAnswer:
-    """Returns what a bridge tells of itself, which nobody has to ask it then."""
+    """Returns the state of a bridge as it reports itself, so that nobody has to ask it."""
     values = dict(status.values)
     controller = values.get("controller")
     return ComponentAnswer(

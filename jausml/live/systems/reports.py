@@ -18,7 +18,7 @@ def state_in(report: ReportStatus, _client: str = "") -> dict[str, Any]:
 
 
 def control_in(report: ReportControl, _client: str = "") -> dict[str, Any]:
-    """Returns who controls a component, as it reports; an empty text is nobody."""
+    """Returns the controller of a component, as it reports; an empty text is nobody."""
     controller = controller_of(report) if report.subsystem_id else ""
     return {"controller": controller, "authority": report.authority_code}
 

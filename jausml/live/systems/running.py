@@ -74,7 +74,7 @@ class RunningSystem:
                 self._look()
 
     def _operator(self, stack: ExitStack) -> Operator | None:
-        """Returns who asks, None where JAUS has no network; the state says why."""
+        """Returns the operator that asks, None where JAUS has no network; the state says why."""
         silence_log()
         try:
             network = stack.enter_context(identified(self._network))
@@ -91,7 +91,7 @@ class RunningSystem:
         return None
 
     def _enter(self, operator: Operator | None, ros: RosDiagnostics | None) -> None:
-        """Takes who asks and who listens, as far as there are any."""
+        """Uses the operator that asks and the diagnostics of ROS, as far as there are any."""
 
     def _leave(self) -> None:
         """Is called before both end."""

@@ -51,7 +51,7 @@ _BEFORE_HISTORY = 3
 
 
 def told_of(connection: ConnectionState) -> Text:
-    """Returns what the model and the bridge say of a connection."""
+    """Returns the declaration and the state of a connection."""
     text = titled(shown_name(connection), [f"{state_text(connection)}: {connection.reason}"])
     declaration = connection.declaration
     if declaration is not None:

@@ -192,7 +192,7 @@ class _Pcapng:
             head = self._file.read_or_end(4, "the header of a block")
 
     def _body(self, kind: int, begin: int) -> bytes:
-        """Returns what stands in a block between its two lengths."""
+        """Returns the bytes in a block between its two lengths."""
         what = f"block 0x{kind:X}"
         raw = self._file.read(4, what, begin)
         start = b""

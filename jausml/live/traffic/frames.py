@@ -62,7 +62,7 @@ class OtherPorts:
         self._known: set[Endpoint] = set()
 
     def learn(self, *endpoints: Endpoint) -> None:
-        """Takes that endpoints speak JUDP."""
+        """Remembers endpoints that speak JUDP."""
         if len(self._known) < _MOST_ENDPOINTS:
             self._known.update(endpoints)
 
@@ -158,7 +158,7 @@ class UdpReader:
         return len(self._pending)
 
     def _ip_packet(self, frame: CapturedFrame) -> bytes | None:
-        """Returns what follows the link layer when it is IP."""
+        """Returns the packet behind the link layer when it is IP."""
         data, link = frame.data, frame.link_type
         if link in _RAW_IP:
             return data or None

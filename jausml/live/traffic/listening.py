@@ -196,7 +196,7 @@ class MulticastListener:
 
 
 def _remedy(error: OSError, settings: TransportSettings) -> str:
-    """Returns who has a port that is taken, and how its traffic is seen all the same."""
+    """Returns the holder of a port that is taken, and how its traffic is seen all the same."""
     if error.errno != errno.EADDRINUSE:
         return ""
     from jausml.runtime.transports.ports import who_holds  # noqa: PLC0415 - for errors alone

@@ -46,7 +46,7 @@ class PoolProcess:
         self._begin = begin
 
     def ask(self, piece: Any) -> Any:
-        """Returns what becomes of a piece; raises what the worker raises."""
+        """Returns the result of a piece of work; raises what the worker raises."""
         try:
             is_made, answer = self._answer(self._begin + pickle.dumps(piece))
         except (OSError, EOFError, ValueError, pickle.UnpicklingError) as error:
@@ -90,7 +90,7 @@ class PoolProcesses:
         self._is_closed = False
 
     def ask(self, piece: Any) -> Any:
-        """Returns what becomes of a piece; raises what the worker raises."""
+        """Returns the result of a piece of work; raises what the worker raises."""
         process = self._taken()
         answer = process.ask(piece)
         self._idle.put(process)

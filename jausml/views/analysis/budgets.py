@@ -70,7 +70,7 @@ def budgets_of(
 
 
 def _normal(connection: bridge.Connection, stream: Stream, period: float) -> tuple[Step, ...]:
-    """Returns what a value waits for when all is well."""
+    """Returns the waits of a value when all is well."""
     if is_single(connection):
         return ()  # what comes is passed on
     if connection.exchange.name == "everyChangeEvent":
@@ -80,7 +80,7 @@ def _normal(connection: bridge.Connection, stream: Stream, period: float) -> tup
 
 
 def _shaped(connection: bridge.Connection, period: float) -> tuple[Step, ...]:
-    """Returns what a value waits for because fewer messages shall pass than come."""
+    """Returns the waits of a value because fewer messages shall pass than come."""
     steps = []
     if connection.decimation > 1:
         name = f"decimation, one of {connection.decimation} messages"
@@ -114,7 +114,7 @@ def _depth(topic: bridge.Topic) -> int:
 
 
 def _loss(connection: bridge.Connection, stream: Stream, period: float) -> Step:
-    """Returns what one lost packet costs."""
+    """Returns the delay by one lost packet."""
     if stream.is_acknowledged:
         return Step("repetition of the packet", runtime_constants().acknowledge_timeout)
     if connection.exchange.name == "everyChangeEvent":
@@ -186,7 +186,7 @@ FEWEST_PERIODS = 2
 def warnings_of(
     connection: bridge.Connection, streams: list[Stream], topic_rate: float
 ) -> Iterator[str]:
-    """Yields what does not go together in a connection.
+    """Yields the contradictions in a connection.
 
     `topic_rate`: messages each second of its topics, where these are the source.
     """
@@ -211,7 +211,7 @@ def _rates(connection: bridge.Connection) -> Iterator[str]:
 
 
 def asked_rate(provider: jaus.Component, rate: float) -> Iterator[str]:
-    """Yields what is wrong with the rate that a client asks of a provider."""
+    """Yields the faults of the rate that a client asks of a provider."""
     constants = runtime_constants()
     if rate > constants.highest_event_rate:
         yield f"{rate:g} Hz is more than an event can have, {constants.highest_event_rate:g} Hz"

@@ -186,7 +186,7 @@ def _component(
 def connection_report(
     connection: bridge.Connection, traffic: Traffic, assumptions: Assumptions
 ) -> ConnectionReport:
-    """Returns what is told of a connection."""
+    """Returns the report on a connection."""
     streams, owner = traffic.of(connection), connection.eContainer()
     topics = [str(topic.name) for topic in connection.topics if topic.join is None]
     carried = [stream for stream in streams if stream.kind in ("message", "event", "report")]
@@ -273,7 +273,7 @@ def _name(component: jaus.Component | None) -> str:
 
 
 def _load_at(elements: set[jaus.Component | None], streams: Iterable[Stream]) -> Load:
-    """Returns what some components send and receive."""
+    """Returns the load of some components: sent and received."""
     counts, out, come = [0.0, 0.0], Wire(), Wire()
     for stream in streams:
         if stream.sender in elements and stream.sender is not None:

@@ -129,13 +129,13 @@ def packet_count(payload: int, fragment_size: int) -> int:
 
 
 def on_wire(payload: int, fragment_size: int) -> Wire:
-    """Returns what a message to one component is on the network."""
+    """Returns the packets and bytes of a message to one component on the network."""
     count, step = packet_count(payload, fragment_size), _step(payload, fragment_size)
     return _datagram(step).times(count - 1) + _datagram(payload - (count - 1) * step)
 
 
 def acknowledgements(packets: float) -> Wire:
-    """Returns what the acknowledgements of packets are on the network."""
+    """Returns the packets and bytes of the acknowledgements of packets."""
     return _datagram(0).times(packets)
 
 
@@ -186,7 +186,7 @@ class Request:
         return None
 
     def query_of(self, provider: Provider | None) -> jaus.MessageDef | None:
-        """Returns what asks a provider; None when that is not known."""
+        """Returns the query for a provider; None when it is not known."""
         if provider is None:
             return None
         if self.joined is not None:
@@ -233,12 +233,12 @@ def _joined_requests(
 
 
 def peers_of(connection: bridge.Connection) -> list[jaus.Component | None]:
-    """Returns who is at the other end; None stands for those that nobody names."""
+    """Returns the components at the other end; None stands for those that nobody names."""
     return [*connection.peers] or [None]
 
 
 def alike_requests(requests: list[Request]) -> Iterator[list[Request]]:
-    """Yields those that share an event; beside one of every change, a rate is served by queries."""
+    """Yields requests that share an event; beside one of every change, queries serve a rate."""
     periodic = [request for request in requests if request.exchange == "periodic"]
     others = [request for request in requests if request.exchange != "periodic"]
     if not (periodic and others):

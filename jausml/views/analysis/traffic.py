@@ -138,7 +138,7 @@ class _Streams:
         yield from self._renewals(provider, first, is_periodic=bool(rates))
 
     def _unrequested(self, owner: bridge.Bridge, connection: bridge.Connection) -> Iterator[Stream]:
-        """Yields what one client would get that nobody has modelled."""
+        """Yields the streams to one client that nobody has modelled."""
         size = self._message_size(connection)
         name, exchange = str(connection.map.message.name), connection.exchange.name
         rate = float(connection.rate or owner.frequency)
@@ -274,7 +274,7 @@ class _Streams:
         yield self._core_stream(provider, request.client, "ConfirmEventRequest", hertz)
 
     def _upkeep(self) -> Iterator[Stream]:
-        """Yields what keeps control of others (AS5710, AccessControl)."""
+        """Yields the streams that keep control of others (AS5710, AccessControl)."""
         for owner in self._components:
             for target in dict.fromkeys(_controlled(owner)):
                 longest = self._constants.watch_interval

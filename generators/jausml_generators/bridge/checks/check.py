@@ -28,7 +28,7 @@ NAME = "\1"
 
 
 def frame_stand_in(number: int) -> str:
-    """Returns what stands for the name of a frame of a map in checks that connections share."""
+    """Returns the stand-in for the name of a frame of a map in checks that connections share."""
     return f"\2{number}\3"
 
 
@@ -176,7 +176,7 @@ class Chain:
         return len(self.sources) == 1 and all(step.leads_back for step in self.steps)
 
     def results(self, values: Sequence[Any]) -> list[Any]:
-        """Returns what the conversions make of the values of the sources, before other units.
+        """Returns the results of the conversions for the values of the sources, in their units.
 
         Raises:
             NoValueError: They have no result.
@@ -187,7 +187,7 @@ class Chain:
         return current
 
     def forward(self, values: Sequence[float]) -> float | None:
-        """Returns what becomes of the values of the sources; None when they have no result."""
+        """Returns the result for the values of the sources; None when they have none."""
         try:
             current = self.results(values)
         except NoValueError:

@@ -124,7 +124,7 @@ class Ends:
         return RosMessage(join.type, join.name, self.type_name)
 
     def policy(self, chain: Chain) -> str:
-        """Returns what becomes of values out of range, as a literal of the metamodel."""
+        """Returns the policy for values out of range, as a literal of the metamodel."""
         own = str(chain.assignment.outOfRange.name)
         if own != "asConnection":
             return own

@@ -131,7 +131,7 @@ class JausMessage:
     name: str
 
     def field(self, path: str) -> JausField:
-        """Returns what stands at the end of a path."""
+        """Returns the field at the end of a path."""
         return jaus_field(self.message, path, JausStart(self.name))
 
     def place(self, path: str) -> Place:
@@ -156,12 +156,12 @@ class JausMessage:
         return ""
 
     def is_told_unset(self, path: str) -> bool:
-        """Tells that nothing does: what is not set is left out."""
+        """Returns False: a field of JAUS that is not set is left out."""
         del path
         return False
 
     def around(self, path: str) -> set[tuple[places.Place, Expression]]:
-        """Returns what a new message lacks on the way to a path, with elements before others."""
+        """Returns the containers that a new message lacks on a path, with elements before."""
         return {
             (outer_place, value)
             for place, value in self.field(path).containers
@@ -260,7 +260,7 @@ class RosMessage:
     type_name: Callable[[ros.MessageType], str]
 
     def field(self, path: str) -> RosField:
-        """Returns what stands at the end of a path."""
+        """Returns the field at the end of a path."""
         return ros_field(self.type, path, RosStart(self.name, self.type))
 
     def place(self, path: str) -> Place:
@@ -270,7 +270,7 @@ class RosMessage:
         return Place(path, place_text(field.place), ros_kind(field), limits, names=field.constants)
 
     def unknown(self, path: str) -> str:
-        """Returns what a field takes that has no value; empty for what it has as it is made."""
+        """Returns the value of a field that has none; empty where a new message has it."""
         field = self.field(path).field
         return "" if field is None else unknown(field) or ""
 

@@ -154,7 +154,7 @@ class TestModule:
         return sample, checks
 
     def _connections(self) -> Check:
-        """Shows that the bridge can be made, where there is nothing else to show."""
+        """Checks that the bridge can be made, where there is nothing else to check."""
         about = "The bridge has its connections."
         count = len(self.bridge.connections) + len(self.bridge.calls)
         return Check("connections", about, (f"assert len(bridge.connections) == {count}",))

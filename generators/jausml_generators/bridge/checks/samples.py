@@ -94,7 +94,7 @@ class _Sampler:
         return self._sample
 
     def _settle_markers(self) -> None:
-        """Gives what markers ask for values, so that none says that a source has no value."""
+        """Sets the values that markers ask for, so that none says that a source has no value."""
         source, values = self._ends.source, self._sample.values
         if not isinstance(source, filling.RosMessage):
             return

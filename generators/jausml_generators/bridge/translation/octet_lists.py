@@ -18,7 +18,7 @@ _OCTETS = frozenset("bB")
 
 
 def octets(source: Start, target: Start) -> Octets | None:
-    """Returns what elements of lists are made of octets; None where one side has no octets."""
+    """Returns the octets of which elements of lists are made; None where one side has none."""
     if not (_is_octet(source) and _is_octet(target)):
         return None
     if isinstance(target, JausStart) and isinstance(target.value, PartValue):

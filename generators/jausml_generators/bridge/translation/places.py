@@ -43,7 +43,7 @@ class Place:
     steps: tuple[str | int, ...] = ()
 
     def at(self, *steps: str | int) -> Place:
-        """Returns what stands some steps further."""
+        """Returns the place some steps further."""
         return replace(self, steps=(*self.steps, *steps))
 
     @property
@@ -287,7 +287,7 @@ def _end(asked: tuple[ros.MessageType, str, RosStart]) -> RosField:
 def markers(
     marks: Iterable[Mark], field: ros.Field, place: Place, owner: Place
 ) -> Iterator[HasValue]:
-    """Yields what must hold so that no marker says of a field that it has no value.
+    """Yields the conditions under which no marker says of a field that it has no value.
 
     Args:
         place: The field, or an element of an array.

@@ -140,7 +140,7 @@ class Body:
         return replace(self, steps=[], _required=list(self._required))
 
     def policy_of(self, assignment: bridge.FieldAssignment, *, of_a_place: bool) -> Policy:
-        """Returns what becomes of the value of an assignment that does not fit its target.
+        """Returns the policy for a value of an assignment that does not fit its target.
 
         Args:
             of_a_place: Whether it is a coordinate: the nearest one is another place.
@@ -226,7 +226,7 @@ class Body:
             yield
 
     def _name(self, way: Way) -> None:
-        """Gives what was found a variable in the present block, once."""
+        """Assigns a found value to a variable in the present block, once."""
         if isinstance(way, Named):
             step = Let((way.local,), Read(way.place))
             if step not in self.steps:

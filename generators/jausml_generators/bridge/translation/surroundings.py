@@ -151,7 +151,7 @@ class Surroundings:
         *,
         to_ros: bool,
     ) -> tuple[float, float] | None:
-        """Returns what `semantics.units.unit_step` does; connections of one map share it."""
+        """Returns the result of `semantics.units.unit_step`; connections of one map share it."""
         key = (attribute_map, assignment, to_ros)
         if key not in self.unit_steps:
             self.unit_steps[key] = unit_step(attribute_map, assignment, to_ros=to_ros)
@@ -191,7 +191,7 @@ class Surroundings:
         return self.frames[key].name
 
     def overridden(self, quantities: Iterable[bridge.Quantity]) -> dict[str, float]:
-        """Returns what maps state for quantities that the bridge replaces.
+        """Returns the values that maps state for quantities that the bridge replaces.
 
         Args:
             quantities: Each a `bridge.Quantity` of a map.

@@ -144,7 +144,7 @@ class RosTarget:
         return ros_constant(self.field(path), text)
 
     def unknown(self, path: str) -> str:
-        """Returns what a field takes that has no value; empty for what it has as it is made."""
+        """Returns the value of a field that has none; empty where a new message has it."""
         end = self.field(path)
         return "" if end.is_array or end.field is None else unknown(end.field) or ""
 
@@ -154,7 +154,7 @@ class RosTarget:
             yield from marked_paths(self.start.type, {parse_path(path) for path in taken})
 
     def unlimited(self, path: str) -> Iterator[HasValue]:
-        """Yields what must hold so that a field does not say that nothing limits it."""
+        """Yields the conditions under which a field does not say that nothing limits it."""
         end = self.field(path)
         if end.field is not None and not end.is_array:
             marks = [mark for mark in marks_of(end.field) if mark.is_unlimited]

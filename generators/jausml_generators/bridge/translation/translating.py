@@ -188,7 +188,7 @@ class AlikeMaps:
         return tuple(key_parts)
 
     def _said(self, owner: EObject, value: Hashable) -> Hashable:
-        """Returns what a value says; an element that is only referred to stands for itself."""
+        """Returns the contents of a value; an element that is only referred to is itself."""
         if isinstance(value, ecore.EObject) and value.eContainer() is owner:
             return self._values(value)
         return value
@@ -375,7 +375,7 @@ class _Translator:
 
 
 def _joins(connection: bridge.Connection, uses: Surroundings) -> tuple[TranslatedJoin, ...]:
-    """Returns what is joined to the message that a connection takes."""
+    """Returns the messages that are joined to the one that a connection takes."""
     scope, map_ = Scope(OWN_NAMES), connection.map
     typed: list[tuple[bridge.Join | bridge.ReportJoin, str]]
     if is_to_ros(connection):

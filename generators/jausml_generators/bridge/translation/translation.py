@@ -179,7 +179,7 @@ class Translation(ABC):
             yield from expanded([assignment], placed.scope) if placed is not None else ()
 
     def say_unset(self, assignments: Iterable[bridge.Assignment]) -> None:
-        """Adds what says of the fields that no assignment sets that they have no value."""
+        """Sets the fields without an assignment to the values that say that they have none."""
         taken = [
             path
             for assignment in assignments

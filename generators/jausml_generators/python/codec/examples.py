@@ -57,7 +57,7 @@ def example_bytes(view: MessageView) -> bytes:
 
 
 def example_numbers(view: MessageView) -> dict[str, float]:
-    """Returns what the scaled fields of the example hold, by attribute.
+    """Returns the values of the scaled fields of the example, by attribute.
 
     Those in lists, variants and inner records are left out.
     """

@@ -204,7 +204,7 @@ def legal_integer(struct_format: str, kind: wire.Integer | wire.Bits) -> Fixed:
 
 
 def _plus(offset: int) -> str:
-    """Returns what adds an offset to an integer, nothing for 0."""
+    """Returns the text that adds an offset to an integer, empty for 0."""
     return f" {'+' if offset > 0 else '-'} {abs(offset)}" if offset else ""
 
 

@@ -114,7 +114,7 @@ class Blocks:
         return pieces
 
     def _block(self, items: Iterable[tree.Item], copy: ElementCopy) -> list[tree.Item]:
-        """Returns what stands in the block of an element."""
+        """Returns the items in the block of an element."""
         pieces = self._kept(items)
         for name, is_said in self.changed.get(copy, {}).items():
             self._write_feature(pieces, copy, name, is_said=is_said)

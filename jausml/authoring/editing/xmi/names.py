@@ -29,7 +29,7 @@ class Names:
         self._finder = FragmentFinder(context.model.metamodels, lambda *_: None)
 
     def target(self, uri: str, fragment: str) -> ElementCopy | Ref | None:
-        """Returns what an href or a fragment of the file meant; None when it leads nowhere."""
+        """Returns the target of an href or a fragment of the file; None when there is none."""
         document = self._document(uri)
         match = self._finder.find(document, fragment) if document is not None else None
         obj = match.node.obj if match is not None else None

@@ -179,7 +179,7 @@ class _Printer(DocumentPrinter[Target]):
         return {**super().namespaces(), **self._spaces}
 
     def further_attributes(self) -> str:
-        """Returns what the root says of the places of metamodels, Eclipse's own words."""
+        """Returns the attributes of the root by which Eclipse finds metamodels, as it has them."""
         attributes = ""
         for name, text in _attributes(self._root):
             space, _, local = name.rpartition(" ")
@@ -261,7 +261,7 @@ class _Printer(DocumentPrinter[Target]):
         yield from lines
 
     def _mixed(self, copy: ElementCopy, feature: FeatureTable, indent: str) -> Iterator[str]:
-        """Yields what an element owns, with the elements of other files at their old places."""
+        """Yields the parts of an element, with the elements of other files at their old places."""
         node = self._node(copy)
         owned = copy.owned.get(feature.name, [])
         known = self._context.working_copy.copies

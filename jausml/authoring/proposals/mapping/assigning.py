@@ -78,7 +78,7 @@ class _Draft:
     policy: tuple[tuple[str, str], ...] = ()
 
     def child(self, feature: str) -> Child:
-        """Returns what adds it."""
+        """Returns the assignment as a part that can be added."""
         values = {
             "target": (", ".join(self.targets),),
             "source": (", ".join(self.sources),),
@@ -174,7 +174,7 @@ def _best_conversion(
 
 
 def _policies(target: Member) -> tuple[Mapping[str, str], ...]:
-    """Returns what may be stated of values that are absent or do not fit, the least first."""
+    """Returns the policies for values that are absent or do not fit, the least first."""
     if target.attribute.kind in (TIME, TIME_STAMP):
         return _OF_INSTANTS
     return _OF_VARIANCES if "covariance" in target.attribute.label.lower() else _POLICIES
@@ -222,7 +222,7 @@ def _in_list(draft: _Draft, source: Member, target: Member, feature: str) -> Chi
 
 
 def _drafts(map_: bridge.AttributeMap, source: Member, target: Member) -> Iterator[_Draft]:
-    """Yields what might do with conversions, the simplest first."""
+    """Yields the assignments that may be right with conversions, the simplest first."""
     own = (source.inner,), (target.inner,)
     for chain, policy in product(_chains(source, target), _policies(target)):
         yield _Draft(*own, tuple(step.name for step in chain), tuple(policy.items()))
@@ -304,7 +304,7 @@ def _along(map_: bridge.AttributeMap, one: Member, axes: Sequence[str]) -> tuple
 
 
 def _distinct(judgements: Iterable[Judged]) -> list[Judged]:
-    """Returns what was found with one policy for each chain, plain ones first."""
+    """Returns one candidate with one policy for each chain of conversions, plain ones first."""
     kept: dict[tuple[object, ...], Judged] = {}
     for candidate in judgements:
         kept.setdefault(

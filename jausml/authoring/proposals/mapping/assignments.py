@@ -45,7 +45,7 @@ def filling(
     feature: str,
     tables: Sequence[Child] = (),
 ) -> tuple[Command, ...]:
-    """Returns what adds an assignment, in the place of what fills the same.
+    """Returns the commands that add an assignment, in place of one with the same target.
 
     `feature`: the direction: `toRos` or `toJaus`.
     """

@@ -70,7 +70,7 @@ class Wish:
     zeros_stop: bool = False
 
     def said(self, *, to_ros: bool) -> Words:
-        """Returns what the author says of a direction."""
+        """Returns the author's assignments of a direction."""
         return self.to_ros if to_ros else self.to_jaus
 
     def with_answer(self, doubt: Doubt, words: str) -> Wish:
@@ -185,7 +185,7 @@ def _directed(children: Iterable[Child], *, to_ros: bool) -> list[Child]:
 
 
 def _as_opens(map_: bridge.AttributeMap, doubts: Collection[Doubt]) -> Iterator[OpenPoint]:
-    """Yields what doubts leave open, which of required fields a rule reports by itself."""
+    """Yields the decisions of doubts; a rule reports those of required fields by itself."""
     left = unfilled(map_, to_ros=False) if doubts else ()
     required = {field.path for field in left if field.is_required}
     for doubt in doubts:
@@ -197,7 +197,7 @@ def _as_opens(map_: bridge.AttributeMap, doubts: Collection[Doubt]) -> Iterator[
 def _said(
     scope: Scope, map_: bridge.AttributeMap, wish: Wish, doubts: list[Doubt], *, to_ros: bool
 ) -> Iterator[Child]:
-    """Yields what the author says of a direction; how it may be meant else becomes a doubt."""
+    """Yields the author's assignments of a direction; another possible meaning becomes a doubt."""
     for target, source in wish.said(to_ros=to_ros):
         assignments = assignments_of(scope, map_, target, source, to_ros=to_ros)
         if len(assignments) > 1:

@@ -47,7 +47,7 @@ class Filling:
 
 
 def fill_map(scope: Scope, map_: bridge.AttributeMap) -> Filling:
-    """Returns what fills the members of a map that nothing fills yet.
+    """Returns the assignments for the members of a map that have none yet.
 
     Directions that no connection uses are left alone, unless none is used.
     """

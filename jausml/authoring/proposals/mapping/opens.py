@@ -39,7 +39,7 @@ STOPS = {True: "stopRos", False: "stopJaus"}
 def opens(
     map_: bridge.AttributeMap, assignments: Sequence[Child], directions: Collection[bool]
 ) -> Iterator[OpenPoint]:
-    """Yields what is left to the author of a new map."""
+    """Yields the decisions that are left to the author of a new map."""
     for to_ros in directions:
         feature = assignments_feature(to_ros=to_ros)
         own = [assignment for assignment in assignments if assignment.feature == feature]
@@ -94,7 +94,7 @@ def _untaken(
 
 
 def _decisions(own: Iterable[Child]) -> Iterator[OpenPoint]:
-    """Yields what was decided for the author, who may know better."""
+    """Yields the decisions that were made for the author, who may know better."""
     inner = [innermost(child) for child in own]
     frames = [
         f'"{child.values["value"][0]}"'
@@ -120,7 +120,7 @@ def _stating(own: Iterable[Child], policy: str, value: str, end: str) -> str:
 
 
 def _of_connections(map_: bridge.AttributeMap, directions: Iterable[bool]) -> Iterator[OpenPoint]:
-    """Yields what a connection of a topic by the map will ask for."""
+    """Yields the decisions that a connection of a topic by the map will ask for."""
     if not _is_of_topics(map_):
         return
     if is_command(map_.message) and map_.message.moves:
@@ -161,7 +161,7 @@ class Unfilled:
 def completed(
     scope: Scope, map_: bridge.AttributeMap, *, to_ros: bool, ignores: bool
 ) -> list[Child]:
-    """Returns what completes a direction of a map."""
+    """Returns the assignments that complete a direction of a map."""
     feature = assignments_feature(to_ros=to_ros)
     header_assignments = list(_header(map_)) if to_ros else []
     named = {parse_path(child.values["target"][0]) for child in header_assignments}
@@ -177,7 +177,7 @@ def completed(
 def unfilled(
     map_: bridge.AttributeMap, filled: Iterable[tuple[str, ...]] = (), *, to_ros: bool
 ) -> list[Unfilled]:
-    """Returns what nothing fills in a direction, wholes without their parts.
+    """Returns the members without an assignment in a direction, wholes without their parts.
 
     Options that are not chosen are left out.
     """

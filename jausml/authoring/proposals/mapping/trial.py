@@ -88,7 +88,7 @@ def additions(
     known: Iterable[tuple[str, Ref]],
     first: int,
 ) -> list[Add]:
-    """Returns what adds tables to a map, and then the assignments, which refer to them.
+    """Returns the commands that add tables to a map, and then the assignments that refer to them.
 
     `first`: how many elements the batch of commands has made before.
     """
@@ -184,7 +184,7 @@ class Judged:
 def judge(
     metamodels: Metamodels, map_: bridge.AttributeMap, assignments: Sequence[Child]
 ) -> list[Judged]:
-    """Returns what the rules say of assignments, each of which stands alone in its map.
+    """Returns the findings of the rules about assignments, each of which stands alone in its map.
 
     Nothing of the model is touched: maps are made that refer to the same message and type.
     """
@@ -198,7 +198,7 @@ def judge(
 def judge_together(
     metamodels: Metamodels, map_: bridge.AttributeMap, assignments: Sequence[Child]
 ) -> list[Judged]:
-    """Returns what the rules say of assignments that stand in their map with those it has."""
+    """Returns the findings about assignments that stand in their map beside those it has."""
     library = new_object(metamodels.classes["bridge.MapLibrary"])
     whole = _map_like(metamodels, map_, library)
     for name in ("toRos", "toJaus"):
@@ -223,7 +223,7 @@ def fresh_map(
 
 
 def findings(metamodels: Metamodels, new_map: bridge.AttributeMap) -> list[tuple[Rule, Finding]]:
-    """Returns what all rules say of a map that `fresh_map` made, errors first, notes left out."""
+    """Returns the findings of all rules about a new map, errors first, notes left out."""
     subject = Subject(made_model(metamodels, new_map.eContainer() or new_map))
     with remembering():
         said = [(rule, finding) for rule in all_rules() for finding in rule.findings(subject)]
@@ -237,7 +237,7 @@ def _judged(
     elements: Sequence[EObject],
     rules: Collection[str],
 ) -> list[Judged]:
-    """Returns what rules say of elements that were made of assignments."""
+    """Returns the findings of rules about elements that were made of assignments."""
     subject = Subject(made_model(metamodels, library))
     findings_by_element: dict[EObject, list[tuple[Rule, Finding]]] = {
         made_element: [] for made_element in elements

@@ -124,7 +124,7 @@ def twice(finding: Found) -> Iterator[QuickFix]:
 
 
 def placed_twice(finding: Found) -> Iterator[QuickFix]:
-    """Takes what is placed twice out of one of its places."""
+    """Removes an element that is placed twice from one of its places."""
     for feature in ("components", "nodes"):
         values = list(getattr(finding.element, feature, ()))
         others = [value for value in values if name_of(value) not in finding.quoted[:1]]

@@ -92,7 +92,7 @@ def conversion(finding: Found) -> Iterator[QuickFix]:
 
 
 def absent(finding: Found) -> Iterator[QuickFix]:
-    """Says what becomes of a target without its source: what fits best comes first."""
+    """States a policy for a target without its source: the likeliest comes first."""
     if "whenStale" in finding.hint:
         yield from stale_join(finding)
     if "receptionTime" in finding.hint:
@@ -102,7 +102,7 @@ def absent(finding: Found) -> Iterator[QuickFix]:
 
 
 def out_of_range(finding: Found) -> Iterator[QuickFix]:
-    """Says what becomes of values that do not fit."""
+    """States a policy for values that do not fit."""
     if "outOfRange" in finding.table.features:
         words = "move them to the end of the range"
         if finding.diagnostic.rule == "JML418":

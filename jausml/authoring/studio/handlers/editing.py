@@ -113,7 +113,7 @@ def _copy(context: StudioContext, elements: tuple[str, ...]) -> dict[str, Any]:
 
 
 def _paste(context: StudioContext, owner: str, text: str) -> dict[str, Any]:
-    """Adds what a text has, be it of `copy` here, of another project, or typed by somebody."""
+    """Adds the elements of a text that was copied here or elsewhere, or typed by somebody."""
     clip = context.project.clip(text, owner)
     model = context.project.find(owner)[1]
     entry = context.project.paste(with_free_addresses(model, clip.commands), owner, "Paste")
@@ -158,7 +158,7 @@ def _arrange(
 
 
 def with_free_addresses(model: Model, commands: Sequence[Add | Set]) -> list[Add | Set]:
-    """Returns what was copied with JAUS ids of its own, where those that it has are in use."""
+    """Returns the copied elements with free JAUS ids, where their own are in use."""
     components = model.instances(jaus.Component, library=False)
     used = {str(component.address) for component in components if component.address}
     changes: list[Add | Set] = []
@@ -195,7 +195,7 @@ def _obstacle(context: StudioContext, verdict: Verdict) -> str:
 
 
 def _report(context: StudioContext, file: str) -> Report:
-    """Returns what was found about a file, of which code may be made if that has no errors."""
+    """Returns the report on a file, of which code may be made if that has no errors."""
     verdict = context.verdicts.of(file)
     why = _obstacle(context, verdict)
     if why:

@@ -54,7 +54,7 @@ def _form(context: StudioContext, element: str) -> object:
 
 
 def _choices(context: StudioContext, element: str, feature: str, query: str = "") -> object:
-    """Returns what a reference of an element may lead to, searched by a query."""
+    """Returns the elements that a reference may lead to, searched by a query."""
     file, _ = refs.split(element)
     is_library = file.startswith(refs.LIBRARY)
     scope = context.scope_of_library(element) if is_library else context.scope_of(file)
@@ -69,7 +69,7 @@ def _palette(
     limit: int | None = None,
     onto: str = "",
 ) -> object:
-    """Returns what can be added to the element `onto`, or to the system; of all kinds, or some."""
+    """Returns the elements that can be added to `onto`, or to the system; of all kinds, or some."""
     limit = MOST if limit is None else max(0, limit)
     return {"items": palette(context.scope_of(file), query, kinds, limit, onto)}
 
@@ -173,7 +173,7 @@ def _try(
     direction: Direction,
     values: Mapping[str, str],
 ) -> object:
-    """Returns what becomes of values, which are texts by path."""
+    """Returns the translation of values, which are texts by path."""
     scope = context.scope_of(file)
     to_ros = direction == "to_ros"
     return context.trials.run(scope, map_named(scope, map), values, to_ros=to_ros)

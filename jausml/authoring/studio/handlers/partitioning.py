@@ -61,7 +61,7 @@ def _check_new(name: str, scope: Scope) -> None:
 def _carry(
     context: StudioContext, file: str, elements: tuple[str, ...], bridge: str = ""
 ) -> object:
-    """Returns what moves connections to a bridge, by default to a new one."""
+    """Returns the option that moves connections to a bridge, by default to a new one."""
     scope, planner = _planner(context, file)
     known = {id(carrier): carrier for one in planner.before for carrier in one.carriers}
     carriers = [known[id(e)] for e in map(scope.find, elements) if id(e) in known]
@@ -71,7 +71,7 @@ def _carry(
 
 
 def _loads(context: StudioContext, file: str) -> dict[str, Any]:
-    """Returns what the bridges of a system cost, by the ids of their boxes."""
+    """Returns the costs of the bridges of a system, by the ids of their boxes."""
     scope = context.scope_of(file)
     whole = system_of(scope)
     count = sum(len(bridge.bridgeConnections) for bridge in whole.bridges) if whole else 0

@@ -38,7 +38,7 @@ _MOST_CURED = 200
 
 
 def _hello(context: StudioContext, token: str = "") -> dict[str, Any]:  # noqa: ARG001
-    """Returns what is opened; the token was looked at before."""
+    """Returns the facts of the opened project; the token was checked before."""
     project = context.project
     return {
         "name": project.root.name,

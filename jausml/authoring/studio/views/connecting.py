@@ -78,7 +78,7 @@ def _among_components(scope: Scope, source: Spot, target: Spot) -> Options:
 
 
 def _through_bridge(scope: Scope, source: Spot, target: Spot) -> Options | None:
-    """Returns what a bridge as a whole may carry for a component, None for other pairs."""
+    """Returns the messages that a bridge may carry for a component, None for other ends."""
     match source.owner, target.owner:
         case bridge.Bridge(), bridge.Bridge():
             return None
@@ -209,7 +209,7 @@ _FEATURES = ("components", "nodes")
 
 
 def hosted(scope: Scope, elements: Sequence[EObject], host: system.Host | None) -> Option:
-    """Returns what lets elements run on a host; without commands where they do already.
+    """Returns the option that lets elements run on a host; without commands where they do already.
 
     `host`: the host; None for the frame of none, where external components alone can be.
     """
@@ -244,7 +244,7 @@ def _system_of(element: EObject, host: system.Host | None) -> system.System | No
 def _placed(
     scope: Scope, whole: system.System, elements: Sequence[EObject], host: system.Host | None
 ) -> Iterator[Command]:
-    """Yields what changes the placements of a system."""
+    """Yields the changes of the placements of a system."""
     own = next(
         (host_placement for host_placement in whole.placements if host_placement.host is host), None
     )

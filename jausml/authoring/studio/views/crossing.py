@@ -161,7 +161,7 @@ def carried(scope: Scope, owner: bridge.Bridge, at_jaus: Spot, direction: str) -
 
 
 def _wanted(component: jaus.Component, message: str, direction: str) -> list[Offer]:
-    """Returns what a component offers for a direction; of one message where one is named."""
+    """Returns the offers of a component for a direction; of one message where one is named."""
     component_offers = offers(component, direction)
     wanted = [
         offer for offer in component_offers if not message or name_of(offer.message) == message

@@ -313,7 +313,7 @@ def _field(
 
 
 def _default(element: EObject, feature: FeatureTable) -> str:
-    """Returns what holds while nothing is set; of a rate that follows, the one that does."""
+    """Returns the value that holds while none is set; of a rate that follows, its present one."""
     if feature.name == "rate" and isinstance(element, bridge.Connection):
         owner = element.eContainer()
         return literal(owner.frequency) if isinstance(owner, bridge.Bridge) else ""
@@ -343,7 +343,7 @@ def choices_of(feature: FeatureTable) -> tuple[Choice, ...]:
 
 
 def choices(scope: Scope, ref: str, feature: str, query: str = "") -> Choices:
-    """Returns what a reference may lead to that has all words of a query, best fits first.
+    """Returns the possible targets of a reference that have all words of a query, best fits first.
 
     `AnswerError`: there is no such element, or it has no such reference.
     """

@@ -70,7 +70,7 @@ def _no_message(_: Any, /) -> bytes:
 
 
 def _body(message: jaus.MessageDef, entry: MessageEntry, fields: Any) -> tuple[wire.Record, Any]:
-    """Returns what paths start in: the top record, or the one body field."""
+    """Returns the start of all paths: the top record, or the one body field."""
     if is_group(wire.target_of(message.body)):
         [member] = entry.record.members
         if isinstance(member.kind, wire.Record):

@@ -79,7 +79,7 @@ def palette(
     limit: int = MOST,
     onto: str = "",
 ) -> list[PaletteItem]:
-    """Returns what can be added, the best first.
+    """Returns the elements that can be added, the best first.
 
     What fits an element comes before what the system takes; without words to look for it leaves
     half of the room to that. Where something has the very name that is looked for, what only
@@ -129,7 +129,7 @@ def _ranked(
 
 
 def _items(scope: Scope, entries: Iterable[Entry], target: EObject | None) -> Iterator[PaletteItem]:
-    """Yields what can be added to an element."""
+    """Yields the items that can be added to an element."""
     onto = label_of(target) if target is not None else ""
     for entry in entries:
         commands = entry.make(scope, target)
@@ -148,7 +148,7 @@ def _items(scope: Scope, entries: Iterable[Entry], target: EObject | None) -> It
 
 @cache
 def library_entries() -> tuple[Entry, ...]:
-    """Returns what the library offers, made at the first call."""
+    """Returns the entries of the library, made at the first call."""
     model = library()
     return (
         *_services(model.instances(jaus.Service)),
@@ -293,7 +293,7 @@ def _elements(scope: Scope, target: EObject | None) -> Iterator[Entry]:
 
 
 def _open_owners(scope: Scope) -> Sequence[EObject]:
-    """Returns who can own something new while nothing is chosen: also the bridge, if it is one."""
+    """Returns the possible owners of a new element while none is chosen: also a single bridge."""
     bridges = bridges_of(scope)
     return (*scope.model.documents[0].roots, *(bridges if len(bridges) == 1 else ()))
 

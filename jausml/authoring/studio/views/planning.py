@@ -90,7 +90,7 @@ def out_folder(root: Path, file: str, out: str = "", chosen: str = "") -> Path:
 
 
 def plan(report: Report, out: Path, *, force: bool = False) -> Planned:
-    """Returns what generating from a model into a folder would do; nothing is written."""
+    """Returns the effect of generating from a model into a folder; nothing is written."""
     try:
         result = _checked(report, out, force=force)
     except AnswerError as error:
@@ -141,7 +141,7 @@ def execute(report: Report, out: Path, shown: str, *, force: bool = False) -> Wr
 
 
 def digest(planned: Plan) -> str:
-    """Returns what tells a plan from any other."""
+    """Returns the checksum of a plan."""
     summary = hashlib.sha256(planned.manifest.encode())
     for action in planned.actions:
         for part in (

@@ -40,7 +40,7 @@ _HOW = "draw from a service to what it shall inherit, or from a query to where i
 
 
 def join(scope: Scope, source: tuple[str, str], target: tuple[str, str]) -> Options:
-    """Returns what a line means in the view of a service.
+    """Returns the changes that a line in the view of a service may mean.
 
     `target`: those where it ends; a box may be named by the reference to its service.
     """
@@ -85,7 +85,7 @@ def heritage(scope: Scope, box: str) -> Iterator[Choice]:
 
 
 def cut(scope: Scope, line: str) -> Options:
-    """Returns what takes a line or row away that is no element: that one inherits, or uses."""
+    """Returns the changes that remove a line or row of no element: an inheritance, or a use."""
     for way in (PROVIDES, USES):
         owner, mark, name = line.partition(f"!{way}!")
         if mark:
@@ -174,7 +174,7 @@ def lead(scope: Scope, element: jaus.StateMachine, source: str, target: str) -> 
 
 
 def usual_texts(element: EObject, feature: FeatureTable) -> list[Choice]:
-    """Returns what a text of a transition may say: the states and the internal events there are."""
+    """Returns the usual texts of a transition: the states and the internal events there are."""
     if not isinstance(element, jaus.Transition) or feature.name not in ("target", "event"):
         return []
     names: list[str] = []
@@ -193,7 +193,7 @@ def usual_texts(element: EObject, feature: FeatureTable) -> list[Choice]:
 
 
 def targets_from(machine: Machine, source: str) -> dict[str, str]:
-    """Returns what transitions of a state write for each state: as few names as do."""
+    """Returns the shortest target that transitions of a state may write for each state."""
     shortest_names = {}
     for path in dict.fromkeys([*machine.nodes, *machine.core_states]):
         names = path.split(".")
@@ -238,7 +238,7 @@ _Values = dict[str, tuple[str, ...]]
 def _triggers(
     scope: Scope, element: jaus.StateMachine, machine: Machine, way: str
 ) -> Iterator[tuple[str, str, str, _Values]]:
-    """Yields what may trigger a transition: its key, its label, why, and the values it gives."""
+    """Yields the possible triggers of a transition: key, label, reason, and the values it has."""
     for service in lineage(element.eContainer()):
         # What the runtime takes is no trigger (rule JML350).
         for message in () if is_served(service) else service.inputs:
@@ -256,7 +256,7 @@ def _triggers(
 def _added(
     scope: Scope, element: jaus.StateMachine, machine: Machine, source: str, values: _Values
 ) -> Add:
-    """Returns what adds a transition to a state, which is added too where the machine has none."""
+    """Returns the command that adds a transition, with its state where the machine has none."""
     is_around = any(path.startswith(f"{source}.") for path in machine.nodes)
     feature = "defaults" if is_around else "transitions"
     node = machine.nodes.get(source)

@@ -160,7 +160,7 @@ def _places(document: Document) -> TextPlaces | XmlPlaces:
 
 
 def _nodes(model: Model, element: EObject) -> Iterator[Node]:
-    """Yields what was read for an element, and then for its owners."""
+    """Yields the nodes that were read for an element, and then for its owners."""
     nodes = map(model.node_of, with_owners(element))
     yield from (node for node in nodes if node is not None)
 

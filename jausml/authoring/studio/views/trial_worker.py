@@ -46,7 +46,7 @@ class Translation:
         self._classes = {name: _class_of(hint) for name, hint in hints.items()}
 
     def answer(self, request: dict[str, typing.Any]) -> dict[str, typing.Any]:
-        """Returns what comes out for the messages of a request, by the names of parameters."""
+        """Returns the translation of the messages of a request, by the names of parameters."""
         counts = dict(self._connection.statistics.out_of_range)
         try:
             messages = {

@@ -138,7 +138,7 @@ class FieldWriter:
 
 
 def _inside(field: jaus.Field) -> list[Element]:
-    """Returns what a field that encloses no others consists of."""
+    """Returns the elements inside a field that encloses no other fields."""
     elements: list[Element] = []
     match field:
         case jaus.FixedField():
@@ -185,7 +185,7 @@ def _number(field: jaus.FixedField | jaus.Alternative) -> dict[str, str | int]:
 
 
 def _legal(field: jaus.FixedField | jaus.Alternative) -> list[Element]:
-    """Returns what says how the values of a number are scaled, or which are legal."""
+    """Returns the elements of the scale or of the legal values of a number."""
     scale, values = field.scale, field.values
     elements = [] if values is None else [_value_set(values)]
     if scale is not None:

@@ -135,7 +135,7 @@ def _note_state(facts: Facts, at: str, path: str, state: jaus.State, whole: Mach
 
 
 def _meaning(text: str | None) -> str:
-    """Returns what is the same for two guards that hold in the same cases as an export has it."""
+    """Returns a text that is equal for guards that hold in the same cases as exported."""
     guard = parse_guard(text)
     return repr((guard and alternatives(guard)) or guard)
 
@@ -274,7 +274,7 @@ def file_name(service: jaus.Service) -> str:
 def _refused(
     model: Model, services: list[jaus.Service], again: ImportResult
 ) -> Iterator[Diagnostic]:
-    """Yields what the importer does not take of the files."""
+    """Yields the faults that the importer finds in the files."""
     for diagnostic in again.diagnostics:
         if diagnostic.severity is Severity.ERROR:
             service = services[int(diagnostic.location.path)]
@@ -283,7 +283,7 @@ def _refused(
 
 
 def _lost(model: Model, service: jaus.Service, again: ImportResult) -> Iterator[Diagnostic]:
-    """Yields what an import of the file of a service does not bring back."""
+    """Yields the parts of a service that an import of its file does not bring back."""
     key = service.urn, service.version
     imported = next(
         candidate
@@ -309,7 +309,7 @@ def _lost(model: Model, service: jaus.Service, again: ImportResult) -> Iterator[
 
 
 def _unsaid_sets(model: Model, services: Iterable[jaus.Service]) -> Iterator[Diagnostic]:
-    """Yields what sets say of themselves, and types that no message refers to."""
+    """Yields the documentation of sets, and the types that no message refers to."""
     used = {type_reference.target for type_reference in model.instances(jaus.TypeReference)}
     for root in dict.fromkeys(service.eContainer() for service in services):
         if root is not None and root.documentation:

@@ -259,7 +259,7 @@ class Scopes:
         return versions[chosen_version]
 
     def find(self, scope: Scope, path: str) -> Declaration:
-        """Returns what a dotted path means in a scope."""
+        """Returns the declaration that a dotted path means in a scope."""
         *sets, name = path.split(".")
         at: Scope | None = scope
         for step in sets:

@@ -214,7 +214,7 @@ def _group(members: list[ImportedService]) -> SetOfServices:
 
 
 def _name_in(urn: str) -> str:
-    """Returns what names a set in the URN of a service: `acme` in `urn:acme:jaus:Sampler`.
+    """Returns the name of a set in the URN of a service: `acme` in `urn:acme:jaus:Sampler`.
 
     It is the last part before the name of the service that tells one set from others; the service
     itself where there is none.

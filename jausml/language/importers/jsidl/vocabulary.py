@@ -278,7 +278,7 @@ def folded(text: str | None) -> str:
 
 
 def documentation(*nodes: Node | None) -> str | None:
-    """Returns what elements say about themselves, in `interpretation` or as text.
+    """Returns the documentation of elements, in `interpretation` or as text.
 
     A model has no place for `deprecated` (AS5684 1.1) but what is said about an element.
     """
@@ -324,7 +324,7 @@ class Values:
         return text in ("true", "1")
 
     def choice(self, place: NodePlace, name: str, choices: Mapping[str, str]) -> str | None:
-        """Returns what an attribute stands for, None when it stands for nothing."""
+        """Returns the value that an attribute stands for, None for an unknown one."""
         text = self.text(place, name)
         value = choices.get(text) or choices.get(text.lower())
         if value is None and text:

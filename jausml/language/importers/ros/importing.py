@@ -217,7 +217,7 @@ def library_types(model: Model) -> dict[tuple[str, str], ros.MessageType]:
 
 
 def _remedy(package: str, near: str) -> str:
-    """Returns what helps where a package is not known, beside the question for a near name."""
+    """Returns the cure where a package is not known, beside the question for a near name."""
     remedy = f"name the folder of {package} in the same command, or install {package}"
     return f"{near} Else {remedy}" if near else remedy
 

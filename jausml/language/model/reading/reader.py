@@ -285,7 +285,7 @@ class _Reading:
         return None
 
     def _notation_of(self, path: Path) -> Notation | None:
-        """Returns what reads a file that is no XMI."""
+        """Returns the notation of a file that is no XMI."""
         fitting = (
             notation for notation in self._notations if path.name.endswith(notation.suffixes)
         )

@@ -82,7 +82,7 @@ class NameResolution:
         self._problems.report("JML215", reference.place, message, self._hint(reference))
 
     def _hint(self, reference: Reference) -> str:
-        """Returns what may be meant, for the first few: each costs a walk over all names."""
+        """Returns a likely target, for the first few: each costs a walk over all names."""
         document = reference.place.document
         for other in self._names.others(reference.name, document):
             kind = self._names.kind(other)

@@ -46,7 +46,7 @@ class DocumentPrinter(Generic[ElementT]):
         raise NotImplementedError
 
     def targets_of(self, element: ElementT, feature: FeatureTable) -> Sequence[ElementT]:
-        """Returns what an element refers to, or what it owns, by a feature."""
+        """Returns the elements that a feature refers to, or owns."""
         raise NotImplementedError
 
     def fragment_of(self, target: ElementT) -> str | None:
@@ -127,7 +127,7 @@ class DocumentPrinter(Generic[ElementT]):
         yield f"{indent}</{tag.partition(' ')[0]}>"
 
     def attribute(self, element: ElementT, feature: FeatureTable) -> str | None:
-        """Returns what a feature has as an XML attribute, None where it has child elements."""
+        """Returns the XML attribute of a feature, None where it has child elements."""
         if feature.kind is FeatureKind.ATTRIBUTE:
             values = () if feature.many else self.values_of(element, feature)
             return values[0] if values else None

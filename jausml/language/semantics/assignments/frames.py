@@ -99,7 +99,7 @@ def is_coordinate(attribute: Attribute) -> bool:
 
 
 def passage(steps: Iterable[Step], sources: Iterable[Attribute]) -> Passage | None:
-    """Returns what becomes of the axes of sources; None when a conversion hides it."""
+    """Returns the axes of sources after conversions; None when a conversion hides them."""
     axes = tuple(axis_of(source) for source in sources)
     between, sign = None, 1
     for step in steps:

@@ -77,7 +77,7 @@ def _steps(path: str) -> str:
 
 
 def lacking(placed: Placed[bridge.FieldAssignment]) -> str:
-    """Returns what rules lack to see a wrong unit, sign or name in an assignment; empty if nothing.
+    """Returns the reason why rules cannot see a wrong unit, sign or name; empty where they can.
 
     A number without an axis has no direction where it cannot be negative.
     """
@@ -210,7 +210,7 @@ def outcome(
     source_values: Mapping[str, str],
     expected: bridge.VectorValue,
 ) -> float | None:
-    """Returns what an assignment makes of the values of a vector, where that is not as expected.
+    """Returns the result of an assignment for the values of a vector, if it is not as expected.
 
     Args:
         source_values: Values of the source by path, names of enumerated ones among them.

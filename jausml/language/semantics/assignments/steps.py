@@ -81,7 +81,7 @@ class Step:
         return self.conversion.name
 
     def forward(self, values: Sequence[Any]) -> list[Any]:
-        """Returns what it makes of some values."""
+        """Returns the results of the conversion for some values."""
         if self.arguments is None or self.conversion.needs_clock:
             raise NoValueError(self.name)
         try:

@@ -60,7 +60,7 @@ def measure(text: str) -> Measure | None:
 def unit_step(
     attribute_map: bridge.AttributeMap, assignment: bridge.FieldAssignment, *, to_ros: bool
 ) -> tuple[float, float] | None:
-    """Returns what turns the result of the conversions into the unit of the target.
+    """Returns the factor and offset from the result of the conversions to the unit of the target.
 
     Returns:
         Factor and offset; None when nothing is to be done, because the units are the same or one
@@ -71,7 +71,7 @@ def unit_step(
 
 
 def result_step(placed: Placed[bridge.FieldAssignment]) -> tuple[float, float] | None:
-    """Returns what `unit_step` does, of an assignment with its places."""
+    """Returns the factor and offset of an assignment with its places, as `unit_step` does."""
     result = result_measure(placed)
     if not isinstance(result, Measure):
         return None
@@ -294,7 +294,7 @@ def _is_narrowed(attribute: attributes.Attribute) -> bool:
 
 
 def sent_through(placed: Placed[bridge.FieldAssignment], value: float) -> float:
-    """Returns what an assignment with one source and one target makes of a number.
+    """Returns the result of an assignment with one source and one target for a number.
 
     Raises:
         NoValueError: A conversion is not one of numbers, or limits this number.

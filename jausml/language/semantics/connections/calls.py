@@ -201,7 +201,7 @@ def speed_answer(driver: jaus.Service) -> Answer | None:
 
 
 def answers(action: bridge.RosActionConnection) -> list[Answer]:
-    """Returns what a bridge that is a list driver answers besides QueryActiveElement."""
+    """Returns the answers of a bridge that is a list driver, besides ReportActiveElement."""
     if not is_to_ros(action):
         return []
     messages = driver_messages(action.driver)
@@ -247,7 +247,7 @@ def untaken(owner: bridge.Bridge) -> list[jaus.MessageDef]:
 
 
 def _taken(owner: bridge.Bridge) -> Iterator[jaus.MessageDef]:
-    """Yields what connections of a bridge take from JAUS."""
+    """Yields the messages that connections of a bridge take from JAUS."""
     yield from (connection.map.message for connection in owner.bridgeConnections)
     for call in owner.serviceConnections:
         yield from messages(call)
@@ -280,7 +280,7 @@ def _carried_codes(owner: bridge.Bridge) -> frozenset[int]:
 
 
 def _carried(owner: bridge.Bridge) -> Iterator[jaus.MessageDef]:
-    """Yields what connections of a bridge send to whoever asks."""
+    """Yields the messages that connections of a bridge send to whoever asks."""
     for connection in owner.bridgeConnections:
         if not is_to_ros(connection) and connection.exchange.name != "message":
             yield connection.map.message

@@ -94,7 +94,7 @@ def silence_timeout(connection: bridge.Connection) -> float:
 
 
 def stop_assignments(connection: bridge.Connection) -> tuple[bridge.Assignment, ...]:
-    """Returns what fills the stop or safe value of a connection.
+    """Returns the assignments of the stop or safe value of a connection.
 
     What its map fills without a source, with the clock and with constants that are no quantity,
     comes before the values of the stop itself, which may say otherwise.
@@ -139,14 +139,14 @@ def _is_quantity(attribute: Attribute) -> bool:
 
 
 def stop_values(connection: bridge.Connection) -> list[str]:
-    """Returns what the stop of a connection states, each as `thrust = 0`; none: it is zeros."""
+    """Returns the values in the stop of a connection, each as `thrust = 0`; none for zeros."""
     stop = stop_of_map(connection)
     values = connection.safeValue or (stop.values if stop is not None else ())
     return [f"{value.target} = {value.value}" for value in values]
 
 
 def stop_text(connection: bridge.Connection) -> str:
-    """Returns what the stop of a connection sends, in words."""
+    """Returns the values that the stop of a connection sends, in words."""
     return ", ".join(stop_values(connection)) or "zeros"
 
 
@@ -175,7 +175,7 @@ def moving_values(connection: bridge.Connection) -> list[tuple[str, str]]:
 
 
 def _defaults(attribute_map: bridge.AttributeMap, scope: PathScope) -> dict[str, str]:
-    """Returns what a ROS type gives the targets that a map fills by default, by path."""
+    """Returns the defaults of a ROS type for the targets that a map fills by default, by path."""
     return {
         path: str(getattr(target.field, "defaultValue", None) or "")
         for placed in _filling(attribute_map, scope)

@@ -33,7 +33,7 @@ NEGATION = next(
 
 
 def conversion_of(element: bridge.Conversion) -> Conversion:
-    """Returns what a conversion of a model means."""
+    """Returns the meaning of a conversion of a model."""
     return CONVERSIONS[element.kind.name]
 
 

@@ -182,11 +182,11 @@ class Conversion:
         return False
 
     def sign(self, *_arguments: Any) -> int | None:
-        """Returns what it makes of the sign of a number: 1, -1, or None where nothing is known."""
+        """Returns the factor on the sign of a number: 1, -1, or None where it is not known."""
         return _SIGNS.get(self.effect)
 
     def fault(self, *_arguments: Any, **_named: Any) -> str:
-        """Says what is wrong with finite arguments; empty when nothing is."""
+        """Returns the fault of finite arguments; empty when there is none."""
         return ""
 
     @property

@@ -336,7 +336,7 @@ def _taking(message: jaus.MessageDef, service: jaus.Service) -> Iterator[jaus.Tr
 
 
 def _topic(answer: jaus.MessageDef) -> str:
-    """Returns what an answer confirms or rejects by its name; empty when it does neither."""
+    """Returns the request that an answer confirms or rejects, by its name; empty for neither."""
     name = str(answer.name)
     verb = next((prefix for prefix in _ANSWERING if name.startswith(prefix)), None)
     return "" if verb is None else name.removeprefix(verb).removesuffix("Request")

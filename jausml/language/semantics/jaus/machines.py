@@ -115,7 +115,7 @@ def _behaviours(subject: Subject, service: jaus.Service) -> tuple[Behaviour, ...
 
 
 def trigger(transition: jaus.Transition) -> tuple[str, str]:
-    """Returns what triggers a transition, to be compared: kind and name or code."""
+    """Returns the trigger of a transition, to be compared: kind and name or code."""
     message = transition.message
     if message is not None:
         return "message", str(message.code).lower()

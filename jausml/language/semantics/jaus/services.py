@@ -205,7 +205,7 @@ def services_of(provider: Provider) -> list[jaus.Service]:
 def peers_of(
     connection: bridge.Connection | bridge.RosServiceConnection | bridge.RosActionConnection,
 ) -> list[Provider]:
-    """Returns those at the other end of a connection that are named, or what is searched for."""
+    """Returns the named peers of a connection, and those that are searched for."""
     peers: list[Provider] = list(connection.peers)
     return peers if connection.search is None else [*peers, connection.search]
 

@@ -93,7 +93,7 @@ Found = Attribute | PathFault | None
 
 
 def count_of_elements(label: str) -> Attribute:
-    """Returns what the number of elements of a list is."""
+    """Returns the attribute that is the number of elements of a list."""
     name = f"the number of elements of '{label}'"
     return Attribute(NUMBER, name, integral=True, lower=0, upper=2**32 - 1, step=1, label=COUNT)
 
@@ -108,7 +108,7 @@ def nearest_name(name: str, fields: Iterable[Part]) -> str:
 
 
 def primitive(kind: str) -> Attribute:
-    """Returns what a value of a ROS primitive type is."""
+    """Returns the attribute of a value of a ROS primitive type."""
     if kind == "bool":
         return Attribute(BOOL, "a bool")
     if kind in TEXTS:

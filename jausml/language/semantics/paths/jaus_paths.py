@@ -73,11 +73,11 @@ class JausPlace:
         return replace(element, may_lack=False) if element is not None else None
 
     def members(self) -> Sequence[JausPart] | None:
-        """Returns what can be named here; None for a place without members."""
+        """Returns the members that can be named here; None for a place without members."""
         return _members(self.message if self.message is not None else self.field)
 
     def attribute(self) -> Attribute:
-        """Returns what an assignment finds here."""
+        """Returns the attribute of the place."""
         if self.field is None:
             return Attribute("", "a message")
         if self.is_count:

@@ -56,7 +56,7 @@ def marks_at(field: ros.Field, *, is_element: bool) -> tuple[Mark, ...]:
 
 
 def in_words(marker: ros.Marker) -> str:
-    """Returns what a marker says, when, by which value if it is its own, and where it is stated."""
+    """Returns a marker in words: meaning, condition, its own value if any, and its source."""
     written = f", written {marker.value}" if marker.value else ""
     stated = f" ({marker.stated})" if marker.stated else ""
     return f"{marker.meaning.name} if {marker.condition}{written}{stated}"
@@ -64,7 +64,7 @@ def in_words(marker: ros.Marker) -> str:
 
 @remembered
 def unknown(field: ros.Field) -> str | None:
-    """Returns what is written into a field to say that it has no value.
+    """Returns the text that a field without a value gets.
 
     Returns:
         The text of the model; empty where the default of the field says it, and None where the

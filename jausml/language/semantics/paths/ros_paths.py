@@ -67,7 +67,7 @@ class RosPlace:
         return replace(self, type=inner, is_array=False, may_lack=marks)
 
     def attribute(self) -> attributes.Attribute:
-        """Returns what an assignment finds here."""
+        """Returns the attribute of the place."""
         if self.field is None:
             return attributes.Attribute(
                 "", f"a {ros_name(self.type)}" if self.type is not None else "nothing"

@@ -46,7 +46,7 @@ def _attribute(place: PathPlace) -> Attribute:
 
 
 def attribute_at(location: FoundPlace) -> Found:
-    """Returns what an assignment finds at a place."""
+    """Returns the attribute of a place."""
     return _attribute(location) if isinstance(location, JausPlace | RosPlace) else location
 
 
@@ -202,7 +202,7 @@ def spelled_out(map_: bridge.AttributeMap, *, to_ros: bool) -> list[bridge.Assig
 
 
 def parts_in(assignment: bridge.Assignment, scope: PathScope) -> list[bridge.Assignment] | None:
-    """Returns what `parts_of` does, for an assignment in a scope."""
+    """Returns the result of `parts_of` for an assignment in a scope."""
     if not isinstance(assignment, bridge.FieldAssignment):
         return None
     sources, targets = source_paths(assignment), target_paths(assignment)

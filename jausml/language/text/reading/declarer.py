@@ -151,7 +151,7 @@ class RosFields(declared_types.MemberBuilder):
             self.nodes.value(field, "arraySize", str(size.count), member.span)
 
     def _resolved(self, member: Member) -> tuple[Member | None, declared_types.Size | None]:
-        """Returns what defines the type of a member, itself or a named type, and its size."""
+        """Returns the member that defines the type of another, or that one itself, and its size."""
         if self.is_wrong_size(member):
             return None, None
         size = declared_types.size_of(member)

@@ -72,7 +72,7 @@ class TextDocument:
         return self._nodes.faults
 
     def source_of(self, node: Node) -> Source | None:
-        """Returns what of the tree stands for an element; None where it follows from the rest."""
+        """Returns the part of the tree that is an element; None where it follows from the rest."""
         return self._nodes.sources.get(node)
 
     def value_span(self, node: Node) -> tree.Span | None:
@@ -191,7 +191,7 @@ def _settle(node: Node, table: ClassTable) -> Iterator[Fault]:
 
 @remembered
 def _knows_services(bridge: Node) -> bool:
-    """Tells it once for all connections of a bridge."""
+    """Returns whether the services of a bridge were read, once for all its connections."""
     return _is_read(bridge, _SERVICES)
 
 

@@ -84,7 +84,7 @@ _NAME = re.compile("[A-Za-z][A-Za-z0-9_]*")
 
 
 def explain(qualified_class: str, name: str, service: OwnService) -> Explanation:
-    """Returns what to write where a name means nothing."""
+    """Returns an explanation of an unknown name: the import that it lacks, or a similar name."""
     if qualified_class == "bridge.AttributeMap":
         wanted = name.rpartition(".")[2]
         modules = [library.module for library in library_maps() if library.name == wanted]

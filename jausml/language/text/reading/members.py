@@ -44,7 +44,7 @@ class MemberCheck:
         self._faults: list[Fault] = []
 
     def run(self, ends: Sequence[WrittenEnd]) -> list[Fault]:
-        """Returns what ends say wrongly about messages that are known."""
+        """Returns the faults of ends whose messages or types are known."""
         for written in ends:
             if written.node.obj is None:
                 continue
@@ -115,7 +115,7 @@ class MemberCheck:
         return str(word) in (kind.word, *kind.also) or text in (kind.word, *kind.also)
 
     def _resolved(self, member: Member) -> Member | None:
-        """Returns what defines the type of a member: itself, or the last of its named types."""
+        """Returns the member that defines the type of another, or that one itself."""
         seen: set[str] = set()
         named = self._types.named
         while not isinstance(member.type, list) and member.type.text in named:
@@ -131,7 +131,7 @@ class MemberCheck:
 
 
 def kind_of(field: Part) -> MemberKind | None:
-    """Returns what a member of a JAUS message or of a ROS type is; None for a dangling one."""
+    """Returns the kind of a member of a JAUS message or a ROS type; None for a dangling one."""
     return _ros_kind(field) if isinstance(field, ros.Field) else _jaus_kind(field)
 
 
@@ -163,7 +163,7 @@ def _jaus_kind(part: JausPart, above: tuple[JausPart, ...] = ()) -> MemberKind |
 
 
 def _repeated(field: jaus.List | jaus.Array, above: tuple[JausPart, ...]) -> MemberKind | None:
-    """Returns what a list or an array is, None when what it repeats is not known."""
+    """Returns the kind of a list or an array, None when that of its elements is not known."""
     if field.element is None:
         return None
     inner = _jaus_kind(field.element, (*above, field))
@@ -180,7 +180,7 @@ def _repeated(field: jaus.List | jaus.Array, above: tuple[JausPart, ...]) -> Mem
 
 
 def _plain(element: MemberKind) -> MemberKind:
-    """Returns what an element of a list is: records of one plain value stand for the value."""
+    """Returns the kind of an element of a list: records of one plain value stand for the value."""
     fields = element.inner or ()
     if len(fields) != 1 or fields[0].name != declared_types.VALUE:
         return element
@@ -206,7 +206,7 @@ def _ros_kind(field: ros.Field) -> MemberKind | None:
 
 
 def _members_at(built: bridge.AttributeMap, *, is_jaus: bool) -> Sequence[Part] | None:
-    """Returns what the paths of one end of a map start with, None when it is not known."""
+    """Returns the members where paths of one end of a map begin, None when they are not known."""
     if is_jaus:
         return attributes(built.message) if built.message is not None else None
     return built.type.fields if built.type is not None else None

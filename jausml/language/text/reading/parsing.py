@@ -64,7 +64,7 @@ def parse(text: str) -> Parsed:
 
 @lru_cache(maxsize=8)
 def parsed_text(text: str) -> Parsed:
-    """Returns what `parse` does, once for all who ask for one text; nobody may change it."""
+    """Returns the result of `parse`, once for all who ask for one text; nobody may change it."""
     return parse(text)
 
 
@@ -135,7 +135,7 @@ class _Run:
         self.faults.append(SyntaxFault(span, message, hint))
 
     def _lone_word(self, position: int) -> SyntaxFault | None:
-        """Returns what is wrong with a word that the grammar takes and nobody meant so."""
+        """Returns the fault of a word that the grammar takes and hardly anybody means so."""
         token = self._tokens[position]
         if self._lacks_comma(position):
             before, token_text = shown(self._tokens[position - 1]), shown(token)

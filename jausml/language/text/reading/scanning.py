@@ -180,7 +180,7 @@ _LONGEST_SHOWN = 40
 
 
 def describe(accepted: Collection[str], tokens: Sequence[Token], position: int) -> str:
-    """Returns what was expected behind what, and what was found.
+    """Returns a sentence with the expected tokens, the token before them, and the actual one.
 
     Args:
         position: Of the token that was found; behind the last at the end of the text.
@@ -192,7 +192,7 @@ def describe(accepted: Collection[str], tokens: Sequence[Token], position: int) 
 
 
 def suggestion(accepted: Collection[str], tokens: Sequence[Token], position: int) -> str:
-    """Returns what was probably meant, or an empty text."""
+    """Returns the probable intention, or an empty text."""
     if position >= len(tokens):
         return ""
     unexpected_token = tokens[position]
@@ -217,7 +217,7 @@ def suggestion(accepted: Collection[str], tokens: Sequence[Token], position: int
 
 
 def _phrases(accepted: set[str]) -> list[str]:
-    """Returns what could come, in a reader's words: marks first, what ends the list last."""
+    """Returns the possible tokens in a reader's words: marks first, the end of the list last."""
     nouns = []
     if "SEMICOLON" in accepted:
         nouns.append(_noun(accepted & _STARTERS))
@@ -233,7 +233,7 @@ def _phrases(accepted: set[str]) -> list[str]:
 
 
 def _noun(starters: set[str]) -> str:
-    """Returns what a list consists of whose items begin with certain tokens."""
+    """Returns the noun for the items of a list that begin with certain tokens."""
     if "NUMBER" in starters:
         if "NEW" in starters:
             return "an assignment or a feature"

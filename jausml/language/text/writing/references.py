@@ -95,7 +95,7 @@ class DocumentNames:
         return None
 
     def import_of(self, document: Document) -> Name | Text:
-        """Returns what the document must import for the names of another one."""
+        """Returns the import of another document, by which its names can be used."""
         if document.is_library:
             place = document.path.relative_to(self._library).with_suffix("")
             return Name(".".join(place.parts))
@@ -314,7 +314,7 @@ class ElementWriter:
                 yield self.feature(obj, feature)
 
     def _items(self, obj: EObject) -> list[BlockItem]:
-        """Returns what stands in the block of an element, values before owned elements."""
+        """Returns the items in the block of an element, values before owned elements."""
         table = self._metamodels.class_of(obj)
         if special := self.special.get(table.qualified_name):
             return list(special(obj))

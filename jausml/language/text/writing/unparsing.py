@@ -73,7 +73,7 @@ class MapWriter:
         self._metamodels = metamodels
 
     def items(self, obj: bridge.AttributeMap) -> Iterator[BlockItem]:
-        """Yields what stands in the block of an attribute map."""
+        """Yields the items in the block of an attribute map."""
         ends = {"message": self._end(obj, "message", obj.message)}
         ends["type"] = self._end(obj, "type", obj.type)
         said = {name for name, end in ends.items() if end is not None}
@@ -324,7 +324,7 @@ def to_tree(roots: Sequence[EObject], model: Model, path: str | os.PathLike[str]
 def _writer(
     roots: Sequence[EObject], model: Model, path: Path
 ) -> tuple[ElementWriter, Sequence[Import]]:
-    """Returns what writes elements of a model into a file, and what that has to import."""
+    """Returns the writer of elements of a model into a file, and the imports of that file."""
     names = ReferenceNames(roots, model, path)
     elements = ElementWriter(model.metamodels, names)
     elements.special[MAP] = MapWriter(elements, names, model.metamodels).items
@@ -332,7 +332,7 @@ def _writer(
 
 
 def _parts(root: EObject, elements: ElementWriter, model: Model, path: Path) -> list[BlockItem]:
-    """Returns what stands in a root that follows from the file and its contents; else nothing."""
+    """Returns the items of a root that follows from the file and its contents; else none."""
     table = model.metamodels.class_of(root)
     names = IMPLIED_PARTS.get(table.qualified_name)
     if names is None or name_of(root) != system_name(path):

@@ -45,19 +45,19 @@ def subject(session: Session) -> tuple[Message, type[Message]]:
 
 
 def creating(hertz: float, query: Message | None = None) -> Callable[[Session], core.CreateEvent]:
-    """Returns what makes the request for a periodic event."""
+    """Returns the function that makes the request for a periodic event."""
     return lambda session: core.CreateEvent(
         1, PERIODIC, hertz, (query or subject(session)[0]).encode()
     )
 
 
 def damaged(damage: Callable[[bytes], bytes]) -> Callable[[Session], bytes]:
-    """Returns what makes the payload of such a request with other bytes."""
+    """Returns the function that makes the payload of such a request with other bytes."""
     return lambda session: damage(creating(RATE)(session).encode())
 
 
 def updating(hertz: float, number: int | None = None) -> Callable[[Session], core.UpdateEvent]:
-    """Returns what makes the request for another rate of the event of our first client."""
+    """Returns the function that requests another rate of the event of our first client."""
     return lambda session: core.UpdateEvent(
         2, PERIODIC, hertz, number or event_id(session), subject(session)[0].encode()
     )

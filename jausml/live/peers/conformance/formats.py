@@ -34,7 +34,7 @@ def render_text(report: ConformanceReport) -> str:
 
 
 def heading(report: ConformanceReport) -> Iterator[str]:
-    """Yields what was tested."""
+    """Yields the target and its services."""
     yield f"JAUS conformance of {report.target} at {report.endpoint}"
     if report.services:
         yield f"announces {len(report.services)} services:"
@@ -54,7 +54,7 @@ def result_lines(result: CheckResult) -> Iterator[str]:
 
 
 def evidence_lines(result: CheckResult) -> Iterator[str]:
-    """Yields what was sent (>>) and received (<<), each with its bytes."""
+    """Yields the messages sent (>>) and received (<<), each with its bytes."""
     for line in result.evidence:
         yield f"{line.time:7.3f} {_MARKS[line.direction]} {printable(line.text)}"
         if line.hex:

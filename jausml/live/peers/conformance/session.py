@@ -209,7 +209,7 @@ class Session:
         return [ServiceIdentity(ancestor.urn, *_version(ancestor.version)) for ancestor in lineage]
 
     def known(self, service: ServiceIdentity) -> ServiceEntry | None:
-        """Returns what the catalogue says of a service in its announced version."""
+        """Returns the service of the catalogue in its announced version."""
         return self.catalogue.services.get((service.urn, f"{service.major}.{service.minor}"))
 
     def _announced(self, name: str) -> ServiceIdentity | None:
@@ -275,11 +275,11 @@ class Session:
         return HIGHEST_AUTHORITY
 
     def control(self) -> core.ReportControl:
-        """Returns who controls the target."""
+        """Returns the controller of the target."""
         return self.client(2).ask(core.QueryControl(), core.ReportControl)
 
     def seen_control(self) -> core.ReportControl | None:
-        """Returns who controls the target; None, and a note, when it never says so."""
+        """Returns the controller of the target; None, and a note, when it never says so."""
         if self.tells_controller:
             return self.control()
         note = "who has control is not seen, for QueryControl is not answered"

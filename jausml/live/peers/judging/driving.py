@@ -332,7 +332,7 @@ class Drive:
 
 
 def _quote(session: Session, samples: Sequence[Sample], name: str) -> None:
-    """Shows what some samples hold of a topic."""
+    """Shows the values of a topic in some samples."""
     for sample in samples[:_QUOTED]:
         session.trace.quote(line for line in sample.evidence if name in line.text)
 

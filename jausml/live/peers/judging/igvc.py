@@ -290,7 +290,7 @@ def waypoint_navigation(course: Course, rules: str) -> Task:
 
 
 def _waypoint(drive: Drive, number: int, points: float) -> tuple[PartOf, ...]:
-    """Returns what the points of a waypoint are given for: that, and what is told on the way."""
+    """Returns the parts of the points of a waypoint: reaching it, and the reports on the way."""
     reached, further = f"reached-{number}", 0.2 * points
     return (
         part(reached, 0.4 * points, f"Reaches waypoint {number} in its turn", "drive")(

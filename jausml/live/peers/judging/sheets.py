@@ -22,13 +22,13 @@ _ID_WIDTH = 36
 
 
 def task_lines(task: Task) -> Iterator[str]:
-    """Yields what a task is."""
+    """Yields the title and the rule of a task."""
     yield task.title
     yield f"  {task.rule}"
 
 
 def score_lines(score: Score) -> Iterator[str]:
-    """Yields what a part was worth; of what lost points, why, and what was sent and seen."""
+    """Yields the points of a part; of lost ones the reason, and what was sent and seen."""
     check, verdict = score.part.check, score.result.verdict
     points = f"{score.points:g}/{score.part.points:g}"
     mark = {Verdict.FAIL: "LOST", Verdict.SKIPPED: "skip"}.get(verdict, "")

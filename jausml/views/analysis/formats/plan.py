@@ -33,7 +33,7 @@ def plain(plan: Plan) -> dict[str, Any]:
 
 
 def changes_of(system: System, assumptions: Assumptions) -> tuple[str, ...]:
-    """Returns what it would change if bridges were one, or one were two."""
+    """Returns the changes of the cost if bridges were one, or one were two."""
     return tuple(_change(old, new) for old, new in Planner(system, assumptions).changes())
 
 

@@ -48,7 +48,7 @@ def rate(connection: ConnectionReport) -> str:
 
 
 def call(report: CallReport) -> str:
-    """Returns what a connection with a ROS service or action does, in a sentence."""
+    """Returns a connection with a ROS service or action, in a sentence."""
     messages, peers = ", ".join(report.messages), ", ".join(report.peers) or "anybody"
     what = f"{report.kind} {report.ros_name} ({report.type}) {WAYS[report.direction]}"
     return f"{report.name}: {what}; {messages}; {peers}; an answer within {report.seconds:g} s"
@@ -105,7 +105,7 @@ def steps(budget: Budget) -> str:
 
 
 def notes(assumptions: Assumptions) -> list[str]:
-    """Returns what the figures stand on."""
+    """Returns the assumptions under the figures."""
     special = [
         *(f"{name} {value:g} Hz" for name, value in sorted(assumptions.rates.items())),
         *(f"{name} {value} elements" for name, value in sorted(assumptions.lengths.items())),

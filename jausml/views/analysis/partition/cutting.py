@@ -38,7 +38,7 @@ def cut(scale: Scale, now: Sequence[Part]) -> Sequence[Part]:
 
 
 def attractions(scale: Scale) -> networkx.Graph[int]:
-    """Returns what two groups that share something save by being in one bridge."""
+    """Returns the savings of each two groups that share something, by being in one bridge."""
     graph: networkx.Graph[int] = networkx.Graph()
     graph.add_nodes_from(range(len(scale.groups)))
     sharing: dict[Hashable, list[int]] = defaultdict(list)

@@ -142,7 +142,7 @@ class Planner:
         }
 
     def changes(self) -> list[tuple[tuple[Planned, ...], tuple[Planned, ...]]]:
-        """Returns what some bridges would be as one, the lightest first, and each as two."""
+        """Returns the plans with some bridges as one, the lightest first, and with each as two."""
         scale = Scale(self._weighing, Limits(load=math.inf))
         now, graph = _now(scale), attractions(scale)
         joins = [((a, b), (a | b,)) for a, b in combinations(now, 2) if not scale.weight(a | b)[0]]
@@ -204,7 +204,7 @@ class Planner:
         )
 
     def _planned(self, scale: Scale, name: str, part: Part, *, is_placed: bool = False) -> Planned:
-        """Returns what a part is as a bridge; one that is placed stays on its host."""
+        """Returns the bridge for a part; one that is placed stays on its host."""
         owner = self._owners.get(name)
         cost, groups = scale.cost(part), [scale.groups[number] for number in sorted(part)]
         origins = [one for one, _ in scale.origins(part).most_common()]

@@ -64,7 +64,7 @@ class Scale:
         return round(after[0] - before[0], 9), round(after[1] - before[1], 9)
 
     def size(self, number: int) -> tuple[float, int]:
-        """Returns what sorts groups, the heaviest first."""
+        """Returns a sort key of groups: the heaviest is first."""
         return -self.groups[number].cost.share, number
 
     def _weighed(self, part: Part, cost: Cost) -> tuple[float, float]:
@@ -83,7 +83,7 @@ class Scale:
         return round(over, 9), round(weight, 9)
 
     def _cost(self, part: Part) -> Cost:
-        """Returns what the groups of a part cost in one bridge."""
+        """Returns the cost of the groups of a part in one bridge."""
         return united([self.groups[number].cost for number in sorted(part)])
 
     def _origins(self, part: Part) -> Counter[bridge.Bridge]:

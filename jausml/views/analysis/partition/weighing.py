@@ -81,7 +81,7 @@ class Cost:
 
 
 def united(costs: Sequence[Cost]) -> Cost:
-    """Returns what costs are in one bridge: what they share counts once."""
+    """Returns the sum of costs in one bridge: shared ones count once."""
     first, *others = costs or [Cost(0, 0.0, 0.0, {}, {})]
     connections, share, wait = first.connections, first.share, first.wait
     datagrams, remote = dict(first.datagrams), dict(first.remote)
@@ -101,7 +101,7 @@ ALWAYS_ALIKE = 4
 
 
 def world_of(owner: bridge.Bridge) -> tuple[tuple[str, Hashable], ...]:
-    """Returns what all that a bridge carries has in common."""
+    """Returns the properties that all connections of a bridge have in common."""
     return (
         ("namespace", (owner.namespace or "").strip("/")),
         ("subsystem", str(owner.address).partition(".")[0]),
@@ -182,7 +182,7 @@ class Weighing:
         return list(dict.fromkeys(host for host in known if host is not None))
 
     def groups(self, limits: Limits, *, are_divided: bool = False) -> list[Group]:
-        """Returns what cannot be divided, by what the model says and what a person wants."""
+        """Returns the groups that cannot be divided, by the model and by a person's wish."""
         graph: networkx.Graph[Carrier] = networkx.Graph()
         graph.add_nodes_from(self.costs)
         reasons: dict[Carrier, dict[str, None]] = defaultdict(dict)
@@ -298,7 +298,7 @@ class Weighing:
         )
 
     def _kept_up(self, owner: bridge.Bridge, carrier: bridge.Connection) -> Iterator[Stream]:
-        """Yields what keeps control of a peer, or of the bridge, and events alive."""
+        """Yields the streams that keep control of a peer, or of the bridge, and events alive."""
         streams = self._traffic.of(carrier)
         has_event = any(stream.kind == "event" for stream in streams)
         for other in dict.fromkeys(_other(owner, stream) for stream in streams):

@@ -80,7 +80,7 @@ class _Work:
         self._linked = {end[0] for line in sheet.lines for end in (line.source, line.target)}
 
     def content(self, frame: str) -> Block:
-        """Returns what stands in a frame, or on the whole sheet."""
+        """Returns the block with the contents of a frame, or of the whole sheet."""
         if self._sheet.packed and self._frames[frame]:
             inner = [block for f in self._frames[frame] for block in self._framed(f)]
             loose = [box for box in self._own[frame] if box.id not in self._linked]
@@ -131,7 +131,7 @@ class _Work:
         )
 
     def _item(self, frame: str, names: Collection[str], lines: Sequence[Line]) -> Item:
-        """Returns what stands in a frame as one that can be moved."""
+        """Returns the contents of a frame as one item that can be moved."""
         items = [
             Item({box.id: 0}, box.height, (box.column, box.column))
             for box in self._own[frame]

@@ -147,7 +147,7 @@ def _lines(sheet: Sheet, room: int) -> Iterator[str]:
 
 
 def _below_first(sheet: Sheet) -> Iterator[tuple[str, str]]:
-    """Yields what is above what where a sheet goes downwards: the first box of each frame."""
+    """Yields boxes, upper and lower, of sheets that go downwards: the first of each frame."""
     first = {box.group: box.id for box in reversed(sheet.boxes) if box.column == 0}
     for box in sheet.boxes:
         if box.column and box.group in first:

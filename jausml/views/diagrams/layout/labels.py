@@ -124,7 +124,7 @@ class Ground:
         }
 
     def area(self, line: str, middle: Point) -> Area:
-        """Returns what the label of a line covers."""
+        """Returns the area of the label of a line."""
         return label_area(self._lines[line], middle)
 
     def _candidates(self, line: Line) -> Iterator[Point]:

@@ -42,7 +42,7 @@ class Item:
     columns: tuple[int, int]
 
     def framed(self, margin: float, title: float) -> Item:
-        """Returns it with a frame around it, of a margin and the height of a title."""
+        """Returns the item in a frame, with a margin and the height of a title."""
         tops = {name: top + margin + title for name, top in self.tops.items()}
         return Item(tops, self.height + title + 2 * margin, self.columns)
 
@@ -131,7 +131,7 @@ class _Work:
         return pushed
 
     def _spaces(self, pushed: Collection[int], way: int) -> Iterator[tuple[int, float]]:
-        """Yields what stands next to some items on one side, and the space between."""
+        """Yields the neighbours of some items on one side, and the space between."""
         for one in pushed:
             for other in (self._below if way > 0 else self._above)[one]:
                 if other not in pushed:

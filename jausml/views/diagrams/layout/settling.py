@@ -57,12 +57,12 @@ class Area(NamedTuple):
         return Area(self.top, self.left, self.bottom, self.right)
 
     def wider(self, gap: float) -> Area:
-        """Returns it with room around it."""
+        """Returns the area with room around it."""
         return Area(self.left - gap, self.top - gap, self.right + gap, self.bottom + gap)
 
 
 def area_of(box: Box, corner: Point) -> Area:
-    """Returns what a box covers."""
+    """Returns the area of a box."""
     left, top = corner
     return Area(left, top, left + box.width, top + box.height)
 
@@ -99,7 +99,7 @@ def settle(
 def frames_around(
     sheet: Sheet, boxes: Mapping[str, Point], more: Mapping[str, Iterable[Area]] | None = None
 ) -> dict[str, Area]:
-    """Returns what frames cover, given where boxes stand; those around nothing are left out.
+    """Returns the areas of frames for placed boxes; those around nothing are left out.
 
     `boxes`: upper left corners of boxes by id; of those that stand already.
     """
@@ -250,7 +250,7 @@ class _Ground:
         )
 
     def _outside(self, frame: str, frames: Mapping[str, Area]) -> Iterator[Area]:
-        """Yields what stands neither in a frame nor around it."""
+        """Yields the areas that stand neither in a frame nor around it."""
         for name, area in self._areas.items():
             if frame not in self._around(self._boxes[name].group):
                 yield area
@@ -285,7 +285,7 @@ def _note(cells: _Cells, name: str, area: Area) -> None:
 
 
 def _near(cells: _Cells, area: Area) -> set[str]:
-    """Returns what shares a cell with an area."""
+    """Returns the names of areas that share a cell with an area."""
     return set().union(*(cells[cell] for cell in tiles(area) if cell in cells))
 
 
@@ -300,7 +300,7 @@ LEAST, STEEP, MOST = 24, 0.15, 90
 def surrounding(
     sheet: Sheet, corners: Mapping[str, Point], routes: Mapping[str, Route | None]
 ) -> dict[str, Area]:
-    """Returns what frames cover.
+    """Returns the areas of frames.
 
     A frame is as wide as the lines that begin and end in it, unless it would cover something that
     stands elsewhere. `corners`: upper left corners of boxes by id. `routes`: ways of lines by id,
@@ -360,7 +360,7 @@ def chain(group: str, parents: Mapping[str, str]) -> Iterator[str]:
 
 
 def covered(line: Line, route: Route) -> Iterator[Area]:
-    """Yields what the way of a line covers, and its label."""
+    """Yields the areas of the way of a line, and of its label."""
     xs, ys = zip(*samples(route.points), strict=True)
     yield Area(min(xs), min(ys), max(xs), max(ys))
     if route.label is not None:
@@ -368,14 +368,14 @@ def covered(line: Line, route: Route) -> Iterator[Area]:
 
 
 def label_area(line: Line, middle: Point) -> Area:
-    """Returns what the label of a line covers."""
+    """Returns the area of the label of a line."""
     x, y = middle
     right, down = line.width / 2, line.height / 2
     return Area(x - right, y - down, x + right, y + down)
 
 
 def _bent(line: Line, boxes: Mapping[str, Box], corners: Mapping[str, Point]) -> Iterator[Area]:
-    """Yields what a line covers that a page draws, none where it stays between its boxes."""
+    """Yields the area of a line that a page draws, none where it stays between its boxes."""
     source, target = boxes[line.source[0]], boxes[line.target[0]]
     one, other = area_of(source, corners[source.id]), area_of(target, corners[target.id])
     if one.right <= other.left or other.right <= one.left:

@@ -50,7 +50,7 @@ def exchange(style: str, rate: float, usual: float = 0) -> str:
 def add_service_connection(
     builder: Builder, owner: jaus.Component, connection: jaus.ServiceConnection
 ) -> None:
-    """Adds what a component asks another for."""
+    """Adds the edge of a connection by which a component asks another."""
     context = builder.context
     message, usual = connection.message, getattr(owner, "frequency", 0)
     label = exchange(connection.exchange.name, connection.rate, usual)
@@ -274,7 +274,7 @@ def topics_qos(connection: bridge.Connection) -> str:
 
 
 def limits(connection: bridge.Connection) -> str:
-    """Returns what keeps messages of a connection from passing, in words."""
+    """Returns the limits on the messages of a connection, in words."""
     return ", ".join(_limits(connection))
 
 
@@ -290,7 +290,7 @@ def _limits(connection: bridge.Connection) -> Iterator[str]:
 
 
 def when_lost(connection: bridge.Connection) -> str:
-    """Returns what a connection does when its source is lost, in words; empty for nothing."""
+    """Returns the action of a connection when its source is lost, in words; empty for none."""
     map_ = connection.map
     if map_ is None or map_.message is None:
         return ""

@@ -73,13 +73,13 @@ class Context:
         return "!".join(word if element is None else self.key(element) for word, element in known)
 
     def key(self, element: EObject) -> str:
-        """Returns what names an element when positions of elements change."""
+        """Returns the name of an element that outlasts new positions of elements."""
         if element not in self._keys:
             self._keys[element] = self.model.derived(Keys).of(element)
         return self._keys[element]
 
     def findings(self, *elements: EObject | None, deep: bool = True) -> tuple[Finding, ...]:
-        """Returns what was found about elements.
+        """Returns the findings about elements.
 
         `elements`: the elements; None is passed over.
         """
@@ -112,12 +112,12 @@ class Context:
         )
 
     def of_files(self) -> tuple[Finding, ...]:
-        """Returns what was found about files and not about an element."""
+        """Returns the findings about files that are not about an element."""
         return tuple(dict.fromkeys(self._findings.get(("", ""), ())))
 
 
 def details(element: EObject, **more: object) -> Details:
-    """Returns what is told of an element on request: its documentation, then more.
+    """Returns the details of an element: its documentation, then more.
 
     `more`: names and values; empty values are left out.
     """

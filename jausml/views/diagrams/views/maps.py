@@ -223,7 +223,7 @@ def _below(base: str, path: str) -> str:
 
 
 def _mark(assignment: bridge.Assignment) -> str:
-    """Returns what stands at a member that is filled without a source."""
+    """Returns the mark at a member that is filled without a source."""
     match assignment:
         case bridge.ConstantAssignment():
             value = str(assignment.value or "")

@@ -216,7 +216,7 @@ def _add_state(builder: Builder, machine: Machine, path: str, *, is_composite: b
 
 
 def _rows(context: Context, machine: Machine, path: str, state: jaus.State) -> Iterator[Port]:
-    """Yields what a state does by itself: at entry and exit, and on triggers that keep it."""
+    """Yields the rows of a state: actions at entry and exit, and on triggers that keep it."""
     for word, actions in (("entry", state.entry), ("exit", state.exit)):
         for action in actions:
             yield context.row(action, f"{word} / {_action(action)}")
@@ -271,7 +271,7 @@ def _inside(builder: Builder, machine: Machine, target: str, end: str) -> str:
 
 
 def _labels(transition: jaus.Transition) -> Iterator[str]:
-    """Yields what triggers a transition, its guard and its actions."""
+    """Yields the trigger of a transition, its guard and its actions."""
     if transition.message is not None:
         yield name_of(transition.message)
     else:

@@ -147,7 +147,7 @@ def _add_control(builder: Builder, component: jaus.Component) -> None:
 
 
 def _add_topics(builder: Builder, nodes: Sequence[ros.Node]) -> None:
-    """Adds what flows among ROS nodes."""
+    """Adds the topics and calls among ROS nodes."""
     inside = {builder.context.id_of(node) for node in nodes}
     ends = [endpoint for endpoint in builder.endpoints if endpoint[2].node in inside]
     pairs = (("publishes", "subscribes", "topic"), ("calls", "serves", "call"))

@@ -78,7 +78,7 @@ def render(graph: Graph, theme: str = "auto") -> str:
 
 
 def _known(graph: Graph, keys: svg.Keys) -> Iterator[tuple[str, dict[str, Any]]]:
-    """Yields what is told of boxes, rows and edges by the keys that the picture has."""
+    """Yields the details of boxes, rows and edges by the keys that the picture has."""
     for node in graph.nodes:
         own = keys.node(node.id)
         yield own, _entry(node.title, _text(node), node, [])

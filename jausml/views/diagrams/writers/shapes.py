@@ -64,7 +64,7 @@ def subtitles(node: Node) -> list[tuple[str, str]]:
 
 
 def finding_text(finding: Finding) -> str:
-    """Returns what is wrong, with a sign and a word for how grave it is."""
+    """Returns a finding in words, with a sign and a word for its severity."""
     sign = _SIGNS.get(finding.severity, "")
     return cut(f"{sign}{finding.severity}: {finding.message}", _LONGEST_NOTE)
 
@@ -100,7 +100,7 @@ def label_lines(edge: Edge) -> list[str]:
 
 
 def sheet_of(graph: Graph, *, packed: bool) -> Sheet:
-    """Returns what a layout is to place."""
+    """Returns the sheet that a layout is to place."""
     return Sheet(
         tuple(box_of(node) for node in graph.nodes),
         tuple(

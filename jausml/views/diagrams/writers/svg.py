@@ -128,7 +128,7 @@ def opening(
 
 
 def _notes(graph: Graph) -> list[tuple[str, str]]:
-    """Returns what stands below the title: what is drawn how, and what is wrong with files."""
+    """Returns the notes below the title: the legend, and the findings about files."""
     legend = _LEGENDS.get(graph.view.partition(":")[0], graph.view)
     wrong = [(shapes.finding_text(finding), finding.severity) for finding in graph.findings]
     states = [(_STATES, "")] if graph.compares else []

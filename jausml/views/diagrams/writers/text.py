@@ -57,7 +57,7 @@ def _mermaid_node(node: Node, names: dict[str, str]) -> str:
 
 
 def _words(port: Port, gap: str) -> str:
-    """Returns what a row says, and first how grave it is."""
+    """Returns the words of a row, first its severity."""
     words = gap.join(part for part in (port.label, port.note, port.mark) if part)
     wrong = severity(port.findings)
     return f"{wrong}: {words}" if wrong else words

@@ -82,7 +82,7 @@ class Settled:
     places: Placed
 
     def values(self, opened: Collection[str] | None = None) -> dict[str, Any]:
-        """Returns it as JSON has values.
+        """Returns the picture as JSON has values.
 
         `opened`: keys of the frames of which the inside is told; None for all.
         """
@@ -201,7 +201,7 @@ def _placed(
 
 
 def _sheet(graph: Graph) -> Sheet:
-    """Returns what is to be placed, of sizes that do not depend on what is wrong."""
+    """Returns the sheet to place, of sizes that do not depend on findings."""
     nodes, edges = map(_without_findings, graph.nodes), map(_plain, graph.edges)
     plain = replace(graph, nodes=tuple(nodes), edges=tuple(edges))
     sheet = shapes.sheet_of(plain, packed=graph.is_crowded)

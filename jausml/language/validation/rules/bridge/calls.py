@@ -304,7 +304,7 @@ def names(_: Subject, connection: bridge.RosServiceConnection) -> Iterator[Findi
 
 
 def _asked(connection: bridge.RosServiceConnection) -> list[services.Provider]:
-    """Returns who is asked: the peers, or the bridge itself."""
+    """Returns the providers that are asked: the peers, or the bridge itself."""
     owner = connection.eContainer()
     if not calls.serves(connection):
         return [] if owner is None else [owner]

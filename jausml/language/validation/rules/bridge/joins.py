@@ -55,7 +55,7 @@ def _joins_connection(subject: Subject, connection: bridge.Connection) -> Iterat
 def join_findings(
     join: bridge.Join | bridge.ReportJoin, kind: str, main: str, fields: set[str], used: set[str]
 ) -> Iterator[Finding]:
-    """Yields what is wrong with a join of whatever kind.
+    """Yields the findings about a join of topics or of reports.
 
     Args:
         main: Whether the map is for a `message` or a `type`, whose fields have names too.
@@ -100,7 +100,7 @@ def _topic_findings(connection: bridge.Connection) -> Iterator[Finding]:
 
 
 def used_joins(assignments: Iterable[bridge.Assignment]) -> set[str]:
-    """Returns what source paths begin with, those in lists included: joins and fields."""
+    """Returns the first names of source paths, those in lists included: joins and fields."""
     names: set[str] = set()
     for assignment in assignments:
         names |= {path.lstrip("/").partition(".")[0] for path in source_paths(assignment)}

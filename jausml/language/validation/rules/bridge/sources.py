@@ -68,7 +68,7 @@ def _sources(
         bridge.Connection | bridge.RosServiceConnection | bridge.Topic,
     ]
 ]:
-    """Yields what answers a query: its code, the source in words, and the elements that say it."""
+    """Yields the answers to queries: code, source in words, and the elements that state it."""
     for connection in owner.bridgeConnections:
         if not (
             subject.is_read(connection, _ENDS)

@@ -254,7 +254,7 @@ def reached(_: Subject, whole: system.System) -> Iterator[Finding]:
 
 
 def _not_exchanged(whole: system.System, component: jaus.Component) -> Iterator[Finding]:
-    """Yields what keeps the processes of a system from exchanging messages with a component."""
+    """Yields the obstacles between the processes of a system and a component."""
     feature = "endpoint" if component.endpoint else "greet"
     place = endpoint_of(whole, component)
     processes = [element for element in _elements(whole) if not element.external]
@@ -292,7 +292,7 @@ def _hears(owner: bridge.Bridge, host: str) -> bool:
 
 
 def _fault(endpoint: str) -> str:
-    """Returns what is wrong with an endpoint of the right form, empty when nothing is."""
+    """Returns the fault of an endpoint of the right form, empty when there is none."""
     host, _, port = endpoint.partition(":")
     if port and not 1 <= int(port) <= _HIGHEST_PORT:
         return f"has a port that is not in 1..{_HIGHEST_PORT}"

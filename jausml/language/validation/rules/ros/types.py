@@ -206,13 +206,13 @@ def _find_topics(subject: Subject) -> list[list[Endpoint]]:
 
 
 def _offer(publisher: Endpoint) -> object:
-    """Returns what subscriptions look at: publishers that offer the same are looked at once."""
+    """Returns the offer that subscriptions compare: equal publishers are looked at once."""
     offered = policies(publisher.element.qos)
     return publisher.reliability, *(offered[policy] for policy in ("durability", *_PROMISED))
 
 
 def _incompatible(publisher: Endpoint, subscription: Endpoint) -> str:
-    """Says what a subscription asks for and a publisher does not offer; no profile: defaults."""
+    """Returns the policy that a subscription asks for and a publisher does not offer, in words."""
     if publisher.reliability == "best_effort" and subscription.reliability == "reliable":
         return "it is best_effort, the subscription reliable"
     offered, asked = policies(publisher.element.qos), policies(subscription.element.qos)
