@@ -24,7 +24,7 @@ DEFAULT_PREFIXES = ("on_", "report_", "translate_")
 
 
 class Kind(Enum):
-    """Who owns a file after it was written."""
+    """Owners of a file after it was written."""
 
     GENERATED = "generated"  # always rewritten
     SKELETON = "skeleton"  # written once, then the user's
@@ -50,7 +50,7 @@ class MethodContract:
 
 @dataclass(frozen=True)
 class SkeletonContract:
-    """What the generated base expects of the class in a skeleton file."""
+    """The methods that the generated base expects of the class in a skeleton file."""
 
     class_name: str
     base_name: str

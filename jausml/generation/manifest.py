@@ -49,7 +49,7 @@ class Entry:
 
 @dataclass(frozen=True)
 class Manifest:
-    """What earlier runs wrote.
+    """The record of earlier runs.
 
     Attributes:
         models: What other verbs want to know of each model (JSON values), by the model's name, e.g.
@@ -197,7 +197,7 @@ _HEADER_BYTES = 4096
 
 @dataclass(frozen=True)
 class FileState:
-    """What stands at a path of the output folder.
+    """The file at a path of the output folder, or none.
 
     Attributes:
         text: Its text with LF line ends; None when there is none or it is not UTF-8.

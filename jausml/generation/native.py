@@ -31,7 +31,7 @@ _LONGEST_BUILD = 600.0
 
 
 class State(Enum):
-    """What became of a core; the value is what users are told."""
+    """Outcomes of the build of a core; users are told the value."""
 
     BUILT = "built"
     UNCHANGED = "unchanged"

@@ -25,7 +25,7 @@ from jausml.generation.manifest import (
 
 
 class ActionKind(Enum):
-    """What happens to a file."""
+    """Kinds of actions for a file."""
 
     CREATE = "create"
     UPDATE = "update"
@@ -37,7 +37,7 @@ class ActionKind(Enum):
 
 @dataclass(frozen=True)
 class Action:
-    """What happens to one file, and why.
+    """The action for one file, and its reason.
 
     Attributes:
         old: Text that stands there (LF line ends); None for no file or one not readable as text.

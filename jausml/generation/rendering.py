@@ -110,7 +110,7 @@ class _Size:
 
 
 class _Compiled(jinja2.BytecodeCache):
-    """What templates were compiled to, by file and text: a run compiles for seconds otherwise."""
+    """The code of templates, by file and text: a run would compile for seconds otherwise."""
 
     def __init__(self) -> None:
         self._codes: dict[tuple[str, str], CodeType | None] = {}

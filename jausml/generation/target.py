@@ -16,7 +16,7 @@ from jausml.language.model.model import Model
 
 
 class View(Protocol):
-    """What a target's views module offers about one model element.
+    """The facts that a target's views module offers about one model element.
 
     A template asks it (as `view`) and computes nothing.
     """
@@ -109,7 +109,7 @@ ModelT = TypeVar("ModelT")
 
 @dataclass(frozen=True)
 class WholeLibrary(Generic[ModelT]):
-    """That a target can describe more than a system uses (`--all`)."""
+    """A target's wider form, which describes more than a system uses (`--all`)."""
 
     help: str
     tasks: Callable[[ModelT], Sequence[Task]]

@@ -40,7 +40,7 @@ class Selection:
 
 @dataclass(frozen=True)
 class Result:
-    """What a run did, or would do."""
+    """The outcome of a run, or of one that writes nothing."""
 
     plan: Plan
     drift: tuple[Finding, ...]

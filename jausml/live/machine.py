@@ -48,7 +48,7 @@ class Outcome(Enum):
 
 @dataclass(frozen=True)
 class Finding:
-    """What was found about one thing.
+    """A finding about one thing.
 
     Attributes:
         topic: What it belongs to: `python`, `programs`, `ros`, `network` or `model`.

@@ -38,7 +38,7 @@ class Program:
 
     @property
     def fault(self) -> str:
-        """What is said where it is not there."""
+        """A remark where the program is not there."""
         if named := os.environ.get(self.variable):
             return f"{self.variable} names {named}, which is no program"
         return f"there is no {' or '.join(self.commands)}"

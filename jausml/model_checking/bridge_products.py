@@ -105,7 +105,7 @@ class ObeyingProduct:
 
     @property
     def late(self) -> str:
-        """What is wrong when it does not come by then."""
+        """The fault when it does not come by then."""
         if not self.bound:
             return f"nothing stops {self.command} when its source is lost"
         return f"{self.command} still stands {{bound}} after its source was lost"
@@ -350,7 +350,7 @@ class CommandingProduct:
 
     @property
     def late(self) -> str:
-        """What is wrong when it does not come by then."""
+        """The fault when it does not come by then."""
         if not self.bound:
             return f"nothing stops {self.command} at {self.peer} when the radio is lost"
         return f"{self.command} still stands at {self.peer} {{bound}} after its source was lost"

@@ -46,7 +46,7 @@ class CounterExample:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What was found of one subject."""
+    """The outcome for one subject."""
 
     subject: Subject
     states: int

@@ -55,7 +55,7 @@ class Core(NamedTuple):
 
 @dataclass(frozen=True)
 class CoreServices:
-    """What the core services of a component do.
+    """The behaviour of the core services of a component.
 
     Attributes:
         timeout: Ticks after which control lapses unless it is requested again; 0 is never.

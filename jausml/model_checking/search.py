@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, Protocol
 
 
 class Step(NamedTuple):
-    """What happens between two states.
+    """A step between two states.
 
     Attributes:
         receiver: To whom; empty where it concerns the actor alone.
@@ -50,7 +50,7 @@ class Product(Protocol):
 
     @property
     def late(self) -> str:
-        """What is wrong when it does not come by then."""
+        """The fault when it does not come by then."""
 
     def source(self, state: Any) -> str:
         """Returns whose command is in effect, and could be lost; empty for nobody's."""

@@ -280,7 +280,7 @@ class MachineProduct:
 
     @property
     def late(self) -> str:
-        """What is wrong when it does not come by then."""
+        """The fault when it does not come by then."""
         if not self.bound:
             return f"{self.component} stays as it was commanded when its client is lost"
         return f"{self.component} is still as it was commanded {{bound}} after its client was lost"

@@ -38,7 +38,7 @@ class Chosen:
 
 @dataclass(frozen=True)
 class Choice:
-    """What can happen in a state.
+    """A possible step in a state.
 
     Attributes:
         after: The state after it.

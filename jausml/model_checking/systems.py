@@ -42,7 +42,7 @@ _PATIENCE = 4.0
 
 @dataclass(frozen=True)
 class Subject:
-    """Something that is checked by itself.
+    """A part of a system that is checked by itself.
 
     Attributes:
         element: What it is about in the model, at which findings point.

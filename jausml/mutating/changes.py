@@ -117,7 +117,7 @@ class Site:
 
     @cached_property
     def value(self) -> Any:
-        """What the feature holds; a list where it has many values."""
+        """The value of the feature; a list where it has many values."""
         return held(self.element, self.feature)
 
 

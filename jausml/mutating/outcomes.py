@@ -35,7 +35,7 @@ and equal code is no mistake.
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of a mutation.
+    """The outcome of a mutation.
 
     Attributes:
         change: What was changed, before and after.
@@ -54,7 +54,7 @@ class Outcome:
 
 @dataclass
 class Campaign:
-    """What became of the mutations of a model.
+    """The outcomes of the mutations of a model.
 
     Attributes:
         possible: How many mutations the operators can make.

@@ -112,7 +112,7 @@ class Settings:
 
 @dataclass(frozen=True)
 class Tried:
-    """What became of a mutation (`remarks`: which tests, proofs and checks could not take part)."""
+    """The outcome of a mutation (`remarks`: which tests, proofs and checks could not take part)."""
 
     outcome: Outcome | None
     remarks: tuple[str, ...] = ()
@@ -208,7 +208,7 @@ class _Original:
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What of the model could not be proved or checked until now."""
+        """The parts of the model that could not be proved or checked until now."""
         return (*self._proof_oracle.remarks, *self._model_check_oracle.remarks)
 
     def outcome(self, mutation: Mutation, workspace: BrokenWorkspace) -> Outcome:

@@ -98,7 +98,7 @@ _NONE = "-"
 
 
 class ProgramError(Exception):
-    """What was generated becomes no program, or the program ends; the text says why."""
+    """A program that cannot be built of the generated code, or that ends; the text says why."""
 
 
 def compiled(code: ProofCode, folder: Path, program: str) -> Path:
@@ -179,7 +179,7 @@ class Course:
 
 @dataclass(frozen=True, slots=True)
 class Tally:
-    """What became of values; positions are those in the order of values.
+    """The outcome for values; positions are those in the order of values.
 
     Attributes:
         left_out: Values that are not there any more.
@@ -282,7 +282,7 @@ _AT_ONCE = 4096
 
 @dataclass(frozen=True)
 class Trip:
-    """What becomes of a message.
+    """The outcome for a message.
 
     Attributes:
         notes: Policy and field of each value that was limited or left out.

@@ -69,7 +69,7 @@ class Field:
 
 @dataclass
 class Plan:
-    """What is to be proved of a map.
+    """The plan of the proof of a map.
 
     Attributes:
         not_carried: Paths, behind their side, of numbers that go nowhere.
@@ -248,7 +248,7 @@ class _Planner:
         return self._form.translate(data, to_ros=self._side.to_ros)
 
     def _returned(self, data: bytes) -> bytes | None:
-        """What comes back of a message, with what was joined to it."""
+        """Returns the message that comes back, with those that were joined to it."""
         translation, side = self._translated(data), self._side
         if translation is None or not side.has_back:
             return None
@@ -328,7 +328,7 @@ def _partners(planned_field: Field, others: Sequence[Field]) -> list[Number]:
 
 
 def _full_turn(number: Number) -> float:
-    """What an angle goes around by, so that both its ends mean the same; 0 of other numbers."""
+    """Returns the full turn of an angle, whose ends mean the same; 0 of other numbers."""
     if not number.is_scaled or number.units not in _ANGLES:
         return 0.0
     low, high = number.ends

@@ -26,7 +26,7 @@ class Extreme:
 
 @dataclass(frozen=True)
 class Mixed:
-    """What becomes of values while the numbers that they share a member with are random."""
+    """The outcome for values while the numbers that share their member are random."""
 
     tried: int
     unchanged: int
@@ -54,7 +54,7 @@ class Reached:
 
 @dataclass
 class FieldResult:
-    """What becomes of the values of a number.
+    """The outcome for the values of a number.
 
     Attributes:
         total: How many values the wire can bring.
@@ -118,7 +118,7 @@ class FieldResult:
 
 @dataclass
 class MapResult:
-    """What becomes of the values of a map.
+    """The outcome for the values of a map.
 
     Attributes:
         error: Why it could not be proved, which is no fault of the map; empty where it was.
@@ -226,7 +226,7 @@ def _directions(result: FieldResult) -> Iterator[str]:
 
 
 def _treated(result: FieldResult) -> Iterator[str]:
-    """What the Python form tells of the values that are left to it."""
+    """Yields the reports of the Python form on the values that are left to it."""
     sampled = f" of {result.sampled} tried of {result.left:,}" if result.sampled else ""
     for count, what in (
         (result.limited, "limited"),
@@ -303,7 +303,7 @@ def by_map(report: Report) -> dict[str, list[str]]:
 
 @dataclass(frozen=True)
 class ProofFinding:
-    """What falls short in the proof of a number (`side`, `path`: as in its `FieldResult`)."""
+    """A shortcoming in the proof of a number (`side`, `path`: as in its `FieldResult`)."""
 
     rule: str
     side: str

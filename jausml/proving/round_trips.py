@@ -155,7 +155,7 @@ _SIZE = 4
 
 @dataclass(frozen=True)
 class Input:
-    """What a translation takes.
+    """The inputs of a translation.
 
     Attributes:
         joins: The joined messages, by the names with which paths of their numbers begin.

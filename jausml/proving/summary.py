@@ -39,7 +39,7 @@ _CLAMP = "clamp "
 
 @dataclass(frozen=True)
 class Swept:
-    """What becomes of the values of a number by its compiled form.
+    """The outcome for the values of a number by its compiled form.
 
     Attributes:
         wide: What becomes of all values, where the time was enough for more than those above.

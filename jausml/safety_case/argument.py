@@ -41,7 +41,7 @@ MARGIN = 1.0
 
 @dataclass(frozen=True)
 class Support:
-    """What a piece of evidence says of a goal."""
+    """The support of a goal by a piece of evidence."""
 
     evidence: str
     holds: bool
@@ -222,7 +222,7 @@ def counted(goals: Sequence[Goal]) -> str:
 
 @dataclass(frozen=True)
 class Goal:
-    """That a hazard is answered at an element.
+    """The claim that a hazard is answered at an element.
 
     Attributes:
         answered: Whether the model answers it, without a gap and with nothing against it.
@@ -246,7 +246,7 @@ class Goal:
 
     @property
     def standing(self) -> str:
-        """What it rests on."""
+        """The kind of its support."""
         if self.supported:
             return SUPPORTED
         if not self.answered:

@@ -32,7 +32,7 @@ ElementT = TypeVar("ElementT")
 
 @dataclass(frozen=True)
 class Answer:
-    """What an element does about a hazard: in some seconds, or for a reason that a person gave."""
+    """The answer of an element to a hazard: in some seconds, or for a reason that a person gave."""
 
     text: str
     seconds: float = 0.0

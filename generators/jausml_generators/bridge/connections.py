@@ -60,7 +60,7 @@ class ConnectionView:
 
     @property
     def alike(self) -> object:
-        """What connections share whose translations differ in the name of the connection alone."""
+        """The key that connections share whose translations differ in their own name alone."""
         return self.translated.alike
 
     @property
@@ -139,7 +139,7 @@ class ConnectionView:
 
     @property
     def summary(self) -> str:
-        """What it takes and makes, e.g. `ReportLocalPose (0x4403) to nav_msgs/Odometry`."""
+        """The source and target, e.g. `ReportLocalPose (0x4403) to nav_msgs/Odometry`."""
         ends = (
             f"{self.message.jaus_name} ({self.message.code_text})",
             f"{self.ros_type.package}/{self.ros_type.name}",
@@ -149,7 +149,7 @@ class ConnectionView:
 
     @property
     def documentation(self) -> str:
-        """What the connection carries, and what the model says about it."""
+        """The summary of the connection, and its documentation in the model."""
         about = self.connection.documentation or ""
         return "\n\n".join(filter(None, [f"{self.summary}.", about, self._about_map]))
 
@@ -296,7 +296,7 @@ class ConnectionView:
 
     @property
     def _bound(self) -> bridge.Connection | bridge.RosActionConnection:
-        """What of the model says who is at the other end."""
+        """The element of the model that names the other end."""
         return self.connection
 
     @property
@@ -331,7 +331,7 @@ class ConnectionView:
 
     @functools.cached_property
     def joins(self) -> tuple[JoinView | ReportJoinView, ...]:
-        """What is joined, whose latest messages are parameters of the translation."""
+        """The joins, whose latest messages are parameters of the translation."""
         if self.to_ros:
             names = {join.join: join.name for join in self.translated.joins}
             reports = joined_reports(self.connection)

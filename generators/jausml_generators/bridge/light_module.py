@@ -105,7 +105,7 @@ class LightModule:
 
     @property
     def imports(self) -> Imports:
-        """What the module may import."""
+        """The names that the module may import."""
         return Imports(
             {
                 **offered("typing", "ClassVar"),
@@ -152,7 +152,7 @@ class LightClass:
 
     @property
     def documentation(self) -> str:
-        """What the model says of the type, or its name."""
+        """The documentation of the type, or its name."""
         own = clean(self.message.documentation)
         return own or f"Message {ros_type(self.message).full_name}"
 

@@ -85,7 +85,7 @@ class ActionView(ConnectionView):
 
     @property
     def summary(self) -> str:
-        """What it takes and makes of an element."""
+        """The source and target of an element."""
         return f"{super().summary}, an element of {printable(self.action.action)}"
 
     @functools.cached_property
@@ -156,7 +156,7 @@ class ActionView(ConnectionView):
 
     @property
     def _answers(self) -> list[str]:
-        """What the driver tells besides the active element, unless a connection answers it."""
+        """The answers of the driver besides the active element, unless a connection has them."""
         action = self.action
         list_answers = {
             "speed": speed_answer(action.driver),
@@ -220,7 +220,7 @@ class ActionView(ConnectionView):
 
     @property
     def hook_documentation(self) -> str:
-        """What that method is for."""
+        """The documentation of that method."""
         kind = ros_type(self.action.type).full_name
         if not self.to_ros:
             return f"Returns the speed in m/s at which the list of a goal of {kind} is executed."
@@ -231,7 +231,7 @@ class ActionView(ConnectionView):
 
     @property
     def hook_stub(self) -> str:
-        """That method for the skeleton."""
+        """The stub of that method for the skeleton."""
         about = docstring(self.hook_documentation, 8)
         body = f"return super().{self.hook}({', '.join(self.hook_parameters)})"
         return f"    {self.hook_signature}\n        {about}\n        {body}\n"
@@ -345,7 +345,7 @@ class CallView:
 
     @property
     def _request(self) -> str:
-        """What asks: a translation, the message that is sent, or the class of what is taken."""
+        """The request: a translation, the message that is sent, or the class of what is taken."""
         message = calls.asking(self.connection)
         if calls.REQUEST in self.halves or message is None or not calls.serves(self.connection):
             return self._half(calls.REQUEST, message)

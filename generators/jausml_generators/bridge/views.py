@@ -75,7 +75,7 @@ class BridgeView(ProgramView):
 
     @property
     def title(self) -> str:
-        """What texts call it, e.g. `bridge turtle`; one that is named `bridge` just that."""
+        """The name in texts, e.g. `bridge turtle`; one that is named `bridge` just that."""
         return "bridge" if self.name.lower() == "bridge" else f"bridge {self.name}"
 
     @property
@@ -91,7 +91,7 @@ class BridgeView(ProgramView):
 
     @property
     def documentation(self) -> str:
-        """What the model says that the bridge is for."""
+        """The documentation of the bridge."""
         return self.bridge.documentation or f"The {self.title} of the system {self.system.name}."
 
     @functools.cached_property
@@ -159,7 +159,7 @@ class BridgeView(ProgramView):
 
     @functools.cached_property
     def translated(self) -> tuple[ConnectionView, ...]:
-        """All that has a translation: connections, and the halves of calls."""
+        """All connections and halves of calls: those that have a translation."""
         halves = (half for call in self.calls for half in call.halves.values())
         return (*self.connections, *halves)
 
@@ -255,7 +255,7 @@ class BridgeView(ProgramView):
 
     @property
     def base_imports(self) -> Imports:
-        """What the base may import."""
+        """The names that the base may import."""
         return Imports(
             {
                 **runtime_names(),
@@ -267,12 +267,12 @@ class BridgeView(ProgramView):
 
     @property
     def skeleton_imports(self) -> Imports:
-        """What the skeleton may import."""
+        """The names that the skeleton may import."""
         return self.base_imports.and_also(offered(f".{self.package}_base", self.base_name))
 
     @functools.cached_property
     def module(self) -> BaseModule:
-        """What stands in the module of the base besides the connections."""
+        """The parts of the module of the base besides the connections."""
         return BaseModule(self.translations.uses)
 
     @property

@@ -85,7 +85,7 @@ class PolicyView:
 
     @property
     def grants(self) -> tuple[Grant, ...]:
-        """What the node may do."""
+        """The rights of the node."""
         names: dict[_Use, set[str]] = {use: set() for use in _USES}
         for use, used_names in _uses(self.element):
             names[use] |= set(map(self._full, used_names))

@@ -117,7 +117,7 @@ class ProcessView:
 
     @property
     def program(self) -> str:
-        """What a launch action runs, as Python text."""
+        """The program that a launch action runs, as Python text."""
         package = python_string(self.package)
         return call("ExecutableInPackage", f"executable={package}", f"package={package}")
 
@@ -136,7 +136,7 @@ class ConfigView:
 
     @property
     def nothing(self) -> str:
-        """What stands for no parameters; ROS reads no file that leaves the value out."""
+        """The text for no parameters; ROS reads no file that leaves the value out."""
         process = self.process
         lines = (bridge_parameter.is_comment for bridge_parameter in process.bridge_parameters)
         return " {}" if not process.parameters and all(lines) else ""

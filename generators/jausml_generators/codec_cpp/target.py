@@ -68,7 +68,7 @@ class HeaderView:
 
     @property
     def cases(self) -> tuple[str, ...]:
-        """What a visitor gets, by the codes of the messages."""
+        """The cases of a visitor, by the codes of the messages."""
         structs_by_code: dict[str, list[str]] = defaultdict(list)
         for message in self.messages:
             structs_by_code[message.code_text].append(self.codec.structs[message.class_name].cpp)

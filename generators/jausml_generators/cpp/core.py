@@ -32,7 +32,7 @@ _PARAMETERS = (("const Source&", "source"), ("Target&", "target"), ("jausml::Che
 
 @dataclass(frozen=True)
 class Ends:
-    """What a translation goes from and to.
+    """The source and the target of a translation.
 
     Attributes:
         message: The JAUS message.
@@ -265,13 +265,13 @@ class Core:
 
     @functools.cached_property
     def left_lines(self) -> tuple[str, ...]:
-        """What is left to Python, and why, as text of comments."""
+        """The translations that are left to Python, and why, as text of comments."""
         texts = (printable(f"{name}: {reason}") for name, reason in self.left.items())
         return tuple(" ".join(text.replace("\\", "/").split()) for text in texts)
 
     @functools.cached_property
     def digest(self) -> str:
-        """What tells a library that was compiled of another text."""
+        """The checksum by which a library that was compiled of another text is noticed."""
         parts = [self.jaus_lines, self.ros_lines, self.conversions, self.constants]
         # The headers belong to it: a library of older headers must not be loaded.
         text = repr([*parts, self.functions, *map(support, CORE)])

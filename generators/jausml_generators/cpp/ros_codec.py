@@ -161,7 +161,7 @@ class RosCodec:
 
 
 def _initial(field: FieldLayout) -> str:
-    """What a field is in a message as it is made."""
+    """Returns the initial value of a field in a new message."""
     if field.message is not None:
         return ""
     if field.is_single:

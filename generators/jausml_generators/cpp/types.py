@@ -34,7 +34,7 @@ _RESERVED = names_in(
 
 
 class UnprintableError(ValueError):
-    """Something that has no form in C++; Python does it."""
+    """A construct that has no form in C++; Python does it."""
 
 
 def cpp_name(name: str) -> str:
@@ -267,7 +267,7 @@ def support(name: str) -> str:
 
 @dataclass(frozen=True)
 class Found:
-    """What stands at a place.
+    """The slot at a place.
 
     Attributes:
         is_optional: Whether it may not be there; the text is then that of the optional.
@@ -286,7 +286,7 @@ class Found:
 
 
 class Places:
-    """What the places of one translation are called.
+    """The names of the places of one translation.
 
     Attributes:
         classes: Structs by the names of their classes in Python.

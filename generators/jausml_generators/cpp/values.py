@@ -41,7 +41,7 @@ _CHECKED |= dict.fromkeys(["text", "octets", "sized"], "sized")
 
 @dataclass
 class Used:
-    """What translations use of the file around them.
+    """The parts of the file that translations use.
 
     Attributes:
         classes: Structs by the names of their classes in Python.

@@ -201,7 +201,7 @@ class UnitView:
 
     @property
     def title(self) -> str:
-        """What it is, e.g. `bridge watcher`."""
+        """The kind and name, e.g. `bridge watcher`."""
         return f"{self.process.kind} {self.process.name}"
 
     @property

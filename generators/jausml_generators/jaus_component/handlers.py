@@ -86,7 +86,7 @@ class Method:
 
     @property
     def contract(self) -> MethodContract:
-        """What the drift report compares the user's class with."""
+        """The contract with which the drift report compares the user's class."""
         body = indent(f"{self.docstring}\n{self.placeholder}", " " * _BODY)
         stub = f"    {self.signature}\n{body}\n"
         names = tuple(name for name, _ in self.parameters)

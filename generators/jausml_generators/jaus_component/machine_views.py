@@ -205,7 +205,7 @@ LONGEST = 200
 
 @dataclass(frozen=True)
 class Step:
-    """What happens to a machine, and the state that it is in then.
+    """A step of a machine, and the state after it.
 
     Attributes:
         actions: What it does on the way; what it does as the core services change is left out.

@@ -80,7 +80,7 @@ class ComponentView(ProgramView):
 
     @property
     def documentation(self) -> str:
-        """What the model says that the component is for."""
+        """The documentation of the component."""
         known = clean(self.component.documentation)
         return sentence(known or f"component {self.name} of the system {clean(self.system.name)}")
 
@@ -358,7 +358,7 @@ class ComponentView(ProgramView):
 
     @property
     def description(self) -> str:
-        """What the component is for, as a Python string."""
+        """The documentation, as a Python string."""
         return long_string(self.documentation)
 
     @property
@@ -389,7 +389,7 @@ class ComponentView(ProgramView):
 
     @property
     def base_imports(self) -> Imports:
-        """What the base may import."""
+        """The names that the base may import."""
         core = [v.class_name for e, v in self._messages.items() if is_core_message(e)]
         return Imports(
             {
@@ -401,13 +401,13 @@ class ComponentView(ProgramView):
 
     @property
     def skeleton_imports(self) -> Imports:
-        """What the skeleton may import."""
+        """The names that the skeleton may import."""
         own = offered(f".{self.package}_base", "ADDRESS", "SETTINGS", self.base_name)
         return self.base_imports.and_also(own)
 
     @property
     def test_imports(self) -> Imports:
-        """What the tests may import."""
+        """The names that the tests may import."""
         return Imports(
             {
                 **runtime_names(),

@@ -74,7 +74,7 @@ class SystemMessages:
 
     @property
     def description(self) -> str:
-        """What the package is for."""
+        """The purpose of the package."""
         return f"The JAUS messages of the system {clean(self.system.name)}."
 
     @property

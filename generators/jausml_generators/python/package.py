@@ -224,12 +224,12 @@ class ProgramView(ABC):
     @property
     @abstractmethod
     def base_imports(self) -> Imports:
-        """What the base may import."""
+        """The names that the base may import."""
 
     @property
     @abstractmethod
     def skeleton_imports(self) -> Imports:
-        """What the skeleton may import."""
+        """The names that the skeleton may import."""
 
     def package_view(self, system: System, description: str, **attributes: Any) -> PackageView:
         """Returns its package, whose other attributes are as `package_view` takes them."""

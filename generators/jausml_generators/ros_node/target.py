@@ -161,7 +161,7 @@ class NodeView(ProgramView):
 
     @property
     def description(self) -> str:
-        """What the model says that the node is for."""
+        """The documentation of the node."""
         return self.node.documentation or f"Node of the system {self.system}."
 
     @property
@@ -217,19 +217,19 @@ class NodeView(ProgramView):
 
     @property
     def base_imports(self) -> Imports:
-        """What the base may import."""
+        """The names that the base may import."""
         types = {name: Origin(kind.module, kind.name) for kind, name in self._type_names.items()}
         return Imports({**_RCLPY, **types})
 
     @property
     def skeleton_imports(self) -> Imports:
-        """What the skeleton may import."""
+        """The names that the skeleton may import."""
         base = offered(f".{self.package}_base", self.base_name)
         return self.base_imports.and_also(base)
 
     @property
     def test_imports(self) -> Imports:
-        """What the tests may import."""
+        """The names that the tests may import."""
         own = offered(f"{self.package}.{self.package}", self.class_name)
         return Imports({**_RCLPY, **own}, own=self.package)
 

@@ -47,12 +47,12 @@ class Module:
 
     @functools.cached_property
     def imports(self) -> tuple[tuple[str, str], ...]:
-        """What it imports of the runtime, as module and name."""
+        """The imports from the runtime, as module and name."""
         return tuple(_imports(_importing(self.text), f"{FACE}.{self.package}".rstrip(".")))
 
     @property
     def foreign(self) -> set[str]:
-        """What it imports of others, as packages."""
+        """The imports from elsewhere, as packages."""
         packages: set[str] = set()
         for node in _importing(self.text):
             if isinstance(node, ast.Import):

@@ -49,7 +49,7 @@ class MessageTable:
 
     @property
     def table(self) -> Table:
-        """What the dissector knows of the message."""
+        """The facts of the message for the dissector."""
         head: Table = {"name": self.name, "filter": self.filter, "services": self.services}
         return {**head, **({"body": self.body} if self.body else {})}
 
@@ -80,7 +80,7 @@ class DissectorView:
 
     @property
     def second(self) -> str:
-        """What a script says that finds another one of JAUS loaded."""
+        """The message of a script that finds another one of JAUS loaded."""
         file = self.path.rpartition("/")[2]
         cure = "keep one script of JAUS, or generate one of all your services"
         return f"{file} is not loaded, since another script shows JAUS already: {cure}"

@@ -112,7 +112,7 @@ _GROWING = {"provides", "inherits"}
 
 
 class Kind(Enum):
-    """What became of an element."""
+    """Kinds of changes of an element."""
 
     ADDED = "added"
     REMOVED = "removed"

@@ -43,7 +43,7 @@ def is_ordered(table: ClassTable, feature: FeatureTable) -> bool:
 
 @dataclass(frozen=True)
 class _Missing:
-    """What a reference names that leads to no element."""
+    """The missing target of a reference."""
 
     fragment: str
 

@@ -43,7 +43,7 @@ _MISSING = "JML108"
 
 @dataclass(frozen=True)
 class LeftOut:
-    """What a clip says and nothing here can stand for, with the name of the element it is of."""
+    """A part of a clip that has no target here, with the name of its element."""
 
     name: str
     message: str
@@ -51,7 +51,7 @@ class LeftOut:
 
 @dataclass(frozen=True)
 class Clip:
-    """What a text has, as commands that add it to whatever owner."""
+    """The elements of a text, as commands that add them to an owner."""
 
     commands: tuple[Add | Set, ...]
     left_out: tuple[LeftOut, ...]

@@ -48,7 +48,7 @@ _BY_NAME = re.compile(rb"""#/+[^/@"'\s]|@\w+\[|["'\s]//[^@"'\s]""")
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What commands did.
+    """The outcome of commands.
 
     `working_copy`: the elements of the files that were changed, and of those that refer to them.
     `shifts`: how each command changed refs: new ones by old ones, empty for what is gone.

@@ -106,13 +106,13 @@ class Project:
 
     @property
     def log(self) -> tuple[records.Entry, ...]:
-        """What was done and not undone, in order."""
+        """The entries that were done and not undone, in order."""
         with self._lock:
             return self._log.done
 
     @property
     def undone(self) -> tuple[records.Entry, ...]:
-        """What can be done again, the next first."""
+        """The entries that can be done again, the next first."""
         with self._lock:
             return self._log.undone
 

@@ -35,7 +35,7 @@ _NAME = "name"
 
 @dataclass(frozen=True, slots=True)
 class _Revision:
-    """What happened in one revision.
+    """The changes of one revision.
 
     `shifts`: how refs shifted; None when no commands say so.
     """

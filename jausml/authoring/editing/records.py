@@ -94,7 +94,7 @@ class Referrer:
 
 @dataclass(frozen=True, slots=True)
 class Preview:
-    """What commands would do.
+    """The effect of commands, before they are carried out.
 
     `referrers`: elements that refer to what would go, and would lose that or go too. `diff`: the
     differences of the files, as `diff -u` writes them.
@@ -120,7 +120,7 @@ class Change:
 
 @dataclass(frozen=True, slots=True)
 class Freshness:
-    """What an answer about a model is worth.
+    """How current an answer about a model is.
 
     Attributes:
         state: `current`, or why it is of the past: `stale` when it is of an earlier revision,
@@ -180,22 +180,22 @@ class Log:
 
     @property
     def done(self) -> tuple[Entry, ...]:
-        """What was done and not undone, in order."""
+        """The entries that were done and not undone, in order."""
         return tuple(self._entries[: self._at])
 
     @property
     def undone(self) -> tuple[Entry, ...]:
-        """What can be done again, the next first."""
+        """The entries that can be done again, the next first."""
         return tuple(self._entries[self._at :])
 
     @property
     def last(self) -> Entry | None:
-        """What was done last, None without anything."""
+        """The entry that was done last, None without one."""
         return self._entries[self._at - 1] if self._at else None
 
     @property
     def next(self) -> Entry | None:
-        """What was undone last, None without anything."""
+        """The entry that was undone last, None without one."""
         return self._entries[self._at] if self._at < len(self._entries) else None
 
     def add(

@@ -68,7 +68,7 @@ class ElementCopy:
 
     @property
     def label(self) -> str:
-        """What people call it."""
+        """Class and name, for people."""
         return f"{self.table.name} '{self.name}'" if self.name else self.table.name
 
     @property
@@ -81,7 +81,7 @@ class ElementCopy:
 
     @property
     def siblings(self) -> tuple[list[ElementCopy], list[ElementCopy]]:
-        """What its owner has of the same feature before it, and behind it."""
+        """The elements of the same feature of its owner before it, and behind it."""
         own = self.owner.owned[self.feature] if self.owner is not None else [self]
         at = own.index(self)
         return own[:at], own[at + 1 :]

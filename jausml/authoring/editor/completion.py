@@ -53,7 +53,7 @@ Kind: TypeAlias = Literal[
 
 @dataclass(frozen=True, slots=True)
 class Completion:
-    """Something that can stand at a place.
+    """An element, a name or a word that can stand at a place.
 
     Attributes:
         text: What is written, when that is not the label.

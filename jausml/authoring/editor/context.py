@@ -154,7 +154,7 @@ class Context:
 
     @property
     def item(self) -> tree.Item | None:
-        """What the innermost list belongs to."""
+        """The item of the innermost list."""
         return self.levels[-1].item
 
     @property

@@ -223,7 +223,7 @@ def _element(bench: Workbench, path: Path, element: EObject | None) -> Definitio
 
 @dataclass(slots=True)
 class Symbol:
-    """Something that a text declares."""
+    """A declaration of a text."""
 
     name: str
     kind: str

@@ -205,7 +205,7 @@ def checked(
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """Something that is wrong with a text."""
+    """A fault in a text."""
 
     span: Span
     severity: Severity

@@ -148,7 +148,7 @@ def is_shipped(path: Path) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class Fix:
-    """What makes a finding go away."""
+    """An edit by which a finding goes away."""
 
     label: str
     finding: Diagnostic

@@ -30,7 +30,7 @@ class Comment:
 
     @property
     def said(self) -> str:
-        """What it says, whatever its layout."""
+        """The words of the comment, whatever its layout."""
         return " ".join(self.written.strip("<!-/*> \n").split())
 
 

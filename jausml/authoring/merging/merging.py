@@ -55,7 +55,7 @@ class Merged:
 
 @dataclass(frozen=True)
 class States:
-    """What a file holds in the three states of a merge; None where it is not there."""
+    """The bytes of a file in the three states of a merge; None where it is not there."""
 
     base: bytes | None
     ours: bytes | None

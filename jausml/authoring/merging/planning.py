@@ -113,7 +113,7 @@ class Order:
 
 @dataclass
 class Plan:
-    """What is to be done to our side.
+    """The changes to make on our side.
 
     `replaced`: elements that make room for others, before anything else. `moved`: elements that
     are new in one place of theirs, and stay where our side changed them.

@@ -46,7 +46,7 @@ SUMS = "SHA256SUMS"
 
 @dataclass(frozen=True)
 class Wish:
-    """What is wanted.
+    """The wanted project.
 
     `origin`: the name of the starting point of the model.
     """

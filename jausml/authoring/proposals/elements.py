@@ -350,7 +350,7 @@ def _system_of(element: EObject | None) -> system.System | None:
 
 
 def _of_map(element: EObject, feature: str) -> list[EObject] | None:
-    """What the map has that an element stands in, or that its connection uses."""
+    """Returns the elements of a feature of the map around an element, or of its connection."""
     map_or_connection: Any = around(element, bridge.AttributeMap, bridge.Connection)
     map_ = (
         map_or_connection.map
@@ -361,7 +361,7 @@ def _of_map(element: EObject, feature: str) -> list[EObject] | None:
 
 
 def _reports(element: EObject) -> list[EObject] | None:
-    """What the provider of a service connection sends; all messages where none is chosen."""
+    """Returns the messages that a service connection may ask for; all where none is chosen."""
     if not isinstance(element, jaus.ServiceConnection):
         return None
     provider = element.provider or element.search
@@ -369,7 +369,7 @@ def _reports(element: EObject) -> list[EObject] | None:
 
 
 def _taken(element: EObject) -> list[EObject] | None:
-    """What the service of a state machine takes, inherited messages included.
+    """Returns the messages that the service of a state machine takes, inherited ones included.
 
     What the runtime takes is no trigger (rule JML350).
     """

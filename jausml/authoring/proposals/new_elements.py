@@ -109,7 +109,7 @@ _OWN_RULE = decisions_made.id
 
 @dataclass(frozen=True, slots=True)
 class OpenPoint:
-    """Something of a new element that its author should know.
+    """A decision or a remark on a new element, for its author.
 
     `rule`: the rule that reports it until it is decided. Without one nothing has to be decided: the
     model says it by itself. `is_blocking`: whether a safety or a meaning hangs on an open decision

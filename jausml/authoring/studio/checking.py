@@ -32,7 +32,7 @@ _MOST_UNTIDY = 8
 
 @dataclass(frozen=True)
 class Verdict:
-    """What was found about a file and all that it refers to.
+    """The findings about a file and all files that it refers to.
 
     `freshness`: what that is worth: rules were run if it is current. `fault`: why no rules were
     run, empty when they were.

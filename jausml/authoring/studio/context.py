@@ -119,7 +119,7 @@ _USUAL = (DEFAULT_INTERFACE, DEFAULT_PORT, DEFAULT_GROUP, ())
 
 @dataclass
 class StudioContext:
-    """What request handlers work with.
+    """The surroundings of request handlers.
 
     `out`: where `generate` writes when nobody says otherwise, empty for its default.
     `given_recordings`: those that pages may open beside the files of the project.

@@ -30,7 +30,7 @@ _LISTS = ("nodes", "groups", "edges")
 
 @dataclass
 class _View:
-    """What is known of a view; the lock is held while it is drawn.
+    """The state of a view; the lock is held while it is drawn.
 
     `expected`: where the boxes of new elements were dropped, by element.
     """

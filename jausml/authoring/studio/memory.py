@@ -27,7 +27,7 @@ _FARTHEST = 1_000_000
 
 
 class Memory:
-    """What is remembered of the views of all files; any thread may ask."""
+    """The remembered places in the views of all files; any thread may ask."""
 
     def __init__(self, root: Path) -> None:
         self._disk = Disk(root)

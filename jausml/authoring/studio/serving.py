@@ -142,7 +142,7 @@ PAGE = Path(__file__).resolve().parent / "page"
 
 
 class Studio(Site):
-    """What is served."""
+    """The page of the studio and its sockets."""
 
     def __init__(self, session: Session) -> None:
         """Serves a session."""

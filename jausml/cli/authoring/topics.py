@@ -35,7 +35,7 @@ def side_option(command: Callable[..., None]) -> Callable[..., None]:
 
 @dataclass(frozen=True)
 class Choosing:
-    """What the options say of how topics are bridged.
+    """The options on how topics are bridged.
 
     `holds`: why last commands may stand, `TOPIC=REASON`. What is missing is asked on a terminal,
     unless the likeliest is taken, and nothing else answers it. `joints`: names of joints that a

@@ -143,7 +143,7 @@ class _State:
 
 @dataclass(frozen=True)
 class _Comparison:
-    """What changed from one state to another.
+    """The changes from one state to another.
 
     Attributes:
         pairs: The root elements of both states, None for one that the other state lacks.

@@ -26,7 +26,7 @@ PROBLEMS = 1
 
 
 class EnvironmentFault(click.ClickException):
-    """Something outside the models is wrong: a path, a permission, a missing package."""
+    """A fault outside the models: a path, a permission, a missing package."""
 
     exit_code = 2
 

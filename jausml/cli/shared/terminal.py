@@ -28,7 +28,7 @@ _CLEAR = "\r\x1b[K"
 
 @dataclass(frozen=True)
 class Verbosity:
-    """What the options in front of the verb ask for.
+    """The options in front of the verb.
 
     `quiet`: results and problems alone; no summaries, no remarks, no progress.
     """

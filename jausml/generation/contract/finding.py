@@ -22,7 +22,7 @@ from jausml.language.model.inputs import read_input
 
 
 class FindingKind(Enum):
-    """What is wrong with a user's file, by the rule that says so."""
+    """Kinds of faults in a user's file, by the rule that reports them."""
 
     SYNTAX = "JML902"
     NO_CLASS = "JML903"

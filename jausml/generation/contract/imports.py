@@ -24,7 +24,7 @@ class Lost:
 
 @dataclass(frozen=True)
 class Surroundings:
-    """What is to be known beside a file.
+    """The surroundings of a file that is checked.
 
     Attributes:
         former: The names that generated modules had, with what they are now, or nothing.

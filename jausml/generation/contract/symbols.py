@@ -60,7 +60,7 @@ class Function:
 
 @dataclass(frozen=True, eq=False)
 class Value:
-    """What an assignment or an annotation defines."""
+    """The value of an assignment or an annotation."""
 
     annotation: ast.expr | None
     value: ast.expr | None
@@ -77,7 +77,7 @@ class External:
 
 
 class Unknown(enum.Enum):
-    """What cannot be known without running the code."""
+    """The type of all that cannot be known without running the code."""
 
     UNKNOWN = enum.auto()
 

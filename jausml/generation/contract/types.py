@@ -59,7 +59,7 @@ LookUp = Callable[[str], Type]
 
 
 class Types:
-    """What expressions of the workspace are."""
+    """The types of expressions of the workspace."""
 
     def __init__(self, modules: Modules) -> None:
         self.modules = modules

@@ -61,7 +61,7 @@ STANDARD: Mapping[str, Origin] = {
 
 @dataclass(frozen=True)
 class Imports:
-    """What a module may import."""
+    """The names that a module may import."""
 
     names: Mapping[str, Origin]
     own: str = ""
@@ -79,7 +79,7 @@ class Names(NamedTuple):
 
     @property
     def unknown(self) -> set[str]:
-        """Those that are asked for, and that neither the statements nor Python define."""
+        """The used names that neither the statements nor Python define."""
         used = set(self.used).difference(self.defined)
         return {name for name in used if not hasattr(builtins, name) and name not in _OF_MODULES}
 

@@ -53,7 +53,7 @@ class Bracket:
 
     @functools.cached_property
     def text(self) -> str:
-        """It and what stands in it, on one line."""
+        """The bracket with its contents, on one line."""
         comma = "," if self.is_lone_tuple else ""
         return f"{self.opening}{flat(self.inside)}{comma}{self.closing}"
 

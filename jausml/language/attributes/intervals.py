@@ -36,7 +36,7 @@ def hull(*intervals: Interval) -> Interval:
 
 
 def meet(left: Interval, right: Interval) -> Interval:
-    """What lies in both of two intervals."""
+    """Returns the part that two intervals share."""
     both = max(left[0], right[0]), min(left[1], right[1])
     return EMPTY if is_empty(both) else both
 
@@ -168,7 +168,7 @@ def length(x: Interval, y: Interval) -> Interval:
 
 
 def modulo(a: Interval, b: Interval) -> Interval:
-    """What a division leaves, with the sign of the dividend (fmod)."""
+    """Returns the remainders of a division, with the sign of the dividend (fmod)."""
     largest = absolute(b)[1]
     if largest == 0.0:
         return EMPTY
@@ -176,7 +176,7 @@ def modulo(a: Interval, b: Interval) -> Interval:
 
 
 def remainder(a: Interval, b: Interval) -> Interval:
-    """What a division by the nearest whole number leaves, at most half of the divisor."""
+    """Returns the remainders by the nearest whole number, at most half of the divisor."""
     (_, farthest), (least, largest) = absolute(a), absolute(b)
     if largest == 0.0:
         return EMPTY

@@ -225,7 +225,7 @@ def _value(held: Any) -> Any:
 
 
 class _Default:
-    """What an attribute of one value has while the element holds none by its name."""
+    """The default of an attribute of one value, while the element holds none by its name."""
 
     __slots__ = ("default", "feature")
 

@@ -12,7 +12,7 @@ from jausml.language.metamodel.classes.ecore import EObject
 
 
 class FeatureKind(Enum):
-    """What a structural feature holds and how it is written in XMI."""
+    """Kinds of structural features, and how each is written in XMI."""
 
     ATTRIBUTE = "attribute"
     """A value of a data type: an XML attribute or an element with text."""
@@ -111,7 +111,7 @@ class ClassTable:
 
     @property
     def python_class(self) -> type[EObject]:
-        """What pyecore makes the elements from."""
+        """The class by which pyecore makes the elements."""
         element_class: type[EObject] = self.eclass.python_class
         return element_class
 

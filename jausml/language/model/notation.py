@@ -24,7 +24,7 @@ BY_NAME = f"{NOTATION} name"
 
 @dataclass(frozen=True, slots=True)
 class Fault(ReadFault):
-    """Something wrong that a notation finds in a document.
+    """A fault that a notation finds in a document.
 
     Attributes:
         feature: The feature of that element whose value is lost, or empty.
@@ -83,7 +83,7 @@ class Written(Protocol):
 
     @property
     def faults(self) -> Sequence[Fault]:
-        """What is wrong with the text."""
+        """The faults of the text."""
 
     @property
     def imports(self) -> Sequence[ImportedDocument]:

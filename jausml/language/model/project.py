@@ -146,7 +146,7 @@ class Reading:
 
 
 class InputError(Exception):
-    """What a user named cannot be used; the text names it and says why."""
+    """An input of the user that cannot be used; the text names it and says why."""
 
 
 def find_files(paths: Iterable[str], suffixes: tuple[str, ...]) -> list[str]:

@@ -33,7 +33,7 @@ DEEPEST = 64
 
 @dataclass(frozen=True, slots=True)
 class Extent:
-    """What a message consists of, sequences without their elements.
+    """The extent of a message, sequences without their elements.
 
     Attributes:
         depth: How deep its types are nested; 1 when it has primitive fields alone.

@@ -65,7 +65,7 @@ class Href:
 
 @dataclass(slots=True, kw_only=True)
 class Item:
-    """Something that stands on lines of its own.
+    """An item on lines of its own.
 
     Attributes:
         comments: Ordinary comments before it, each with its marks (`// ...` or `/* ... */`).

@@ -31,7 +31,7 @@ _SAID = re.compile(
 
 @dataclass(eq=False, slots=True)
 class _Allowance:
-    """What one `@allow` says."""
+    """One `@allow`."""
 
     element: str
     fragment: str

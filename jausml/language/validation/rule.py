@@ -53,7 +53,7 @@ wrong."""
 
 @dataclass(frozen=True, slots=True)
 class Scope:
-    """What functions of rules judge by itself.
+    """The elements that functions of rules judge one by one.
 
     Attributes:
         kinds: Classes of elements; empty for a function that looks at the model as a whole.
@@ -102,7 +102,7 @@ class Rule:
 
     @property
     def documentation(self) -> str:
-        """What the rule demands and why, with a bad and a good example."""
+        """The demand of the rule and its reason, with a bad and a good example."""
         return inspect.getdoc(self.parts[0].check) or ""
 
     def findings(self, subject: Subject) -> Iterator[Finding]:

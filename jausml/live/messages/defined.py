@@ -67,7 +67,7 @@ def _catalogue_of(result: ReadResult) -> DefinedCatalogue:
 
 
 class DefinedCatalogue(Catalogue):
-    """What a model defines; entries and codecs are made when they are used."""
+    """The messages of a model; entries and codecs are made when they are used."""
 
     def __init__(self, model: Model) -> None:
         """Lists it."""
@@ -184,7 +184,7 @@ class DefinedMessage(MessageEntry):
 
     @property
     def layout(self) -> wire.Message:
-        """How it is laid out (`wire.LayoutError`: it cannot be)."""
+        """The layout of the message (`wire.LayoutError`: it has none)."""
         return wire.resolve(self._definition)
 
     @cached_property

@@ -185,7 +185,7 @@ class MessageEntry:
 
     @property
     def layout(self) -> wire.Message:
-        """How it is laid out (`wire.LayoutError`: it cannot be)."""
+        """The layout of the message (`wire.LayoutError`: it has none)."""
         raise NotImplementedError
 
     @cached_property
@@ -226,7 +226,7 @@ class MessageEntry:
 
     @cached_property
     def identity(self) -> tuple[Any, ...]:
-        """What two definitions of one message share."""
+        """The facts that two definitions of one message share."""
         return (self.name, self.code, wire.comparable(self.record, _BESIDE_BYTES))
 
     def completed(self, fields: dict[str, Any]) -> dict[str, Any]:

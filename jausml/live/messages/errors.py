@@ -16,7 +16,7 @@ class MessageError(ValueError):
 
 
 class CodecError(MessageError):
-    """Something is wrong at one place of a message.
+    """A fault at one place of a message.
 
     Attributes:
         path: Path of the field, e.g. `NodeList[2].NodeRec.NodeID`; empty for the message itself.

@@ -46,7 +46,7 @@ class FrozenMessage:
 
 @dataclass(frozen=True)
 class FrozenMessages:
-    """All that a catalogue lists."""
+    """The services and messages of a catalogue."""
 
     services: tuple[FrozenService, ...]
     messages: tuple[FrozenMessage, ...]

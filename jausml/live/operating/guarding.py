@@ -68,7 +68,7 @@ class Guarding:
 
     @property
     def failure(self) -> str:
-        """What the guardian cannot do, to be said of it; empty while all is well."""
+        """The failure of the guardian, to be shown; empty while all is well."""
         with self._lock:
             missing = f"has no datagram for {', '.join(self._unreached)}" if self._unreached else ""
             return ", ".join(filter(None, (self._ward.failure, missing)))

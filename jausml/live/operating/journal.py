@@ -17,7 +17,7 @@ _MOST_ALARMS = 200
 
 @dataclass(frozen=True)
 class JournalEntry:
-    """Something that was done, or happened (`time`: seconds since 1970)."""
+    """A deed or an event (`time`: seconds since 1970)."""
 
     number: int
     time: float
@@ -27,7 +27,7 @@ class JournalEntry:
 
 @dataclass
 class Alarm:
-    """Something that nobody should overlook.
+    """An event that nobody should overlook.
 
     Attributes:
         cause: What it comes from, by name: alarms of one cause stand together.

@@ -30,7 +30,7 @@ _READING = "jausml.live.operating.reading"
 
 @dataclass(frozen=True)
 class DeclaredStop:
-    """What ends a command that is sent again and again (`source`: who has declared it)."""
+    """The stop of a command that is sent again and again (`source`: who has declared it)."""
 
     message: str
     fields: dict[str, Any]
@@ -44,7 +44,7 @@ Declarations = tuple["DeclaredStop | str", ...]
 
 @dataclass(frozen=True)
 class Knowledge:
-    """What models say of a system.
+    """The contents of models, for one system.
 
     Attributes:
         messages: Their messages and those of the library.

@@ -32,7 +32,7 @@ def obeying(operator: Operator) -> list[JausAddress]:
 
 
 class Gate:
-    """What was asked for before a stop is not sent after it."""
+    """A gate for commands: what was asked for before a stop is not sent after it."""
 
     def __init__(self) -> None:
         """Nothing was stopped yet."""

@@ -41,7 +41,7 @@ _COLLECTION = 60.0
 
 @dataclass(frozen=True)
 class Powers:
-    """What whoever started the unit allows.
+    """The permissions by whoever started the unit.
 
     Attributes:
         stop: What the stop of everything is, one of `stops.WORDS`.
@@ -133,7 +133,7 @@ class OperatorUnit:
 
     @property
     def operator(self) -> Operator:
-        """Who asks and commands (`Refused`: there is no network, or not yet)."""
+        """The operator (`Refused`: there is no network, or not yet)."""
         return self._system.operator
 
     def _guard(self) -> None:

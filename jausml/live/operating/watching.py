@@ -89,7 +89,7 @@ class WatchedSystem(RunningSystem):
 
     @property
     def operator(self) -> Operator:
-        """Who asks and commands (`Refused`: there is no network, or not yet)."""
+        """The operator (`Refused`: there is no network, or not yet)."""
         self._ready.wait(_TIMEOUT)
         if self.running is None:
             raise Refused(self.fault)

@@ -140,7 +140,7 @@ _WAITS = (HandoffAnswer.QUEUED, HandoffAnswer.DEFERRED)
 
 
 class Handoffs:
-    """What a person is asked, and asks for."""
+    """Requests for control: those that a person has to answer, and our own."""
 
     def __init__(self, component: JausComponent) -> None:
         self._component = component
@@ -149,7 +149,7 @@ class Handoffs:
 
     @property
     def waiting(self) -> tuple[HandoffRequest, ...]:
-        """Who asks for control of components that we control, or did when we lost it."""
+        """The requests for components that we control, or controlled until we lost them."""
         return tuple(request for asked in list(self._waiting.values()) for request in asked)
 
     def asked(self, target: JausAddress, requests: tuple[HandoffRequest, ...]) -> None:

@@ -223,7 +223,7 @@ def _round_trip(operator: Operator, stream: ReportTimes) -> float | None:
 
 @dataclass
 class Pings:
-    """What became of the questions to a component."""
+    """The outcome of the questions to a component."""
 
     round_trips: list[float | None] = field(default_factory=list)
 

@@ -59,7 +59,7 @@ _SERVICES = (
 
 @dataclass(frozen=True)
 class Identity:
-    """What a component of ours says of itself."""
+    """The identity of a component of ours."""
 
     name: str = "jausml ocu"
     services: tuple[ServiceIdentity, ...] = _SERVICES

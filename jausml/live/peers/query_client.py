@@ -77,7 +77,7 @@ class QueryClient:
 
     @property
     def transport(self) -> Transport:
-        """What brings the messages of our component."""
+        """The transport of our component."""
         return self._component.transport
 
     def learn(self, catalogue: Catalogue) -> None:
@@ -129,7 +129,7 @@ class QueryClient:
 
     @property
     def nothing_heard(self) -> str:
-        """What may be the cause when nobody answers."""
+        """The possible cause when nobody answers."""
         return f"nobody answers; {self._heard.nothing()}"
 
     def ask(

@@ -131,7 +131,7 @@ class McapRecording:
 
 
 class _Contents:
-    """What stands in a file."""
+    """The contents of a file."""
 
     def __init__(self, stream: BinaryIO) -> None:
         """Reads its summary, as far as it has one that fits its checksum."""
@@ -170,7 +170,7 @@ class _Contents:
 
     @property
     def fault(self) -> str:
-        """What was met and is not read; once all was read, also what it counts; empty for none."""
+        """The damage that was met; once all was read, also wrong counts; empty for none."""
         faults = list(self._damages)
         if self._more:
             faults.append(f"{self._more} more places are damaged")

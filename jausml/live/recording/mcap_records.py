@@ -11,7 +11,7 @@ from jausml.live.recording.unpacking import MOST_UNPACKED, DamageError, unpacked
 
 
 class Opcode(IntEnum):
-    """What a record is, of those that matter here."""
+    """The kinds of records that matter here."""
 
     HEADER = 0x01
     FOOTER = 0x02

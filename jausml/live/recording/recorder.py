@@ -234,7 +234,7 @@ def _full(owner: bridge.Bridge, name: str) -> str:
 
 
 class Recorder:
-    """What comes from both sides, each on its thread, and a third that gives it to the disk.
+    """The messages of both sides, each on its thread, and a third that writes them to the disk.
 
     Attributes:
         fault: Why files cannot be written any more; None while they can.

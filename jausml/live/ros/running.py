@@ -53,7 +53,7 @@ class RunningCall:
 
 @dataclass(frozen=True)
 class RunningGraph:
-    """What runs, each in the order of the names; that of ROS itself is left out."""
+    """The running topics, services and actions by name, without those of ROS itself."""
 
     topics: tuple[RunningTopic, ...] = ()
     services: tuple[RunningCall, ...] = ()
@@ -291,7 +291,7 @@ _LISTENED, _TURN = 5.0, 0.1
 
 @dataclass(frozen=True)
 class Running:
-    """What runs.
+    """The running system.
 
     Attributes:
         silent: Topics whose messages would have told such names, and on which nothing came.

@@ -219,7 +219,7 @@ class RpcError(Exception):
 
 @dataclass(frozen=True)
 class Request:
-    """What is asked for."""
+    """A request."""
 
     method: str
     params: Mapping[str, Any]
@@ -280,7 +280,7 @@ def _text(message: Mapping[str, Any]) -> str:
 
 @dataclass(frozen=True)
 class Method:
-    """What answers a request: a function, whose parameters are those of the request.
+    """The function that answers a request; its parameters are those of the request.
 
     It runs on any thread; `in_turn`, it waits until those that were asked for before are done, as
     all do that change something.

@@ -36,7 +36,7 @@ _POLICY_VIOLATION = 1008
 
 
 class Token:
-    """What a page must know before it is told anything."""
+    """The token that a page must know before it is told anything."""
 
     def __init__(self) -> None:
         self.text = secrets.token_urlsafe(32)

@@ -60,7 +60,7 @@ class Site:
 
     @property
     def sockets(self) -> Mapping[str, Callable[[WebSocket], Awaitable[None]]]:
-        """What serves sockets, by path."""
+        """The functions that serve sockets, by path."""
         raise NotImplementedError
 
     def running(self) -> AbstractAsyncContextManager[None]:

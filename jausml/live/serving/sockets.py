@@ -74,7 +74,7 @@ async def received(socket: WebSocket) -> AsyncIterator[str | None]:
 
 
 class Asked(Protocol):
-    """What answers a page."""
+    """The interface of whatever answers a page."""
 
     @property
     def revision(self) -> int:
@@ -96,7 +96,7 @@ class Asked(Protocol):
 
 
 class Pace:
-    """What a page may ask of all: some requests each second, and those of a while ahead."""
+    """The number of requests that a page may make: some each second, and those of a while ahead."""
 
     def __init__(self) -> None:
         self._paid = -math.inf
@@ -191,7 +191,7 @@ class PageSocket:
 
 
 class Outgoing:
-    """What a socket is told."""
+    """The messages to a socket."""
 
     def __init__(self, socket: WebSocket) -> None:
         self._socket = socket

@@ -10,7 +10,7 @@ from jausml.live.serving import rpc
 
 
 class Subscribers:
-    """Who listens; any thread may tell."""
+    """The listeners to events; any thread may tell."""
 
     def __init__(self) -> None:
         self._listeners: list[Callable[[str], None]] = []

@@ -174,7 +174,7 @@ class AnswerSource(Enum):
 
 @dataclass(frozen=True, slots=True)
 class ComponentAnswer:
-    """What a component tells of itself; None is what it does not tell this time.
+    """The state of a component as it reports it; None is what it does not report this time.
 
     Attributes:
         round_trip: Seconds from a question to the answer.

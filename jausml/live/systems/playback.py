@@ -40,7 +40,7 @@ NO_JAUS = "the recording has no JAUS messages"
 
 @dataclass(frozen=True, slots=True)
 class Mark:
-    """Something that changed between two times.
+    """A change between two times.
 
     Attributes:
         kind: `drop`, `state` or `control`.
@@ -61,7 +61,7 @@ class Mark:
 
     @property
     def subject(self) -> tuple[str, str]:
-        """What it is about, as states name it."""
+        """The subject of the change, as states name it."""
         return self.bridge, self.connection
 
     @property
@@ -81,7 +81,7 @@ class _Block:
 
 @dataclass
 class RecordedSystem:
-    """What a recording tells, once all of it is read. Any thread may ask it.
+    """The contents of a recording, once all of it is read. Any thread may ask it.
 
     Attributes:
         duration: Seconds from the first message to the last.

@@ -41,7 +41,7 @@ _ACCEPTED, _RELEASED = 0, 0
 
 @dataclass(frozen=True, slots=True)
 class Fact:
-    """What was told at a time, in seconds since the beginning: statuses, or what one said."""
+    """The statuses or the answer at a time, in seconds since the beginning."""
 
     time: float
     statuses: tuple[DiagnosticStatus, ...] = ()

@@ -55,7 +55,7 @@ class TopicName:
 
 @dataclass(frozen=True, slots=True)
 class DeclaredConnection:
-    """What a model says of a connection.
+    """A connection as a model declares it.
 
     Attributes:
         direction: `to ROS` or `to JAUS`.

@@ -120,7 +120,7 @@ Result = TypeVar("Result")
 
 @dataclass(frozen=True)
 class Work(Generic[Shared, Piece, Result]):
-    """What is done with each piece.
+    """The work on each piece.
 
     Attributes:
         make: Makes the worker of a process; it can be imported, and so can the worker.
@@ -132,7 +132,7 @@ class Work(Generic[Shared, Piece, Result]):
 
     @property
     def begin(self) -> bytes:
-        """What a process is told first."""
+        """The first bytes for a process."""
         return pickle.dumps((self.make, self.shared))
 
     def results(self, pieces: Sequence[Piece], jobs: int) -> Iterator[tuple[int, Result]]:

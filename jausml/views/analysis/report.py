@@ -22,7 +22,7 @@ from jausml.views.analysis.traffic import traffic_of
 
 @dataclass(frozen=True)
 class Load:
-    """What passes in a second."""
+    """The traffic in a second."""
 
     messages_sent: float
     messages_received: float
@@ -32,7 +32,7 @@ class Load:
 
 @dataclass(frozen=True)
 class RosLoad:
-    """What passes on the side of ROS."""
+    """The traffic on the side of ROS."""
 
     bytes: Size
     messages_per_s: float

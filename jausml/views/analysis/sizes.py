@@ -25,7 +25,7 @@ DEFAULT_LENGTH = 100
 
 @dataclass(frozen=True)
 class Assumptions:
-    """What stands in where a model says nothing.
+    """The figures that stand in where a model states none.
 
     `length`: elements of lists and bytes of octets. `rates`: rates of some connections, by
     `connection` or `bridge.connection`.
@@ -282,7 +282,7 @@ _GREATEST_ALIGNMENT = 8
 
 
 class _UnboundedError(Exception):
-    """Nothing limits the size."""
+    """A size without a limit."""
 
 
 def ros_size(kind: ros.MessageType, length: int) -> Size:

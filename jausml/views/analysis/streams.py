@@ -54,12 +54,12 @@ class Stream:
 
     @property
     def forth(self) -> Wire:
-        """What it is on the network each second."""
+        """The packets and bytes on the network each second."""
         return on_wire(self.size.expected, self.fragment_size).times(self.hertz)
 
     @property
     def back(self) -> Wire:
-        """What its acknowledgements are on the network each second."""
+        """The packets and bytes of its acknowledgements on the network each second."""
         return acknowledgements(self.packets * self.hertz if self.is_acknowledged else 0)
 
 
@@ -163,7 +163,7 @@ _KINDS = {"everyChangeEvent": "change", "query": "query", "periodicEvent": "peri
 
 @dataclass(frozen=True)
 class Request:
-    """What a client asks a provider for.
+    """The request of a client to a provider.
 
     `exchange`: `periodic`, `change` or `query`. `joined`: the join that the report is for; None for
     what the connection is for.

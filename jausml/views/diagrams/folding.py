@@ -80,7 +80,7 @@ def _homes(graph: Graph, opened: Collection[str]) -> dict[str, str]:
 
 @dataclass
 class _Inside:
-    """What is in a closed frame."""
+    """The contents of a closed frame."""
 
     boxes: Counter[str]
     findings: list[Finding]

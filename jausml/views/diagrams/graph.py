@@ -30,7 +30,7 @@ ADDED, REMOVED, CHANGED = "added", "removed", "changed"
 
 @dataclass(frozen=True)
 class Finding:
-    """What is wrong with an element.
+    """A finding about an element.
 
     `severity`: `error`, `warning` or `info`.
     """

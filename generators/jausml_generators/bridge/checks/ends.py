@@ -105,7 +105,7 @@ class Ends:
 
     @property
     def overridden(self) -> dict[str, float]:
-        """What the maps state for quantities that the bridge replaces, by attribute.
+        """The values that maps state for quantities that the bridge replaces, by attribute.
 
         Vectors are figures of the map as it stands.
         """
@@ -169,7 +169,7 @@ class Ends:
 
     @functools.cached_property
     def _surroundings(self) -> set[object]:
-        """What stands around the target paths that assignments write to."""
+        """The containers around the target paths that assignments write to."""
         return {container for path in self._targets() for container in self.target.around(path)}
 
     def is_made(self, path: str) -> bool:

@@ -49,7 +49,7 @@ from jausml_generators.python.statements import call
 
 @dataclass(frozen=True)
 class TestModule:
-    """What the template of the generated tests asks."""
+    """The view for the template of the generated tests."""
 
     __test__ = False  # pytest takes classes named Test... for tests
     bridge: BridgeView
@@ -92,7 +92,7 @@ class TestModule:
 
     @property
     def imports(self) -> Imports:
-        """What the module may import."""
+        """The names that the module may import."""
         messages = (view.class_name for view in self.bridge.messages)
         return Imports(
             {

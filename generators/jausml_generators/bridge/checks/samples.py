@@ -239,7 +239,7 @@ class _Sampler:
             self._note(f"{chain.targets[0]}.{name}", part)
 
     def _whole(self, path: str, value: filling.Scalar | None) -> Any:
-        """What a conversion takes from a path of the source."""
+        """Returns the value that a conversion takes from a path of the source."""
         whole = {expressions.QUATERNION: _ORIENTATION, expressions.TIME: _INSTANT}.get(
             self._ends.source.place(path).kind
         )
@@ -347,7 +347,7 @@ def chain_gain(chain: Chain) -> float:
 
 
 def _brought(ends: Ends, source: filling.Place) -> tuple[float, float]:
-    """What a source may hold, legal or not: integers of a peer are taken as they come."""
+    """Returns the limits of a source, legal or not: integers of a peer are taken as they come."""
     message = ends.source
     if isinstance(message, filling.JausMessage):
         field = message.field(source.path)

@@ -30,7 +30,7 @@ class Constant:
 
 @dataclass(frozen=True)
 class Read:
-    """What stands at a place."""
+    """The value at a place."""
 
     place: Place
     kind: str = OTHER
@@ -155,7 +155,7 @@ class Ranges:
 
 @dataclass(frozen=True)
 class Operand:
-    """What a name in an authored expression stands for."""
+    """The value of a name in an authored expression."""
 
     value: Expression
     hint: str
@@ -217,7 +217,7 @@ class NewList:
 
 @dataclass(frozen=True)
 class IfKept:
-    """What is made of a value in a variable; nothing where a limit dropped the value."""
+    """The result for a value in a variable; none where a limit dropped the value."""
 
     kept: Read
     made: Expression

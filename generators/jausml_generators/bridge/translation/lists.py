@@ -42,7 +42,7 @@ def add_list(translation: Translation, assignment: bridge.ListAssignment) -> Non
 
 @dataclass(frozen=True)
 class _Items:
-    """What a loop goes over.
+    """The items of a loop.
 
     Attributes:
         may_be_none: Whether an element may be None, where its name was missing.
@@ -170,7 +170,7 @@ class _ListSteps:
         return replace(items, value=limit)
 
     def _octets(self, items: _Items) -> Octets | None:
-        """What the elements are if both sides are octets, and nobody has put the list together."""
+        """Returns the octets of the elements if both sides are octets, and nobody made the list."""
         if items.may_be_none or items.is_put_together:
             return None
         return octets(self._many.start, self._target.start)

@@ -48,7 +48,7 @@ class Place:
 
     @property
     def last(self) -> str:
-        """What a variable for the value should be called."""
+        """The hint for a variable that takes the value."""
         # Only the last name and the indexes behind it make the hint: whole paths are too long.
         words = [str(self.root.hint if isinstance(self.root, Local) else self.root)]
         for step in self.steps:
@@ -67,7 +67,7 @@ class Place:
 
 @dataclass(frozen=True)
 class There:
-    """Something stands at a place, which may be empty."""
+    """The condition that a place is not empty."""
 
     place: Place
 
@@ -300,7 +300,7 @@ def markers(
 
 
 def _operand(field: ros.Field, place: Place, owner: Place, name: str) -> MarkerOperand:
-    """What a name in a marker stands for."""
+    """Returns the operand that a name in a marker stands for."""
     holder, operand_place = field.eContainer(), place
     if name != VALUE and isinstance(holder, ros.MessageType):
         end = RosPlace(type=holder).follow(name)

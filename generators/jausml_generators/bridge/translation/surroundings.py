@@ -268,7 +268,7 @@ class ParameterView:
 
 @dataclass(frozen=True)
 class BaseModule:
-    """What the translations of a bridge use of its class and module, as text."""
+    """The parts of a bridge's class and module that translations use, as text."""
 
     uses: Surroundings
 

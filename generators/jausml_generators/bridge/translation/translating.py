@@ -80,7 +80,7 @@ class _SharedTranslation(NamedTuple):
 
 @dataclass(frozen=True)
 class _TranslationRequest:
-    """What a connection needs translated, and what makes the steps, lines and function of it.
+    """The translation that a connection needs, and the functions that make its steps and lines.
 
     Attributes:
         make_steps: Returns the steps for the name of a connection, a message and surroundings.

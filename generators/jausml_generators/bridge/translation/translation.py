@@ -405,7 +405,7 @@ class Translation(ABC):
 
 
 def _hint(value: Expression) -> str:
-    """What a variable for a value should be called: as what it reads is."""
+    """Returns the hint for a variable that takes a value: the name of what it reads."""
     while isinstance(value, Limit):
         value = value.value
     if not isinstance(value, Read):

@@ -74,7 +74,7 @@ class AssignmentError(ValueError):
 
 @dataclass(frozen=True)
 class Policy:
-    """What becomes of values that do not fit their target.
+    """The policy for values that do not fit their target.
 
     Attributes:
         owner: Attribute of the bridge that is the connection; empty for values that need no policy.

@@ -71,7 +71,7 @@ class SubField:
 
     @property
     def description(self) -> str:
-        """What the docstring says of it."""
+        """The line of the docstring."""
         see = f"; see {self.enumeration}" if self.enumeration else ""
         first = docs.described(self.documentation or self.jaus_name)
         return f"{first} {self.value.range_text}{see}."

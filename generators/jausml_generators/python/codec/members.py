@@ -241,7 +241,7 @@ class Member:
 
     @property
     def description(self) -> str:
-        """What the docstring says of it."""
+        """The line of the docstring."""
         numbers = getattr(self.value, "range_text", "")
         facts = [
             " ".join(filter(None, [numbers, self.units])),
@@ -275,7 +275,7 @@ class Run:
 
     @property
     def targets(self) -> str:
-        """What the struct's unpack is assigned to."""
+        """The targets of the struct's unpack."""
         names = [member.attribute for member in self.members]
         names = ["presence", *names] if self.has_presence else names
         return f"({names[0]},)" if len(names) == 1 else ", ".join(names)

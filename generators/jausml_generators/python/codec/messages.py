@@ -66,7 +66,7 @@ class MessageView:
 
     @property
     def form(self) -> Hashable:
-        """What it shares with messages that differ in their own names and codes alone."""
+        """The key that it shares with messages that differ in their own names and codes alone."""
         inner = (item.name for item in self.nested)
         named = self.code if any(name.startswith(self.class_name) for name in inner) else None
         return named, self.unnamed
@@ -84,7 +84,7 @@ class MessageView:
 
     @property
     def written(self) -> tuple[NestedClass, ...]:
-        """What is inside the class, without what its base brings."""
+        """The classes inside the class, without those of its base."""
         return tuple(item for item in self.nested if not getattr(item, "is_inherited", False))
 
     @property
@@ -159,7 +159,7 @@ class MessagesModule:
 
     @property
     def imports(self) -> Imports:
-        """What the module may import."""
+        """The names that the module may import."""
         return Imports(offered(f"{self.runtime}.wire", *names.WIRE))
 
 

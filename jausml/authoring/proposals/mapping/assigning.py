@@ -147,7 +147,7 @@ def candidates(
 
 @dataclass(frozen=True)
 class _Found:
-    """What was found.
+    """The candidates for an assignment.
 
     `good`: what the rules accept; where they accept nothing without a word, what is possible.
     """

@@ -54,7 +54,7 @@ _CALL = re.compile(r"(?P<name>\w+)\s*(?:\((?P<arguments>[^()]*)\))?\s*")
 
 @dataclass(frozen=True)
 class Wish:
-    """What a new map shall be.
+    """The wanted map.
 
     `ways`: the directions: True to ROS. One of which nothing is known stays empty. `taken`: what
     was taken for the author without being asked for, in words.

@@ -33,7 +33,7 @@ def assignments_feature(*, to_ros: bool) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Filling:
-    """What fills a map.
+    """The assignments that fill a map.
 
     `left`: the members that nothing fills then, by `to_ros` and `to_jaus`. `refusal`: why there is
     nothing to do, empty where there is.

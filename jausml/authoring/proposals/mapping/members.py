@@ -119,7 +119,7 @@ _PLAIN = frozenset(
 
 @dataclass(frozen=True)
 class _Known:
-    """What is known of a member.
+    """The known facts of a member.
 
     `measure`: its unit, None without a known one.
     """
@@ -132,13 +132,13 @@ class _Known:
 
     @property
     def kind(self) -> str:
-        """What kind of value it holds."""
+        """The kind of value that it holds."""
         return self.member.attribute.kind
 
 
 @dataclass(frozen=True)
 class Correspondence:
-    """What corresponds.
+    """The members of both sides that correspond.
 
     `pairs`: members that mean the same, in the order of the targets.
     """

@@ -175,7 +175,7 @@ class Judged:
 
     @property
     def said(self) -> str:
-        """What the rules say first, with what they advise."""
+        """The first finding, with its hint."""
         for _, finding in self.findings:
             return f"{finding.message}; {finding.hint}" if finding.hint else finding.message
         return ""

@@ -17,7 +17,7 @@ from jausml.language.semantics.names import in_words
 
 @dataclass(frozen=True, slots=True)
 class QuickFix:
-    """What makes a finding go away."""
+    """Commands by which a finding goes away."""
 
     label: str
     commands: Sequence[Command]
@@ -36,12 +36,12 @@ class Found:
 
     @property
     def message(self) -> str:
-        """What is wrong."""
+        """The message of the finding."""
         return self.diagnostic.message
 
     @property
     def hint(self) -> str:
-        """What the rule advises."""
+        """The advice of the rule."""
         return self.diagnostic.hint
 
     @property
@@ -68,12 +68,12 @@ class Found:
 
     @cached_property
     def quoted(self) -> list[str]:
-        """What stands in quotation marks in the message."""
+        """The words in quotation marks in the message."""
         return _QUOTED.findall(self.message)
 
     @cached_property
     def meant(self) -> list[str]:
-        """What the rule believes to be meant: `did you mean 'x'?`, or several."""
+        """The names in the advice of the rule: `did you mean 'x'?`, or several."""
         match = re.fullmatch(r"did you mean (.+)\?", self.hint)
         if match is None:
             return []

@@ -244,7 +244,7 @@ def _nothing(component: jaus.Component, message: str, direction: str) -> str:
 
 
 def _any_of(scope: Scope, owner: bridge.Bridge, at_ros: Spot, direction: str) -> Options:
-    """What the components of the system have for an end, through one bridge."""
+    """Returns the messages of all components of the system for an end, through one bridge."""
     peers = [
         component
         for component in scope.model.instances(jaus.Component, library=False)

@@ -65,7 +65,7 @@ class Field:
 
 @dataclass(frozen=True, slots=True)
 class Choices:
-    """What a reference may lead to, the first of it; `more`: how many there are beside."""
+    """The first possible targets of a reference; `more`: how many there are beside."""
 
     choices: tuple[Choice, ...]
     more: int
@@ -126,7 +126,7 @@ class Form:
 
 @dataclass(frozen=True, slots=True)
 class PaletteItem:
-    """Something that can be added.
+    """An element that can be added.
 
     Attributes:
         id: Its id, the same while the library is.
@@ -258,7 +258,7 @@ _GROUP_OF = {name: group for group, names in _GROUPS.items() for name in names}
 
 
 class _Problems:
-    """What is wrong with the features of an element, told by the places of the findings."""
+    """The findings about the features of an element, told by their places."""
 
     def __init__(self, scope: Scope, element: EObject, diagnostics: Iterable[Diagnostic]) -> None:
         self._scope, self._element = scope, element

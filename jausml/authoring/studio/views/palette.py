@@ -46,7 +46,7 @@ COMPONENTS, SERVICES, TYPES, MAPS, ELEMENTS = (
 
 @dataclass(frozen=True)
 class Entry:
-    """Something of the palette before it is known where it goes.
+    """An entry of the palette before its place is known.
 
     `make`: makes the commands for a model and the element that it is dropped on, if any; nothing
     where it cannot go.

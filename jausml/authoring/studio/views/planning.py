@@ -29,7 +29,7 @@ _WORDS = {
 
 @dataclass(frozen=True, slots=True)
 class PlannedFile:
-    """What happens to a file.
+    """The action for a file.
 
     `action`: `create`, `change`, `keep`, `same`, `remove` or `refuse`.
     """
@@ -52,7 +52,7 @@ class Drifted:
 
 @dataclass(frozen=True, slots=True)
 class Planned:
-    """What would be done.
+    """The plan of a run.
 
     `problems`: why nothing can be generated, empty when something can. `digest`: tells this plan
     from any other; empty with problems.
@@ -67,7 +67,7 @@ class Planned:
 
 @dataclass(frozen=True, slots=True)
 class Written:
-    """What was done: how many files were written or removed, in words too."""
+    """The number of files that were written or removed, in words too."""
 
     written: int
     message: str

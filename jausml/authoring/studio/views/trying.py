@@ -71,7 +71,7 @@ class Row:
 
 @dataclass(frozen=True, slots=True)
 class Tried:
-    """What came out."""
+    """The result of a trial."""
 
     values: tuple[Row, ...] = ()
     bytes: str = ""

@@ -56,7 +56,7 @@ class Axis:
 
 @dataclass(frozen=True, slots=True)
 class Passage:
-    """What an assignment makes of axes: those of its sources, and what happens to them.
+    """The axes of the sources of an assignment, and what conversions make of them.
 
     Attributes:
         conversion: The one between two frames; None without one.

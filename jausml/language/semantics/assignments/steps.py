@@ -114,7 +114,7 @@ class Step:
 
     @property
     def sign(self) -> int | None:
-        """What it makes of the sign of a number: 1, -1, or None where nothing is known."""
+        """The factor on the sign of a number: 1, -1, or None where it is not known."""
         return None if self.arguments is None else self.conversion.sign(*self.arguments)
 
 

@@ -129,7 +129,7 @@ def attribute_measure(attribute: attributes.Found) -> Measure | None:
 
 
 def _source_fault(placed: Placed[bridge.FieldAssignment], known: list[Measure]) -> UnitFault | None:
-    """What is wrong with several sources, which a conversion takes in one unit."""
+    """Returns the fault of several sources, which a conversion takes in one unit."""
     first = next(iter(placed.assignment.conversions), None)
     if first is None or len(placed.sources) < 2:
         return None

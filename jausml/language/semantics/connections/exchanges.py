@@ -43,7 +43,7 @@ class ExchangeOption:
 
 @dataclass(frozen=True, slots=True)
 class Inferred:
-    """What the features of a connection are that nobody stated.
+    """The features of a connection that nobody stated.
 
     Attributes:
         options: Those that agree with what is stated. With one of them the literals are

@@ -38,7 +38,7 @@ class JoinedReport:
 
     @property
     def peers(self) -> list[Provider]:
-        """Who sends it: those that are named, or whatever the connection searches for."""
+        """The senders: those that are named, or whatever the connection searches for."""
         if self.source is not None and self.source.peers:
             return list(self.source.peers)
         return peers_of(self.connection)

@@ -42,7 +42,7 @@ class NoValueError(ValueError):
 
 
 class ArgumentKind(Enum):
-    """What an argument of a conversion is: a formula is a text that is an expression."""
+    """Kinds of arguments of a conversion: a formula is a text that is an expression."""
 
     NUMBER = "number"
     TEXT = "text"
@@ -82,7 +82,7 @@ MAXIMUM = Argument("maximum")
 
 
 class UnitEffect(Enum):
-    """What becomes of the unit of a number, where a conversion is not from one unit to another."""
+    """Effects on the unit of a number, of conversions that are not from one unit to another."""
 
     SAME = "same"
     ANY = "any"
@@ -92,7 +92,7 @@ class UnitEffect(Enum):
 
 
 class Effect(Enum):
-    """What a conversion makes of a number: how its sign, digits and meaning follow from it.
+    """Effects of a conversion on a number: how its sign, digits and meaning follow from it.
 
     `SAME` is the number itself, where nothing is cut off and apart from whole turns; `LINEAR` is
     it times a factor, perhaps with an offset.
@@ -108,7 +108,7 @@ _SIGNS = {Effect.SAME: 1, Effect.LINEAR: 1, Effect.NEGATED: -1}
 
 
 class Conversion:
-    """What one literal of `bridge.ConversionKind` means.
+    """The meaning of one literal of `bridge.ConversionKind`.
 
     The runtime has a function of the same name, which bridges call; here stands what the toolchain
     knows of it. `forward` evaluates the definition, so that generated tests compare two
@@ -232,20 +232,20 @@ class Conversion:
 
     @property
     def call(self) -> str:
-        """How it is written, such as `scale(factor)`."""
+        """The written form, such as `scale(factor)`."""
         names = ", ".join(argument.name for argument in self.arguments)
         return f"{self.name}({names})" if names else self.name
 
     @property
     def signature(self) -> str:
-        """How it is written, with what it takes and yields."""
+        """The written form, with inputs, outputs and units."""
         units = self.units.value if isinstance(self.units, UnitEffect) else " ".join(self.units)
         ends = f"{', '.join(self.inputs)} -> {', '.join(self.outputs)}"
         return f"{self.call}: {ends}, units {units}"
 
     @property
     def documentation(self) -> str:
-        """What it does, as the literal says it too."""
+        """The documentation, which the literal has too."""
         return " ".join((self.__doc__ or "").split())
 
     def ranges(self, known: Sequence[Interval], arguments: Sequence[Any]) -> list[Interval]:

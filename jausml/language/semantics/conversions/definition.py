@@ -38,7 +38,7 @@ _OF_LIBRARY = frozenset({"sin", "cos", "tan", "asin", "acos", "atan", "atan2", "
 
 
 class NoArithmetic(Enum):
-    """What a conversion does that has no arithmetic of its own."""
+    """Kinds of work of conversions that have no arithmetic of their own."""
 
     ORDER = "gives the elements of a list in another order"
     PICTURE = "reads or writes the octets of a picture"

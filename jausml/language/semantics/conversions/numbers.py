@@ -50,7 +50,7 @@ class Scale(Conversion):
         return factor != 0.0
 
     def sign(self, factor: float) -> int | None:
-        """That of the factor."""
+        """Returns the sign of the factor."""
         return int(math.copysign(1, factor)) if factor != 0.0 else None
 
 
@@ -71,7 +71,7 @@ class Linear(Conversion):
         return factor != 0.0
 
     def sign(self, factor: float, offset: float) -> int | None:
-        """That of the factor, where nothing is added."""
+        """Returns the sign of the factor, where nothing is added."""
         return int(math.copysign(1, factor)) if factor != 0.0 == offset else None
 
 

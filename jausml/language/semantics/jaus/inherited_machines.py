@@ -55,7 +55,7 @@ class CoreMachine:
 
     @cached_property
     def leaves(self) -> tuple[str, ...]:
-        """Those of them that enclose no other: what the services that inherit them refine."""
+        """The states that enclose no other: services that inherit them refine these."""
         enclosing = {path.rpartition(".")[0] for path in self.states}
         return tuple(path for path in self.states if path not in enclosing)
 

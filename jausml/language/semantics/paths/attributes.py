@@ -218,14 +218,14 @@ class Comparison:
 
     @property
     def common(self) -> list[tuple[NamedValue, NamedValue]]:
-        """What both have by name, in the order of the source."""
+        """The values that both have by name, in the order of the source."""
         return [
             (value, self.target[key]) for key, value in self.source.items() if key in self.target
         ]
 
     @property
     def renumbered(self) -> list[tuple[NamedValue, NamedValue]]:
-        """What both have by name, with other numbers."""
+        """The values that both have by name, with other numbers."""
         return [(one, other) for one, other in self.common if one.number != other.number]
 
     @property

@@ -127,12 +127,12 @@ class Placed(Generic[AssignmentT_co]):
 
     @cached_property
     def target_attributes(self) -> list[Attribute]:
-        """What the targets are, empty unless all of them were found."""
+        """The attributes of the targets, empty unless all of them were found."""
         return _all_found(self.targets)
 
     @cached_property
     def source_attributes(self) -> list[Attribute]:
-        """What the sources are, empty unless all of them were found."""
+        """The attributes of the sources, empty unless all of them were found."""
         return _all_found(self.sources)
 
 

@@ -25,7 +25,7 @@ from jausml.language.text.tree import Span
 
 @dataclass(frozen=True, slots=True)
 class BridgeOfMaps:
-    """What a bridge of all maps of a file is, besides the maps.
+    """The bridge of all maps of a file.
 
     Attributes:
         frequency: Messages each second of its events, None for the default of bridges.

@@ -68,7 +68,7 @@ class TextDocument:
 
     @property
     def faults(self) -> Sequence[Fault]:
-        """What is wrong with the text."""
+        """The faults of the text."""
         return self._nodes.faults
 
     def source_of(self, node: Node) -> Source | None:

@@ -30,7 +30,7 @@ Rule: TypeAlias = "tuple[int, str, Callable[[list[Any]], Any]]"
 
 @dataclass(frozen=True, slots=True)
 class Grammar:
-    """What texts are scanned and parsed by.
+    """The tables by which texts are scanned and parsed.
 
     Attributes:
         pattern: The next token and the blanks before it; the last group is named for the kind,

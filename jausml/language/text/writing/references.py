@@ -146,7 +146,7 @@ class ReferenceNames(DocumentNames):
 
     @property
     def imports(self) -> list[Name | Text]:
-        """What the document must import: parts of the library, then files by their paths."""
+        """The imports of the document: parts of the library, then files by their paths."""
         imports = sorted(self._document.imports, key=lambda document: not document.is_library)
         return [self.import_of(document) for document in imports]
 

@@ -148,7 +148,7 @@ def rejected(request: int, *codes: int) -> Step:
 
 
 def unconfirmed(client: int) -> Step:
-    """What a client has asked for is rejected, or not answered."""
+    """The request of a client is rejected, or not answered."""
     return expect_none(client, core.ConfirmEventRequest, "no such event can be served")
 
 

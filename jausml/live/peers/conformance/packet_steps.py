@@ -136,7 +136,7 @@ def answered(session: Session, client: int, what: str = "a query", *, tolerated:
 def acknowledged(
     session: Session, client: int, *judgements: Judgement[Packet], tolerated: str = ""
 ) -> None:
-    """What asked for it is acknowledged as it should be; what silence means may be noted."""
+    """A message that asks for it is acknowledged as it should be; silence may be noted."""
     test_client = session.client(client)
     if session.probe.wait(lambda: bool(test_client.acknowledgements), session.probe.timeout):
         packet = test_client.acknowledgements.pop(0)

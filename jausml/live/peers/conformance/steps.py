@@ -256,6 +256,6 @@ def _deviates(session: Session, text: str, tolerated: bool) -> None:  # noqa: FB
 
 @step
 def settle(session: Session, client: int) -> None:
-    """What comes to a client in the quiet time does not count."""
+    """Messages to a client in the quiet time do not count."""
     session.pause()
     session.client(client).clear()

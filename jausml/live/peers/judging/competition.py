@@ -94,7 +94,7 @@ class Competition:
 
 @dataclass(frozen=True, slots=True)
 class Score:
-    """What a part was worth."""
+    """The points of a part."""
 
     task: Task
     part: Part

@@ -136,7 +136,7 @@ def _answers(session: Session, service: str, query: str) -> None:
 
 
 def _let_go(session: Session) -> None:
-    """What a part has left in the target does not count for the next one."""
+    """The leftovers of a part in the target do not count for the next one."""
     session.require(session.tidy(), "the target does not answer any more")
 
 

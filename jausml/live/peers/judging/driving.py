@@ -24,7 +24,7 @@ _DAY = 86400.0
 
 @dataclass(frozen=True, slots=True)
 class Topic:
-    """What a service is asked for: QueryNAME and ReportNAME.
+    """A topic of a service: QueryNAME and ReportNAME.
 
     Attributes:
         presence: Presence vector of the query; None when it has none.
@@ -148,7 +148,7 @@ class Course:
 
 @dataclass(frozen=True)
 class Sample:
-    """What the target told at a time; None of what it did not tell.
+    """The reports of the target at a time; None for one that did not come.
 
     Attributes:
         time: Seconds since ExecuteList.

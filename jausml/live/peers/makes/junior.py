@@ -103,7 +103,7 @@ class JuniorPeer:
 
     @property
     def payloads(self) -> list[bytes]:
-        """What the application received, without its sources."""
+        """The payloads that the application received, without their sources."""
         return [payload for _, payload in list(self.received)]
 
     def close(self) -> None:

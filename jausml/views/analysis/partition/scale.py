@@ -32,7 +32,7 @@ NEAR = 1000.0
 
 
 class Scale:
-    """What parts of a system cost, each worked out once.
+    """The costs of parts of a system, each worked out once.
 
     `are_divided`: whether each connection is a group of its own, as if it were tied to none.
     """

@@ -32,7 +32,7 @@ SAFE = ("authority", "defaultAuthority", "controlTimeout", "guardian")
 
 @dataclass(frozen=True)
 class Limits:
-    """What a person wants of a partition.
+    """The wishes of a person for a partition.
 
     Attributes:
         most: Connections of a bridge at most.
@@ -51,7 +51,7 @@ class Limits:
 
 @dataclass(frozen=True)
 class Cost:
-    """What connections cost their bridge.
+    """The costs of connections for their bridge.
 
     Attributes:
         connections: How many there are.
@@ -166,7 +166,7 @@ class Weighing:
 
     @cached_property
     def participants(self) -> Sequence[jaus.Component | ros.Node]:
-        """All that has a name among those of the bridges, and runs somewhere."""
+        """The components, bridges and nodes: all that have a name and run somewhere."""
         return (*self.system.components, *self.system.bridges, *self.system.nodes)
 
     @cached_property

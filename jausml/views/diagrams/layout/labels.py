@@ -61,7 +61,7 @@ def hidden(sheet: Sheet, places: Places) -> int:
 
 
 class Ground:
-    """What labels may lie on: boxes, borders and titles of frames, lines, and other labels."""
+    """The ground for labels: boxes, borders and titles of frames, lines, and other labels."""
 
     def __init__(self, sheet: Sheet, places: Places) -> None:
         self.labels = {name: route.label for name, route in places.lines.items() if route.label}

@@ -30,7 +30,7 @@ class Link(NamedTuple):
 
 @dataclass(frozen=True)
 class Item:
-    """What is moved as one: a box, or a frame with what is in it.
+    """A box that is moved, or a frame with its contents.
 
     Attributes:
         tops: How far below its top its boxes stand, by id.

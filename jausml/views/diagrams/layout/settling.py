@@ -53,7 +53,7 @@ class Area(NamedTuple):
 
     @property
     def transposed(self) -> Area:
-        """It with right and down exchanged."""
+        """The area with right and down exchanged."""
         return Area(self.top, self.left, self.bottom, self.right)
 
     def wider(self, gap: float) -> Area:

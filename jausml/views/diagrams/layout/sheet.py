@@ -87,7 +87,7 @@ class Line:
 
 @dataclass(frozen=True)
 class Sheet:
-    """What is to be placed.
+    """The boxes, frames and lines to place.
 
     `frames`: the frames, outer ones first.
     """

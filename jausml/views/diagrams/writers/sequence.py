@@ -46,7 +46,7 @@ class SequenceDiagram:
 
     @property
     def participants(self) -> list[str]:
-        """Who sends or receives, in the order of appearance; `time` alone if nobody does."""
+        """The senders and receivers, in the order of appearance; `time` alone if there are none."""
         names = (name for event in self.events for name in (event.sender, event.receiver) if name)
         return list(dict.fromkeys(names)) or ["time"]
 

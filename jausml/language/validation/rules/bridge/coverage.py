@@ -73,7 +73,7 @@ def required_fields(subject: Subject, direction: Direction) -> Iterator[Finding]
 
 
 def _filled_by_map(direction: Direction) -> list[Steps]:
-    """What the map fills in a stop or safe value with constants and the clock."""
+    """Returns the paths that the map fills in a stop or safe value: constants and the clock."""
     constants = with_constants(direction.map, (), to_ros=False)
     return [parse_path(path) for constant in constants for path in target_paths(constant)]
 

@@ -224,7 +224,7 @@ def _rounding_error(placed: Placed[bridge.FieldAssignment], end: _End) -> float:
 
 
 def _silent_loss(placed: Placed[bridge.FieldAssignment], end: _End, error: float) -> str:
-    """What rounding loses of a position on the earth or of a quantity, empty where it is harmless.
+    """Returns the loss by rounding of a position or a quantity, in words; empty for a harmless one.
 
     Args:
         error: What rounding loses, in the unit of the target.
@@ -260,7 +260,7 @@ def _is_flattened(end: _End) -> bool:
 
 
 def _sent_for_zero(value: str, target: Found) -> float:
-    """What a scaled field sends for a constant that is zero; 0 where it has a zero."""
+    """Returns the value that a scaled field sends for a constant zero; 0 where it has a zero."""
     if not isinstance(target, Attribute) or target.integral or not target.step:
         return 0.0
     lower, step = target.lower or 0.0, target.step

@@ -103,7 +103,7 @@ def _unfed(
 
 
 def _source_findings(connection: bridge.Connection) -> Iterator[Finding]:
-    """What is wrong with the sources that a connection states."""
+    """Yields the faults of the sources that a connection states."""
     known = list(connection.map.reportJoins)
     seen: dict[bridge.ReportJoin, bridge.ReportSource] = {}
     for source in connection.sources:

@@ -152,7 +152,7 @@ class _LookedUp:
 
     @property
     def astray(self) -> list[tuple[attributes.NamedValue, attributes.NamedValue, float]]:
-        """What both ends have by name, with the number that the table gives instead."""
+        """The values that both ends have by name, with the number that the table gives instead."""
         first = {
             taken: number for _, taken, number in reversed(self.given) if attributes.is_real(number)
         }
@@ -280,7 +280,7 @@ _FLAGS = {"true": "1", "false": "0"}
 
 
 class _Meaning:
-    """What entries mean to an attribute."""
+    """The meaning of entries for an attribute."""
 
     def __init__(self, attribute: attributes.Attribute) -> None:
         self.attribute = attribute
