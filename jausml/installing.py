@@ -7,7 +7,7 @@ is published there, `SOURCE` becomes `jausml`, and the commands in docs/install.
 from jausml import __version__
 
 SOURCE = f"jausml-{__version__}-py3-none-any.whl"
-"""What a command of pip names: the wheel of a release, or the one that `make wheel` builds."""
+"""The name for pip: the wheel of a release, or the one that `make wheel` builds."""
 
 
 def command(extra: str) -> str:

@@ -171,7 +171,7 @@ def _parse(text: str) -> tuple[str, str] | None:
 
 
 CANNOT_PARSE = (ValueError, SyntaxError, SyntaxWarning, RecursionError)
-"""What Python raises for text that it cannot read, or reads with a warning."""
+"""The exceptions of Python for text that it cannot read, or reads with a warning."""
 
 
 def syntax_problem(text: str, path: str, *, is_parsed: bool = False) -> str | None:

@@ -18,7 +18,7 @@ FLAGS = ("-std=c++17", "-O2", "-ffp-contract=off", "-fPIC", "-fvisibility=hidden
 """How a core is compiled. Without contractions, sums of products have the bits of Python's."""
 
 COMPILERS = ("g++", "clang++")
-"""What is looked for where `CXX` names no compiler."""
+"""The programs that are looked for where `CXX` names no compiler."""
 
 SOURCE = Path("core", "core.cpp")
 """Where a package has its core."""

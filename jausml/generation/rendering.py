@@ -50,7 +50,7 @@ FILTERS: Mapping[str, Callable[..., str]] = {
     "comment": literals.comment,
     "lua": literals.lua_literal,
 }
-"""What templates may put text through."""
+"""The filters of templates."""
 
 
 def render(

@@ -1,1 +1,1 @@
-"""What models are and mean: metamodels, notations, meaning, rules."""
+"""The language of models: metamodels, notations, meaning, rules."""

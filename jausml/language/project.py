@@ -49,10 +49,10 @@ ElementT = TypeVar("ElementT", bound="EObject")
 _KEPT = 2
 _FEW = 5
 _SYSTEM = re.compile(rb"<\w+:System\b|^\s*(?:system|bridge|component|node)\s+[\w`]", re.MULTILINE)
-"""What a file with a system has, in either notation; a text need not name its system."""
+"""The mark of a file with a system, in either notation; a text need not name its system."""
 
 _MESSAGES = re.compile(rb"ServiceSet\b|serviceSets\b|\bservice\b|\bservice_set\b|^\s*JAUS\s")
-"""What a file with messages of its own has."""
+"""The mark of a file with messages of its own."""
 
 
 @dataclass(frozen=True, slots=True)

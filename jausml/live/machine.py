@@ -1,4 +1,4 @@
-"""What a machine needs to run bridges and components: Python, ROS 2, and the network of JAUS.
+"""Checks of a machine that is to run bridges and components: Python, ROS 2, the JAUS network.
 
 All is looked at without changing anything, and ROS is not started.
 """
@@ -74,7 +74,7 @@ _EXTRAS = (
     ("record", "mcap", "`jausml record`"),
 )
 _PAGE = Path(jausml.__file__).parent / "authoring" / "studio" / "page" / "index.html"
-"""What the studio shows; it is built, and a wheel may have been made without."""
+"""The page of the studio; it is built, and a wheel may have been made without."""
 
 
 def python_checks() -> Iterator[Finding]:

@@ -57,4 +57,4 @@ PROGRAMS = (
     Program("nft", ("nft",), "firewalls of deployments", "nftables"),
     Program("systemd-analyze", ("systemd-analyze",), "checks of units of deployments", "systemd"),
 )
-"""All that users meet."""
+"""The programs that users meet."""

@@ -1,4 +1,4 @@
-"""What the runtime does, as finite machines: core services (AS5710) and connections of bridges."""
+"""The runtime as finite machines: core services (AS5710) and connections of bridges."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is checked of a system: a product for each connection with commands and each machine."""
+"""Subjects of checks in a system: a product for each connection with commands and each machine."""
 
 from __future__ import annotations
 

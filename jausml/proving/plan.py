@@ -1,4 +1,4 @@
-"""What is to be proved of a map: which numbers go through it, in which message, which values."""
+"""Plan of the proof of a map: which numbers go through it, in which message, which values."""
 
 from __future__ import annotations
 

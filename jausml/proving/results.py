@@ -1,4 +1,4 @@
-"""What proofs have found: of each number of a map, as text, and as findings with rules."""
+"""Results of proofs: of each number of a map, as text, and as findings with rules."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is proved: ways of values through maps and back, what they take, which assignment gives."""
+"""Round trips: ways of values through maps and back, their inputs, and their assignments."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is told of proofs: counts of both forms, extremes, and pages with pictures of errors."""
+"""Summaries of proofs: counts of both forms, extremes, and pages with pictures of errors."""
 
 from __future__ import annotations
 

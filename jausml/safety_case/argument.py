@@ -32,7 +32,7 @@ ASSUMPTIONS = (
     "Where both ends state a unit, a frame or a name of a value, neither definition is mistaken.",
     "A test vector, a reason and an @allow of a person are true, and so is what moves nothing.",
 )
-"""What no part of a model can argue, as no check can know it."""
+"""Claims that no part of a model can argue, as no check can know them."""
 
 _ASSIGNMENT = re.compile(r"/to(Ros|Jaus)\[")
 MARGIN = 1.0

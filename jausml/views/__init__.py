@@ -1,1 +1,1 @@
-"""What is computed of models to be looked at: analyses and diagrams."""
+"""Views of models: analyses and diagrams."""

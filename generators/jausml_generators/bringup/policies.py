@@ -14,7 +14,7 @@ from jausml.language.semantics.directions import is_to_ros
 _Use: TypeAlias = "tuple[str, str]"
 
 _PUBLISHED = ("/parameter_events", "/rosout")
-"""What every node publishes besides its own topics."""
+"""The topics that every node publishes besides its own."""
 
 _SERVED = (
     *("~/describe_parameters", "~/get_parameter_types", "~/get_parameters", "~/list_parameters"),
@@ -23,7 +23,7 @@ _SERVED = (
 """Services of every node: parameters and types."""
 
 _PUBLISHED_BY_BRIDGES = ("/diagnostics", "~/transition_event")
-"""What the node of every bridge publishes besides."""
+"""The topics that the node of every bridge publishes besides."""
 
 _SERVED_BY_BRIDGES = (
     *("~/change_state", "~/get_available_states", "~/get_available_transitions", "~/get_state"),

@@ -35,7 +35,7 @@ LAUNCH_IMPORTS = Imports(
         **offered("launch_ros.substitutions", "ExecutableInPackage"),
     }
 )
-"""What launch files may import."""
+"""The names that launch files may import."""
 
 
 @dataclass(frozen=True)

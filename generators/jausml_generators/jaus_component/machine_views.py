@@ -198,7 +198,7 @@ def _arrow(machine: Machine, keys: dict[str, str], path: str, transition: jaus.T
 
 
 EVENT = "event "
-"""What stands before the name of an event that triggers: a message may have the same name."""
+"""The prefix of an event that triggers: a message may have the same name."""
 LONGEST = 200
 """Ways of one machine; a test of more would say nothing new."""
 

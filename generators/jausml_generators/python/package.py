@@ -30,13 +30,13 @@ MESSAGES = f"{FACE}.messages"
 CONVERSIONS = f"{FACE}.conversions"
 """Conversions of values, and the values that they know."""
 LIGHT = f"{FACE}.bridge.light_message"
-"""What light classes of ROS messages are made of."""
+"""The module of the parts of light classes of ROS messages."""
 OCTETS = f"{FACE}.bridge.messages.octets"
 """Lists of single octets."""
 VALUES = f"{FACE}.bridge.ros.values"
 """Checks of what nodes publish and answer."""
 WIRE = f"{FACE}.wire"
-"""What classes of messages are made of."""
+"""The module of the parts of message classes."""
 
 
 @functools.cache

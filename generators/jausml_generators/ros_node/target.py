@@ -53,7 +53,7 @@ _RCLPY = {
     **offered("rclpy.qos_overriding_options", "QoSOverridingOptions"),
     **offered(VALUES, "CheckedPublisher", "checked_answers"),
 }
-"""What modules of a node may import besides messages, which hide none of these names."""
+"""The names that modules of a node may import besides messages, which hide none of these."""
 
 
 @dataclass(frozen=True)

@@ -1,1 +1,1 @@
-"""What changed from one state of a model to another, in the words of the model."""
+"""Differences of two states of a model, in the words of the model."""

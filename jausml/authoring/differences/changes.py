@@ -53,7 +53,7 @@ _ON_THE_WIRE = (
 )
 
 _OFF_THE_WIRE = {"name", "documentation"}
-"""All that a field says counts on the wire, but for these."""
+"""The features of a field that do not matter on the wire."""
 
 _SEEN = (
     "jaus.Component",

@@ -1,4 +1,4 @@
-"""What commands mean: done to a working copy, with all that follows from them."""
+"""Commands applied to a working copy, with all that follows from them."""
 
 from __future__ import annotations
 

@@ -48,7 +48,7 @@ _MAP_WORDS = ("JAUS", "ROS", "JAUS->ROS", "ROS->JAUS", "table", "vector")
 Kind: TypeAlias = Literal[
     "Keyword", "Property", "File", "Class", "Field", "Reference", "Function", "Unit", "EnumMember"
 ]
-"""What a completion is, as the Language Server Protocol 3.17 calls it (`CompletionItemKind`)."""
+"""Kinds of completions by the Language Server Protocol 3.17 (`CompletionItemKind`)."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""What is around a place in a text: lists, classes, parts of items.
+"""The context of a place in a text: lists, classes, parts of items.
 
 The tree tells the lists, for the parser keeps them when an item in them is wrong. The tokens before
 the place tell the part.

@@ -45,7 +45,7 @@ PAUSE = 0.3
 """Seconds without a change after which an open text is read as a model."""
 
 _SOURCE = "jausml"
-"""Who has found what is shown."""
+"""The finder of the problems that are shown."""
 
 _SEVERITIES = {
     Severity.ERROR: types.DiagnosticSeverity.Error,

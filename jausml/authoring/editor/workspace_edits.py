@@ -133,7 +133,7 @@ def changed_words(old: str, new: str) -> _Words | None:
 
 
 _LAYOUT = frozenset({"span", "comments", "trailing", "spaced", "closing"})
-"""What of a syntax tree says nothing of the model."""
+"""The attributes of a syntax tree that have no meaning for the model."""
 
 
 def unsaved(bench: Workbench, path: Path) -> Unsaved:

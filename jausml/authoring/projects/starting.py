@@ -1,4 +1,4 @@
-"""What a model may begin with: the one list that `jausml init` and the studio offer."""
+"""Starting points of a model: the one list that `jausml init` and the studio offer."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""What may be added to a model, as commands: asked by the studio and by the verbs that make."""
+"""Proposals of additions to a model, as commands: for the studio and the verbs of `new`."""

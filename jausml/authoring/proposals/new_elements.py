@@ -161,7 +161,7 @@ _CAPITAL = {
     "jaus.StateMachine": "Machine",
     "jaus.State": "State",
 }
-"""What new elements are called whose names have capitals in the standards."""
+"""Names of new elements that have capitals in the standards."""
 
 
 _READY = "Receiving.Ready.Controlled.Available.Ready"

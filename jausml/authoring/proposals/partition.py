@@ -44,7 +44,7 @@ _COPIED = (
     *("amplificationLimit", "maxPeers", "maxConnections", "idleTimeout", "maxEvents"),
     "eventRateBudget",
 )
-"""What a new bridge has from the one whose connections it carries."""
+"""The features that a new bridge has from the one whose connections it carries."""
 
 _FEATURES: Mapping[type, str] = {
     bridge.Connection: "bridgeConnections",

@@ -184,7 +184,7 @@ _BEGINS = {_QUERY: 0xD200, _REPORT: 0xD400, "Confirm": 0xD400, "Reject": 0xD400}
 _MOST = 0x100
 _COMMANDED, _REPORTING = "Management", "Events"
 NOTHING = "none"
-"""What a service inherits that stands for itself."""
+"""The word for no service to inherit."""
 
 _MESSAGE = "jaus.MessageDef"
 

@@ -1,4 +1,4 @@
-"""What the name of a topic says about the ready map that it is for."""
+"""The ready map that a topic is for, by its name."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What topics and parameters of ROS mean for a bridge: ready maps, the likeliest first."""
+"""The meaning of ROS topics and parameters for a bridge: ready maps, the likeliest first."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from jausml.language.semantics.paths.scopes import used_maps
 
 VEHICLE, OPERATOR = "vehicle", "operator"
 SIDES = (VEHICLE, OPERATOR)
-"""What the nodes of ROS are behind a bridge: a vehicle that JAUS commands, or who commands one."""
+"""The ROS side of a bridge: a vehicle that JAUS commands, or an operator who commands one."""
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""What request handlers work with: the project, its pictures and kept edits, and the pages."""
+"""The context of request handlers: the project, its pictures and kept edits, and the pages."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the page of the studio is told of a project, and the edits that it asks for, as JSON."""
+"""The project as the page of the studio gets it, and the edits that it asks for, as JSON."""
 
 from __future__ import annotations
 

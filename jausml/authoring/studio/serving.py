@@ -40,7 +40,7 @@ METHODS = frozenset(
         "textDocument/rename",
     }
 )
-"""What a page may ask; the rest is about processes and files."""
+"""The requests that a page may make; the others are about processes and files."""
 
 
 class LanguageSocket:

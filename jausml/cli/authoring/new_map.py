@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 _EXAMPLE = "twist.linear.x=Velocity_X"
 _WAYS = {"both": (True, False), "to-ros": (True,), "to-jaus": (False,)}
 _OPTIONS = {True: "to_ros", False: "to_jaus"}
-"""What says the assignments of a direction."""
+"""The options with the assignments of each direction."""
 
 
 @click.command("map")

@@ -1,4 +1,4 @@
-"""What runs in ROS, as lines and as topics of a bridge, and what comes next for all else."""
+"""The running graph of ROS, as lines and as topics of a bridge, and commands for all else."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What verbs that make bridges of topics say at their end: what was made, and what is open."""
+"""The last lines of verbs that make bridges of topics: what was made, and what is open."""
 
 from __future__ import annotations
 

@@ -23,7 +23,7 @@ _RUN_MODULE = (
     "import runpy, sys; sys.path = [folder for folder in sys.path if folder]; "
     "runpy.run_module(sys.argv.pop(1), run_name='__main__', alter_sys=True)"
 )
-"""What `-m` does, without the current folder: a script there may have the name of a package."""
+"""Python code that does as `-m`, without the current folder: a script there may hide a package."""
 
 
 @click.command("run", context_settings={"ignore_unknown_options": True})

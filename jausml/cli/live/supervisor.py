@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from types import FrameType
 
 GRACE = ((signal.SIGINT, 5.0), (signal.SIGTERM, 3.0), (signal.SIGKILL, 3.0))
-"""What is sent to a process that shall stop, and how many seconds are waited after it."""
+"""The signals to a process that shall stop, and the seconds of waiting after each."""
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 # How a process ends that obeys: by itself, by the signal, or with the exit status for it.

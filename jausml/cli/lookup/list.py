@@ -14,7 +14,7 @@ from jausml.cli.shared.models import model_option
 from jausml.cli.shared.names import completing
 
 Columns = Mapping[str, Callable[[dict[str, Any]], str]]
-"""What stands in the columns of a table, by their heads."""
+"""The texts in the columns of a table, by their heads."""
 
 
 @click.group("list")

@@ -24,7 +24,7 @@ def _map_names(models: Sequence[str] = ()) -> list[str]:
 
 
 _NAMES = {"message": message_names, "service": service_names, "map": _map_names}
-"""What names all that is known of a kind."""
+"""The functions that name all known elements of a kind."""
 
 
 class Kinds(click.Group):

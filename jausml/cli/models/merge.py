@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from jausml.authoring.merging.merging import States
 
 _MOST_CONFLICTS = 127
-"""What git says of more; above it are faults."""
+"""The status of git for this many conflicts or more; above it are faults."""
 
 
 @click.command("merge")

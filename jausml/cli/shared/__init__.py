@@ -1,1 +1,1 @@
-"""What verbs share: options, files, models, lines of input and output, the terminal."""
+"""Shared parts of verbs: options, files, models, lines of input and output, the terminal."""

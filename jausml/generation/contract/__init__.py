@@ -1,1 +1,1 @@
-"""What the code of users may rely on: the names of generated modules, and how users use them."""
+"""The contract with users' code: the names of generated modules, and how users use them."""

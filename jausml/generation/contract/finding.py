@@ -1,4 +1,4 @@
-"""What is found in a user's file that does not fit the model, and the fixes that are certain."""
+"""Findings in a user's file that does not fit the model, and the fixes that are certain."""
 
 from __future__ import annotations
 

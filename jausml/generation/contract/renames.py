@@ -12,7 +12,7 @@ from jausml.generation.contract.interface import Interface
 from jausml.generation.contract.symbols import Class, Module, Modules, Symbol, Value, is_enumeration
 
 _Symbols = Mapping[str, Symbol | None]
-"""What a module or a class defines, by name."""
+"""The symbols of a module or a class, by name."""
 
 
 def former_names(before: Interface, after: Interface, remembered: object = None) -> dict[str, str]:

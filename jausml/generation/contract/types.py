@@ -1,4 +1,4 @@
-"""What names mean in a user's file, and types of expressions as far as they are certain."""
+"""The meaning of names in a user's file, and types of expressions as far as they are certain."""
 
 from __future__ import annotations
 

@@ -56,7 +56,7 @@ STANDARD: Mapping[str, Origin] = {
     **offered("pathlib", "Path"),
     **offered("typing", "Any", "ClassVar"),
 }
-"""What any generated module may use of the standard library, and pytest."""
+"""The names of the standard library and pytest that any generated module may use."""
 
 
 @dataclass(frozen=True)
@@ -166,7 +166,7 @@ _START = re.compile(
 )
 """Before a function, a class or a method, and before what a method makes of several arguments."""
 _AROUND = {"    ": "class _:\n", "        ": "class _:\n    def _():\n"}
-"""What is put around a piece to parse it, by its indentation."""
+"""The lines around a piece of code that let it be parsed, by its indentation."""
 _NO_NAME = str.maketrans(dict.fromkeys(set(printable) - {*ascii_letters, *digits, "_"}, " "))
 _PREFIX = re.compile("[bfrtu]{1,2}")
 """Words that may stand before a string, and change what it is."""

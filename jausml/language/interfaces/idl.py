@@ -54,7 +54,7 @@ _PRIMITIVES: Mapping[str, str] = {
     **{f"{u}int{bits}": f"{u}int{bits}" for u in ("", "u") for bits in (8, 16, 32, 64)},
 }
 _EMPTY = "structure_needs_at_least_one_member"
-"""What rosidl writes into a structure without members, which IDL does not have."""
+"""The member that rosidl writes into a structure without any, which IDL does not have."""
 
 _Annotations = dict[str, str]
 

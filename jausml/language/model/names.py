@@ -32,7 +32,7 @@ ElementT = TypeVar("ElementT", bound="EObject")
 _CODE = re.compile(r'\bcode="0x([0-9A-Fa-f]{4})"')
 _VERSION = re.compile(r"([0-9]{1,9})\.([0-9]{1,9})")
 _NAMED = re.compile(r'<(services|inputs|outputs|types|messages|actions)\s[^<]*?\bname="([^"<]*)"')
-"""What of the library is referred to by name: its containment feature and its name."""
+"""An element of the library that is referred to by name: its containment feature and its name."""
 _PARTS = {
     "request": ros.ServiceType,
     "response": ros.ServiceType,

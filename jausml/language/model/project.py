@@ -1,4 +1,4 @@
-"""What a project is: its folder, the root that references may not leave, and files named in it."""
+"""A project: its folder, the root that references may not leave, and files named in it."""
 
 from __future__ import annotations
 

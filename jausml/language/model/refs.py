@@ -130,7 +130,7 @@ Ref = str
 """`<file>#<fragment>`: the file relative to a root with forward slashes, or of the library."""
 
 LIBRARY = "library:/"
-"""What the files of the shipped library begin with."""
+"""The prefix of the files of the shipped library."""
 
 _REFERABLE = re.compile(r"[^\s/#:?%][^\s#:?%]*")
 

@@ -1,4 +1,4 @@
-"""What a component takes and gives, and forms of messages: units, ranges, choices, no values."""
+"""Messages of a component, and forms of messages: units, ranges, choices, no values."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the guardian of the unit says when this process is dead or stands still."""
+"""The guardian of the unit, which says the stops when this process is dead or stands still."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What was commanded, by whom, and what came of it; and alarms, until somebody says why not."""
+"""Journal of commands, who gave them and what came of them, and alarms until somebody acts."""
 
 from __future__ import annotations
 

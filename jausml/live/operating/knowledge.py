@@ -1,4 +1,4 @@
-"""What the unit knows of models, as plain values, and the process that reads them.
+"""The contents of models, as plain values for the unit, and the process that reads them.
 
 Models are read by a child process, again whenever a file of theirs changes. This one holds no
 machinery of models: it would stand still for as long as that works.
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from jausml.live.systems.state import DeclaredConnection
 
 LENGTH = struct.Struct("<Q")
-"""What stands before each value in the pipe: how many bytes it has."""
+"""The number of bytes, which stands before each value in the pipe."""
 
 _READING = "jausml.live.operating.reading"
 

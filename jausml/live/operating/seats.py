@@ -31,10 +31,10 @@ MOST_POINTS = 2000
 LONGEST_HISTORY = 3600.0
 
 _QUICK = ("renew", "stick.begin", "stick.move", "stick.end")
-"""What is answered in its turn, on a thread that waits for nothing else."""
+"""Requests that are answered in their turn, on a thread that waits for nothing else."""
 
 _NOT_AFTER_A_STOP = ("resume", "send", "clear", "list.set", "list.execute")
-"""What is refused if a stop comes before it is sent; it is told how many there were before."""
+"""Commands that are refused if a stop comes first; they state how many there were before."""
 
 _PACE_OF_COMMANDS, _PACE_OF_LOOKS = 200.0, 20.0
 """Requests each second: a stick says 25 words, plots ask for values once in a second."""

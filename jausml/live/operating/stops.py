@@ -22,7 +22,7 @@ from jausml.runtime.messages import SetEmergency, Standby
 from jausml.runtime.wire.message import Message
 
 WORDS = ("standby", "emergency")
-"""What the stop of everything may be (AS5710, Management)."""
+"""Kinds of a stop of everything (AS5710, Management)."""
 
 SHORTEST, LONGEST = 0.3, 60.0
 """Seconds that a time-out may have; within shorter ones a busy moment would look like a halt."""

@@ -220,7 +220,7 @@ def decimated(points: Sequence[Point], most: int) -> list[Point]:
 
 MOST_BYTES = 8 * 2**20
 MOST_PIXELS = 40_000_000
-"""What a browser unpacks without harm."""
+"""Pixels of a picture that a browser unpacks without harm."""
 
 _PNG = b"\x89PNG\r\n\x1a\n"
 _JPEG = b"\xff\xd8\xff"

@@ -27,7 +27,7 @@ _CHANGES = {
     (False, ControlState.READY): "is controlled again, and READY",
     (False, ControlState.CONTROLLED): "is controlled again, and not READY",
 }
-"""What a state means, by whether control was held before."""
+"""The news in a state, by whether control was held before."""
 
 
 class Hold:

@@ -1,4 +1,4 @@
-"""What an operator has beside questions: events, lists of others, and what it answers and obeys."""
+"""An operator beside its questions: events, lists of others, and what it answers and obeys."""
 
 from __future__ import annotations
 

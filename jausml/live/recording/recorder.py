@@ -181,13 +181,13 @@ class RecordingFiles:
 
 
 CALLS = "/_service_event"
-"""What follows the name of a service in the topic of its calls, where it is introspected."""
+"""The ending of the topic of the calls of a service, where it is introspected."""
 
 DIAGNOSTICS = "/diagnostics"
 """Where bridges tell how they are, with the accounts of connections and peers."""
 
 GOALS = f"/_action/send_goal{CALLS}"
-"""What follows the name of an action in the topic of its goals, where it is introspected."""
+"""The ending of the topic of the goals of an action, where it is introspected."""
 
 RESULTS = f"/_action/get_result{CALLS}"
 """The same of its results."""

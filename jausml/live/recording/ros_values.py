@@ -25,7 +25,7 @@ _PART_OF_CALL = re.compile(r"^(?:MSG: )?\w+/[A-Z][A-Za-z0-9]*(?:_[A-Z][A-Za-z0-9
 """A type that ROS makes of a service or action, such as `std_srvs/SetBool_Request`."""
 
 _NO_MEMBER = "structure_needs_at_least_one_member"
-"""What stands in a definition that ROS makes of a type without fields."""
+"""The member in the definition that ROS makes of a type without fields."""
 
 _HEAD = 4
 _ORDERS = {0: ">", 1: "<"}

@@ -91,7 +91,7 @@ def _described(field: wire.Field) -> Schema:
 _LINE = "=" * 80
 
 _NO_FIELD = "uint8 structure_needs_at_least_one_member"
-"""What rosidl gives a type without fields, on the wire too."""
+"""The field that rosidl gives a type without fields, on the wire too."""
 
 _GOAL_ID = "unique_identifier_msgs/UUID goal_id"
 _CALL = "service_msgs/ServiceEventInfo info\n{0}_Request[<=1] request\n{0}_Response[<=1] response"

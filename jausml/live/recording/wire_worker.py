@@ -22,7 +22,7 @@ from jausml_runtime.component.process import running_transport
 from jausml_runtime.virtual import Link, RosGraph, VirtualRosNode
 
 _OFFERED = Qos(durability="transient_local", depth=1)
-"""What meets any subscription."""
+"""The quality that meets any subscription."""
 
 
 class OpenBridges:

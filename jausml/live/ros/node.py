@@ -24,7 +24,7 @@ _PUBLISHED: dict[str, dict[str, tuple[str, ...]]] = {
         "GetResult_Event": ("Impl", "GetResultService", "Event"),
     },
 }
-"""What of an interface is published: how its type name ends, and where the class is in rclpy."""
+"""The published types of an interface: endings of their names, and their classes in rclpy."""
 
 _DESCRIBES = "start_type_description_service"
 """A parameter of every node (since Jazzy; others ignore it): its service is a trace too, and takes

@@ -1,4 +1,4 @@
-"""What runs in ROS: its graph, and what first messages and parameters say of it. Needs rclpy."""
+"""The running graph of ROS, with the first messages and the parameters. Needs rclpy."""
 
 from __future__ import annotations
 

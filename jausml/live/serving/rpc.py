@@ -190,7 +190,7 @@ METHOD_NOT_FOUND = -32601
 INVALID_PARAMS = -32602
 INTERNAL_ERROR = -32603
 REFUSED = -32000
-"""What was asked for cannot be done; the message says why."""
+"""The code of a refused request; the message says why."""
 UNAUTHORIZED = -32001
 BUSY = -32002
 

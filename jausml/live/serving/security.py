@@ -1,4 +1,4 @@
-"""Who may ask what: hosts, origins, tokens, and the headers of each answer.
+"""Access to a server: hosts, origins, tokens, and the headers of each answer.
 
 The threats are told in docs/explanation/threat-model.md.
 """

@@ -1,4 +1,4 @@
-"""Who is told what happens."""
+"""Subscribers to events."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a model promises of a running system: its connections, and the names of its components."""
+"""Declarations of a running system by a model: its connections, and names of its components."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is told of a system, folded into its state: pure functions from a state to the next.
+"""Reports of a system, folded into its state: pure functions from a state to the next.
 
 Folding in what is told touches whom it concerns alone; `fold_time` looks at everybody. Bridges tell
 in statuses of `/diagnostics` (`bridge/connections/reporting.py`).
@@ -169,7 +169,7 @@ class AnswerSource(Enum):
     ITSELF = "itself"
     DISCOVERY = "Discovery"
     NOBODY = "nobody"
-    """It was asked, and no answer came in time."""
+    """The component was asked, and no answer came in time."""
 
 
 @dataclass(frozen=True, slots=True)

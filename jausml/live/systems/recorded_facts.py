@@ -1,4 +1,4 @@
-"""What a recording tells of a system, in the values that the live view is fed with."""
+"""Facts of a system in a recording, in the values that the live view is fed with."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ _TELLING: dict[str, tuple[Any, Callable[[Any, str], dict[str, Any]]]] = {
     "RejectControl": (RejectControl, _rejected),
     "ReportMachineStates": (ReportMachineStates, machines_in),
 }
-"""What each message tells of who sends it, to whom."""
+"""The functions that read the facts in each message about its sender, by its name."""
 
 _ASKING = (QueryStatus.NAME, QueryControl.NAME)
 

@@ -1,4 +1,4 @@
-"""What reports of components tell of them, in the values that a state is folded of."""
+"""Reports of components, in the values that a state is folded of."""
 
 from __future__ import annotations
 

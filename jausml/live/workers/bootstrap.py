@@ -1,4 +1,4 @@
-"""What the process of a worker begins with: it can import the runtime and the generated packages.
+"""Start of a worker's process: it can import the runtime and the generated packages.
 
 It is run by its path, with the folder of the runtime, that of the generated workspace, and the
 script that goes on, with its command line.

@@ -1,1 +1,1 @@
-"""What a model costs at run time: load, worst-case times, and how bridges may be split."""
+"""Costs of a model at run time: load, worst-case times, and how bridges may be split."""

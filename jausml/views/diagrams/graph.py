@@ -19,7 +19,7 @@ JAUS_COLUMN, BRIDGE_COLUMN, ROS_COLUMN = 0, 1, 2
 """Columns of nodes, from the left."""
 
 Details = tuple[tuple[str, str], ...]
-"""What is told on request: names and texts."""
+"""Names and texts that are shown on request."""
 
 IDLE = "unconnected"
 """Mark of the row of a service of which no connection carries anything."""

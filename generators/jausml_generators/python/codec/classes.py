@@ -283,4 +283,4 @@ class VariantAlias:
 NestedClass: TypeAlias = (
     Enumeration | BitFieldClass | VariableFieldClass | ContainerClass | VariantAlias
 )
-"""What may stand inside the class of a message."""
+"""A class inside the class of a message."""

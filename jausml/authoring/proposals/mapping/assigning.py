@@ -53,7 +53,7 @@ _POLICIES: tuple[Mapping[str, str], ...] = (
 _OF_INSTANTS: tuple[Mapping[str, str], ...] = ({}, {"whenAbsent": "receptionTime"})
 _OF_VARIANCES: tuple[Mapping[str, str], ...] = ({}, {"whenAbsent": "leave"})
 _LEVEL: Mapping[str, str] = {"whenAbsent": "useDefault", "defaultValue": "0"}
-"""What optional angles are that a message leaves out: a heading alone is an orientation."""
+"""The policy for optional angles that a message leaves out: a heading alone is an orientation."""
 
 _WITHOUT = {
     "useDefault": "an angle that is absent is 0",
@@ -61,7 +61,7 @@ _WITHOUT = {
     "leave": "without '{}' it stays as it is made",
     "dropMessage": "without '{}' the message is dropped",
 }
-"""What is said of a target without its source."""
+"""Words for the policies of a target without its source."""
 
 _MANY = (LIST, NUMBERS)
 _SIMPLE = [conversion for conversion in CONVERSIONS.values() if not conversion.arguments]

@@ -1,4 +1,4 @@
-"""What is open in a map: members that nothing fills, stops, and what its author decides."""
+"""Open decisions of a map: members that nothing fills, stops, and what its author decides."""
 
 from __future__ import annotations
 

@@ -150,7 +150,7 @@ _RULES = frozenset(
 """The rules that judge an assignment by itself."""
 
 _TOGETHER = _RULES | {"JML415"}
-"""Those that judge it beside the others of its map."""
+"""The rules that judge an assignment beside the others of its map."""
 
 
 @dataclass(frozen=True)

@@ -236,7 +236,7 @@ METHODS: Mapping[str, Callable[..., object]] = {
     "plan": _plan,
     "diff": _diff,
 }
-"""What answers questions, by their names."""
+"""The functions that answer questions, by name."""
 
 CHANGES: Mapping[str, Callable[..., object]] = {
     "edit": _edit,
@@ -250,4 +250,4 @@ CHANGES: Mapping[str, Callable[..., object]] = {
     "arrange": _arrange,
     "generate": _generate,
 }
-"""What answers requests that change something, in turn."""
+"""The functions that answer requests which change something, in turn."""

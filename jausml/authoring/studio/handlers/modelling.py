@@ -192,4 +192,4 @@ METHODS: Mapping[str, Callable[..., object]] = {
     "fill_map": _fill_map,
     "try": _try,
 }
-"""What answers questions, by their names."""
+"""The functions that answer questions, by name."""

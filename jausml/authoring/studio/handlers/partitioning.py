@@ -101,4 +101,4 @@ METHODS: Mapping[str, Callable[..., object]] = {
     "carry": _carry,
     "loads": _loads,
 }
-"""What answers questions, by their names."""
+"""The functions that answer questions, by name."""

@@ -288,7 +288,7 @@ METHODS: Mapping[str, Callable[..., object]] = {
     "outline": _outline,
     "members": _members,
 }
-"""What answers questions, by their names."""
+"""The functions that answer questions, by name."""
 
 
 class LiveRequests:

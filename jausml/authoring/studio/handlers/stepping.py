@@ -94,4 +94,4 @@ def _machine(
 
 
 METHODS: Mapping[str, Callable[..., object]] = {"step": _step, "step.test": _test}
-"""What answers questions, by their names."""
+"""The functions that answer questions, by name."""

@@ -1,1 +1,1 @@
-"""What is computed of models for the page: plain functions that return frozen dataclasses."""
+"""Views of models for the page: plain functions that return frozen dataclasses."""

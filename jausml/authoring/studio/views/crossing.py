@@ -1,4 +1,4 @@
-"""What crosses a bridge: connections between JAUS components and ROS nodes."""
+"""Connections across a bridge, between JAUS components and ROS nodes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What boxes and rows of a diagram, and places of a text, stand for, and where that is written."""
+"""The elements behind boxes and rows of a diagram or places of a text, and where they stand."""
 
 from __future__ import annotations
 

@@ -45,7 +45,7 @@ _POLICY = Policy(ignored=frozenset({"jaus.Service.machines"}))
 _OF_REFERENCE = ("name", "optional", "documentation")
 
 Facts: TypeAlias = "dict[tuple[str, str], tuple[list[str], Documented]]"
-"""What is said of places in machines, by place and feature, with an element that says it."""
+"""The facts of places in machines, by place and feature, with an element that states them."""
 
 
 def differences(

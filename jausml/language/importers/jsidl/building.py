@@ -1,4 +1,4 @@
-"""What all builders share: how elements are made, and the rules of the importer."""
+"""Shared parts of all builders: how elements are made, and the rules of the importer."""
 
 from __future__ import annotations
 

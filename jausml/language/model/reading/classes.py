@@ -1,4 +1,4 @@
-"""What a metamodel asks of a document: classes by qualified names, and the bounds of features."""
+"""Demands of a metamodel on a document: classes by qualified names, and bounds of features."""
 
 from __future__ import annotations
 

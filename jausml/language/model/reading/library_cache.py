@@ -16,7 +16,7 @@ from jausml.language.model.model import Model, Origins
 from jausml.language.model.uris import FileTarget
 
 Opened: TypeAlias = "Mapping[Document, Mapping[str, Document | None]]"
-"""What the references of documents led to, by URI; None for nowhere."""
+"""The targets of the references of documents, by URI; None for a missing one."""
 
 _MOST = 500
 """Documents; more are of projects that nobody works with any more."""

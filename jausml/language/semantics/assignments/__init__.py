@@ -1,1 +1,1 @@
-"""What becomes of values on the way through an assignment: steps, units, ranges and frames."""
+"""Values on the way through an assignment: steps, units, ranges and frames."""

@@ -1,1 +1,1 @@
-"""What connections carry, to whom, how often, and what stops them."""
+"""Connections: their messages, peers, rates and stops."""

@@ -111,7 +111,7 @@ EXECUTE, QUERY, REPORT = "ExecuteList", "QueryActiveElement", "ReportActiveEleme
 LIST_MANAGER = "ListManager"
 RUN, MISSION_QUERY, MISSION_REPORT = "RunMission", "QueryMissionStatus", "ReportMissionStatus"
 SPOOLER = ("SpoolMission", "AbortMission", "PauseMission", "ResumeMission")
-"""What a mission spooler takes besides."""
+"""The further messages that a mission spooler takes."""
 SPEED_REPORT = "ReportTravelSpeed"
 
 ELEMENTS = {

@@ -6,7 +6,7 @@ import re
 from difflib import SequenceMatcher
 
 TOOL_REASON = "it stands until the next one see that something stops the vehicle on its way"
-"""What tools once wrote as a reason, without punctuation: nobody has decided anything."""
+"""A reason that tools once wrote, without punctuation: nobody has decided anything."""
 
 _ALIKE = 0.8
 """From which likeness on, of 1 for the same words, a text is taken for an edited copy of another.

@@ -1,4 +1,4 @@
-"""What a conversion is: what it takes and yields, and what becomes of units and of numbers."""
+"""A conversion: inputs and outputs, and its effect on units and numbers."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ class Argument:
 
 
 MAXIMUM = Argument("maximum")
-"""What values are measured against or limited by: a number above zero."""
+"""The measure or the limit of values: a number above zero."""
 
 
 class UnitEffect(Enum):

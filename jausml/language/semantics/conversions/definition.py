@@ -1,4 +1,4 @@
-"""What a conversion computes, in the language of expressions.
+"""Definitions of conversions, in the language of expressions.
 
 A definition is all that a printer, an evaluation or a proof has to know of a conversion. Its parts,
 local values and results are real numbers of 64 bits (IEEE 754): the whole numbers of times and time

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 Group: TypeAlias = "jaus.Record | jaus.Sequence"
 Container: TypeAlias = "Group | jaus.List | jaus.Variant"
 Provider: TypeAlias = "jaus.Component | jaus.PeerSearch"
-"""Who provides services: a component, or whatever a search finds."""
+"""A provider of services: a component, or whatever a search finds."""
 
 # What does not change the bytes of a legal message.
 _BESIDE_THE_WIRE = frozenset({"name", "documentation", "units", "legal"})

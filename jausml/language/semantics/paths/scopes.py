@@ -323,7 +323,7 @@ class Direction:
 
 
 Directed = bridge.AttributeMap | bridge.Connection
-"""Who has directions: a map its own and those of its stops, a connection that of a safe value."""
+"""Elements with directions: a map its own and those of its stops, a connection of a safe value."""
 
 DIRECTED = (bridge.AttributeMap, bridge.Connection)
 """The same for rules."""

@@ -37,7 +37,7 @@ class BridgeOfMaps:
 
 
 DISCOVERY = f"{LIBRARY_URI}jaus/core-1.1.xmi#Discovery"
-"""What every such bridge provides, so that those which search its services find it."""
+"""The service of every such bridge, by which components that search its services find it."""
 
 _BRIDGE = "_bridge"
 _INPUTS, _OUTPUTS = "inputs", "outputs"

@@ -19,7 +19,7 @@ FIRST_CODE = 0xD000
 LAST_CODE = 0xFFFF
 
 MANAGEMENT = f"{LIBRARY_URI}jaus/core-1.1.xmi#Management"
-"""What a service with commands inherits: only so can it tell its controller from strangers."""
+"""The service that one with commands inherits, to tell its controller from strangers."""
 
 _REPORT, _QUERY = "Report", "Query"
 

@@ -31,7 +31,7 @@ from jausml.language.text.tree import (
 )
 
 Source: TypeAlias = "Item | Call"
-"""What of a text may stand for an element."""
+"""A part of a text that may stand for an element."""
 Special: TypeAlias = "Callable[[Node, Item], None]"
 
 _TYPE = f"{XSI} type"
@@ -52,7 +52,7 @@ class NodeMaker:
         self.spans: dict[Node, Span] = {}
         """Where each element is written."""
         self.sources: dict[Node, Source] = {}
-        """What of the tree stands for an element by itself; elements that follow have none."""
+        """The parts of the tree that stand for elements; elements that follow have none."""
         self.values: dict[Node, Span] = {}
         """Where each value and each reference is written."""
 
@@ -148,7 +148,7 @@ class ElementReader:
         self._keywords = classes_by_keyword(nodes.metamodels)
         self._depth = 0
         self.special: dict[str, Special] = {}
-        """What reads items that the blocks of a class alone have, by qualified class."""
+        """The readers of items that the blocks of a class alone have, by qualified class."""
 
     def class_of(self, block: Element) -> ClassTable | None:
         """Returns the class that the words before a block name, None for a map without keyword."""

@@ -35,7 +35,7 @@ class MapReader:
         self._elements = elements
         self.ends: list[WrittenEnd] = []
         self.special: dict[str, Special] = {MAP: self._item, LIST: self._inner_item}
-        """What reads the items that only maps and lists have, by qualified class."""
+        """The readers of items that only maps and lists have, by qualified class."""
 
     def _item(self, node: Node, item: tree.Item) -> None:
         if isinstance(item, tree.End):

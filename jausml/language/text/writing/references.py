@@ -50,7 +50,7 @@ from jausml.language.text.writing.spelling import (
 Special: TypeAlias = "Callable[[Any], Iterator[BlockItem]]"
 
 _Reference: TypeAlias = "tuple[EObject, EObject, FeatureTable]"
-"""Who refers, to what, by which feature."""
+"""An element, the target of its reference, and the feature."""
 
 _PACKAGED = frozenset({"ros.MessageType", "ros.ServiceType", "ros.ActionType"})
 
@@ -262,7 +262,7 @@ class ElementWriter:
         self._metamodels = metamodels
         self._names = names
         self.special: dict[str, Special] = {}
-        """What writes the blocks of a class in a notation of their own, by qualified class."""
+        """The writers of blocks in a notation of their own, by qualified class."""
         self.says_all = False
         """Whether connections say what follows from where they stand, too."""
 

@@ -14,4 +14,4 @@ RENDERERS: Mapping[str, Callable[[Report], str]] = {
     "sarif": sarif.render,
     "github": github.render,
 }
-"""What renders a report, by the name of the format."""
+"""The functions that render a report, by the name of the format."""

@@ -1,4 +1,4 @@
-"""What a check leaves: its verdict, the exceptions that say it, and the trace that proves it."""
+"""Results of a check: its verdict, the exceptions that say it, and the trace that proves it."""
 
 from __future__ import annotations
 

@@ -140,4 +140,4 @@ RENDERERS: Mapping[str, Callable[[ConformanceReport], str]] = {
     "json": render_json,
     "junit": render_junit,
 }
-"""What renders a report, by the name of the format."""
+"""The functions that render a report, by the name of the format."""

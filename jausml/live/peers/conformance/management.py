@@ -53,7 +53,7 @@ STANDBY, READY, EMERGENCY = Status.STANDBY, Status.READY, Status.EMERGENCY
 LOW = Authority.LOW
 
 SET, CLEAR = SetEmergency(emergency_code=1), ClearEmergency(emergency_code=1)
-"""Those of an emergency of code STOP (AS5710A)."""
+"""The messages of an emergency of code STOP (AS5710A)."""
 
 _SET_0 = b"\x06\x00\x00\x00"
 _CLEAR_0 = b"\x07\x00\x00\x00"

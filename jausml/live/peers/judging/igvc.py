@@ -69,7 +69,7 @@ SERVICES = (
     *("Discovery", "AccessControl", "Management"),
     *("VelocityStateSensor", "LocalPoseSensor", DRIVER),
 )
-"""What the tasks need."""
+"""The services that the tasks need."""
 
 
 class Handshake:

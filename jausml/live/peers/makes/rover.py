@@ -142,4 +142,4 @@ def _jaus_plus_plus(address: JausAddress, rover: Rover, place: Place) -> JausPlu
 
 MAKES: dict[str, Callable[[JausAddress, Rover, Place], JuniorVehicle | JtsComponent | JausPlusPlus]]
 MAKES = {"junior": _junior, "jts": _tool_set, "jaus++": _jaus_plus_plus}
-"""What starts a rover of each make. It runs on threads of its own until ``close``."""
+"""The functions that start a rover of each make. It runs on threads of its own until ``close``."""

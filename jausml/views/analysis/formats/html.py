@@ -38,7 +38,7 @@ _LOAD = (
 
 
 _Cell: TypeAlias = "str | tuple[str, str]"
-"""What stands in a cell; of two lines the second is small."""
+"""The text of a cell; of two lines the second is small."""
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from jausml.views.analysis.partition.weighing import Group, Limits, Weighing
 from jausml.views.analysis.sizes import Assumptions
 
 _ROUTES = "bridge is", "namespace is", "subsystem is", "transport is"
-"""What no proposal mixes, and a person may."""
+"""Properties that no proposal mixes, and a person may."""
 
 _MOST = 5
 """Names, and changes, that are told."""

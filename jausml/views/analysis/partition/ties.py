@@ -16,7 +16,7 @@ from jausml.language.semantics.paths.scopes import Carrier, carriers_of
 from jausml.views.analysis.streams import is_single, keeps_control
 
 Tie: TypeAlias = "tuple[Hashable, str]"
-"""What connections have in common, and how to say that."""
+"""A property that connections have in common, and its words."""
 
 _FOUND = "found", "they command who is found at run time, which may be the same component"
 

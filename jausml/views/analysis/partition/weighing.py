@@ -27,7 +27,7 @@ LARGEST_SHARE = 0.5
 """Share of a processor that a bridge may take: the other half is for what was not foreseen."""
 
 SAFE = ("authority", "defaultAuthority", "controlTimeout", "guardian")
-"""What a person decided about commands of a bridge: it goes along, and what differs is apart."""
+"""Decisions of a person about commands of a bridge: they go along; different ones stay apart."""
 
 
 @dataclass(frozen=True)

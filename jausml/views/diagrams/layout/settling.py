@@ -276,7 +276,7 @@ def tiles(area: Area, size: float = _CELL) -> Iterator[tuple[int, int]]:
 
 
 _Cells = defaultdict[tuple[int, int], set[str]]
-"""What has a part in a cell."""
+"""The names of the areas that have a part in each cell."""
 
 
 def _note(cells: _Cells, name: str, area: Area) -> None:

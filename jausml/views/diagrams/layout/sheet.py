@@ -1,4 +1,4 @@
-"""What a layout engine is given and what it returns: sizes in, places out, in pixels."""
+"""Input and output of a layout engine: sizes in, places out, in pixels."""
 
 from __future__ import annotations
 

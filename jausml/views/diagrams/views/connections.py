@@ -16,7 +16,7 @@ from jausml.views.diagrams.graph import IDLE, JAUS_COLUMN, ROS_COLUMN, Edge, End
 from jausml.views.diagrams.views.context import Builder, details, name_of, number
 
 PROVIDES, USES = "provides", "uses"
-"""What boxes do with services of which nothing is carried."""
+"""Relations of boxes to services of which no message is carried."""
 
 _EXCHANGES = {
     "message": "message",

@@ -1,4 +1,4 @@
-"""What all views share: ids, findings and texts of elements, and a graph that is built up."""
+"""The context of all views: ids, findings and texts of elements, and a graph that is built up."""
 
 from __future__ import annotations
 

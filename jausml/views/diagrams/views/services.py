@@ -17,7 +17,7 @@ from jausml.views.diagrams.views.context import Builder, Context, details, name_
 from jausml.views.diagrams.views.members import Member, jaus_members
 
 SERVICE, BODIES = "service:", "bodies:"
-"""What stands before the name of a service in views of it, without and with bodies of messages."""
+"""Prefixes of the name of a service in its views, without and with bodies of messages."""
 
 
 def offered(

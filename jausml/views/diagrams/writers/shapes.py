@@ -217,7 +217,7 @@ def _advance(sign: str, widths: Sequence[int]) -> int:
 
 
 SIDES = {"component": "jaus", "message": "jaus", "bridge": "bridge", "node": "ros", "type": "ros"}
-"""What kinds of boxes belong to; others have the colour of lines."""
+"""The sides of kinds of boxes; others have the colour of lines."""
 
 _LIGHT = {
     "ground": "#FFFFFF",

@@ -60,7 +60,7 @@ _ROLES = {
     "Variant": ("an option of a variant", True),
     "Array": ("the element of an array", False),
 }
-"""What members are called, and whether they are containers, by the class of what has them."""
+"""The names of members, and whether they are containers, by the class of their owner."""
 
 
 @member_kinds.also((jaus.Record, jaus.Sequence, jaus.List, jaus.Variant, jaus.Array))
