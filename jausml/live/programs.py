@@ -1,4 +1,4 @@
-"""Programs that are no part of Python and that some of the work asks for: who lacks one is told."""
+"""Optional programs outside Python: purpose, path, and the package that has each."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from jausml.generation import native
 
 @dataclass(frozen=True)
 class Program:
-    """A program that need not be there.
+    """An optional program.
 
     Attributes:
-        name: What it is called where it is asked for.
-        commands: Names on the PATH; the first that is there is taken.
-        purpose: What it is for.
-        package: The package of Debian and Ubuntu that has it.
-        variable: The variable of the environment that names another, empty where none does.
+        name: Its name in reports.
+        commands: Names on the PATH; the first that exists is used.
+        purpose: Its use.
+        package: Its package in Debian and Ubuntu.
+        variable: The environment variable that may name another program, empty for none.
     """
 
     name: str
@@ -27,18 +27,18 @@ class Program:
     variable: str = ""
 
     def path(self) -> str | None:
-        """Returns where it is, None where it is not."""
+        """Returns the path of the program, None where there is none."""
         return native.first_program(self.commands, self.variable)
 
     @property
     def cure(self) -> str:
-        """How one gets it."""
+        """The command that installs it."""
         another = f", or name one in {self.variable}" if self.variable else ""
         return f"apt install {self.package}{another}"
 
     @property
     def fault(self) -> str:
-        """A remark where the program is not there."""
+        """The remark for a computer without it."""
         if named := os.environ.get(self.variable):
             return f"{self.variable} names {named}, which is no program"
         return f"there is no {' or '.join(self.commands)}"

@@ -30,10 +30,10 @@ class Alarm:
     """An event that nobody should overlook.
 
     Attributes:
-        cause: What it comes from, by name: alarms of one cause stand together.
-        subject: What it is about: the same of the same subject that sounds is not raised again.
-        back: When the subject was well again; 0 while it is not.
-        silenced: By whom and why; empty while it sounds.
+        cause: The name of its cause: alarms of one cause stand together.
+        subject: Its subject: an alarm with the same text is not raised again while it sounds.
+        back: Time when the subject was well again; 0 before.
+        silenced: The person who silenced it and the reason; empty while it sounds.
     """
 
     number: int
@@ -49,7 +49,7 @@ class Journal:
     """The latest entries and alarms; any thread may add."""
 
     def __init__(self, notify: Callable[[str, object], None]) -> None:
-        """Has none (`notify`: takes the name of a notification and its parameters)."""
+        """Begins empty (`notify`: takes the name of a notification and its parameters)."""
         self._notify = notify
         self._entries: deque[JournalEntry] = deque(maxlen=_MOST)
         self._alarms: dict[int, Alarm] = {}
@@ -70,14 +70,14 @@ class Journal:
             return [asdict(alarm) for alarm in alarms if not alarm.silenced]
 
     def note(self, who: str, text: str) -> None:
-        """Adds an entry; the log of the process has it too."""
+        """Adds an entry, also to the log of the process."""
         with self._lock:
             entry = self._entry(who, text)
         _LOG.info("%s: %s", who, text)
         self._notify("operate.journal", {"entry": asdict(entry)})
 
     def alarm(self, cause: str, text: str, subject: str = "") -> None:
-        """Raises an alarm (`subject`: the cause itself if it is left out)."""
+        """Raises an alarm (`subject`: by default the cause)."""
         about = subject or cause
         with self._lock:
             for alarm in self._alarms.values():
@@ -101,7 +101,7 @@ class Journal:
             self.note("unit", f"{subject} is back")
 
     def silence(self, numbers: Sequence[int], who: str, reason: str) -> bool:
-        """Silences alarms for one reason; False when none of them sounds."""
+        """Silences alarms for a reason; returns False when none of them sounds."""
         with self._lock:
             known = (self._alarms.get(number) for number in numbers)
             alarms = [alarm for alarm in known if alarm is not None and not alarm.silenced]

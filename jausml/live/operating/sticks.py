@@ -1,6 +1,6 @@
 """Sticks of components: one is held at a time, and ends in a stop, sent until it has arrived.
 
-What lasts only while a page says so again and again, such as a stick, has a lease.
+A stick has a lease, which the page has to renew again and again.
 """
 
 from __future__ import annotations
@@ -22,14 +22,14 @@ from jausml.runtime.base.standstill import steady
 from jausml.runtime.wire.message import Message
 
 _LOOK = 0.25
-"""Seconds between two looks at the time of a lease."""
+"""Seconds between two looks at the steady clock."""
 
 
 class Lease:
-    """Lasts for some seconds from each renewal; a thread of its own ends it, nobody else has to."""
+    """A permission for some seconds from each renewal; a thread of its own ends it."""
 
     def __init__(self, seconds: float, expired: Callable[[], None]) -> None:
-        """Begins it (`expired`: is called once, on that thread, when nobody renews it)."""
+        """Begins it (`expired`: is called once, on that thread, without a renewal in time)."""
         self.seconds = seconds
         self._expired = expired
         self._due = steady() + seconds
@@ -38,7 +38,7 @@ class Lease:
         Thread(target=self._run, name="lease", daemon=True).start()
 
     def renew(self) -> bool:
-        """Renews it; False when it is over, or the time is up and its thread has yet to see it."""
+        """Renews it; False when it is over, or due to end."""
         with self._news:
             now = steady()
             if self._is_over or now >= self._due:
@@ -64,9 +64,9 @@ class Lease:
 
 
 class Stick:
-    """A command sent again and again by a hand; whatever ends it sends the stop.
+    """A command that a hand sends again and again; its end sends the stop.
 
-    Nothing of the stick follows its stop: what comes later is refused.
+    After the stop, further messages of the stick are refused.
     """
 
     def __init__(
@@ -76,12 +76,12 @@ class Stick:
         stop: Callable[[], None],
         ended: Callable[[str], None],
     ) -> None:
-        """Begins with nothing sent.
+        """Begins without a message.
 
         Args:
-            seconds: How long one word of the page holds.
+            seconds: Seconds for which one message of the page holds.
             stop: Sends the stop.
-            ended: Is told why it ended, on any thread.
+            ended: Is called with the reason of the end, on any thread.
         """
         self._send, self._stop, self._ended = send, stop, ended
         self._lock = RLock()
@@ -89,14 +89,14 @@ class Stick:
         self._lease = Lease(seconds, self._expired)
 
     def move(self, message: Message) -> None:
-        """Sends a message, and holds the stick for another while."""
+        """Sends a message, and renews the lease (`Refused`: it is over)."""
         with self._lock:
             if not self._lease.renew():
                 raise Refused("the stick was released, or its page was silent too long")
             self._send(message)
 
     def end(self, why: str) -> None:
-        """Sends the stop, unless it was sent."""
+        """Sends the stop, unless it was sent before."""
         with self._lock:
             if self._is_over:
                 return
@@ -110,7 +110,7 @@ class Stick:
 
 
 RELEASED, STOPPED, GIVEN_UP = "released", "stop", "control is given up"
-"""Why a stick ends because a person wants it."""
+"""Reasons of an end that a person wants."""
 
 
 @dataclass(frozen=True)
@@ -124,14 +124,14 @@ class HeldStick:
 
 
 class Sticks:
-    """The stick that is held, if any; any thread may ask.
+    """The stick that is held, if any; any thread may call it.
 
     Attributes:
-        guarding: What says its stop where this process cannot; None before there is one.
+        guarding: The guardian that sends its stop where this process cannot; None before it runs.
     """
 
     def __init__(self, system: WatchedSystem, journal: Journal, stops: Stops) -> None:
-        """Holds none."""
+        """Begins without a stick."""
         self.held: HeldStick | None = None
         self.guarding: Guarding | None = None
         self._system, self._journal, self._stops = system, journal, stops
@@ -144,7 +144,7 @@ class Sticks:
         return self._stops.of(str(target), entry)
 
     def begin(self, name: str, target: JausAddress, entry: MessageEntry) -> tuple[int, float]:
-        """Begins to send a command; returns its number, and how long a word of it holds."""
+        """Begins a stick; returns its number, and the seconds for which a message holds."""
         operator, stop = self._system.operator, self.stop_of(target, entry)
         if not operator.controls(target):
             raise Refused(f"{target} is not controlled by us")
@@ -167,7 +167,7 @@ class Sticks:
         return number, stop.timeout
 
     def move(self, number: int, fields: dict[str, Any]) -> None:
-        """Sends what a stick says now."""
+        """Sends the command of a stick with new values of fields."""
         held = self._held(number)
         held.stick.move(self._system.operator.message(held.entry, fields))
 
@@ -176,7 +176,7 @@ class Sticks:
         self._held(number).stick.end(RELEASED)
 
     def end(self, why: str, target: JausAddress | None = None) -> None:
-        """Ends the stick, of a component or of any."""
+        """Ends the stick, if it is that of a component, or any."""
         held = self.held
         if held is not None and target in (None, held.target):
             held.stick.end(why)

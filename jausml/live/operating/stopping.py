@@ -1,4 +1,4 @@
-"""The stop of everything: whom it is for, how it is sent, and what it keeps from being sent."""
+"""The stop of everything: its components, its sending, and commands that it holds back."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from jausml.runtime.base.address import JausAddress
 from jausml.runtime.services.definitions import Status
 
 LONGEST_STOP = 30.0
-"""Seconds for which a stop is waited for."""
+"""Seconds of waiting for the acknowledgement of a stop."""
 
 
 def obeying(operator: Operator) -> list[JausAddress]:
-    """Returns whom a stop is for: who was ours, and has not said that it is another one's.
+    """Returns the components to stop: those that we controlled and that have not refused us since.
 
-    Who is lost to us may still take us for its controller.
+    A component that is lost to us may still take us for its controller.
     """
     return [
         hold.target
@@ -35,26 +35,26 @@ class Gate:
     """A gate for commands: what was asked for before a stop is not sent after it."""
 
     def __init__(self) -> None:
-        """Nothing was stopped yet."""
+        """Begins without a stop."""
         self._sending = Lock()
         self._count = 0
 
     @property
     def count(self) -> int:
-        """How many stops of everything there were."""
+        """Number of stops of everything so far."""
         return self._count
 
     def stop(self) -> None:
-        """Refuses from now on what was asked for before; waits for what is being sent."""
+        """Refuses commands of earlier requests from now on; waits for one that is being sent."""
         with self._sending:
             self._count += 1
 
     @contextmanager
     def unless_stopped(self, before: int) -> Iterator[None]:
-        """Has a stop wait while something is sent, which is refused after one.
+        """Lets a stop wait while a command is sent; refuses the command after a stop.
 
         Args:
-            before: How many stops there were when that was asked for.
+            before: Number of stops when the command was requested.
         """
         with self._sending:
             if self._count != before:
@@ -63,19 +63,19 @@ class Gate:
 
 
 class Stopping:
-    """Sends the stop of everything, and tells what became of it."""
+    """Sends the stop of everything, and reports its outcome."""
 
     def __init__(self, system: WatchedSystem, journal: Journal) -> None:
-        """Stops nothing."""
+        """Begins without a stop."""
         self._system, self._journal = system, journal
         self._running: dict[JausAddress, Event] = {}
 
     def stop(self, name: str, word: str, targets: Sequence[JausAddress]) -> list[dict[str, str]]:
-        """Stops components at once, and returns what each says.
+        """Stops components at once, and returns the outcome of each.
 
         Args:
-            name: Who stops them.
-            word: What the stop is, one of `stops.WORDS`.
+            name: The person who stops them.
+            word: The kind of stop, one of `stops.WORDS`.
         """
         operator = self._system.operator
         for target in targets:
@@ -121,12 +121,12 @@ class Stopping:
                 hold.expect_standby()
         message, is_over = stop_of(word), Event()
         self._running[target] = is_over
-        # With acknowledgement, and before all that waits; then it is asked for its state.
+        # Acknowledged, and before all waiting messages; then its state is queried.
         deliver(
             operator,
             target,
             message,
-            lambda: self._running[target] is is_over,  # and no later stop is sent
+            lambda: self._running[target] is is_over,  # until a later stop is sent
             lambda _: is_over.set(),
         )
         state = None
@@ -137,6 +137,6 @@ class Stopping:
         finally:
             if state is not None:
                 operator.answered(target, message)
-            # Who released it before that would have it heed the stop no more.
+            # A component that is released before would no longer obey the stop.
             is_over.wait(LONGEST_STOP)
         return state

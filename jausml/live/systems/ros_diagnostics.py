@@ -1,4 +1,4 @@
-"""Listens to `/diagnostics`, and to one topic while somebody looks at it. Needs rclpy."""
+"""Listener to `/diagnostics`, and to one topic while a user looks at it. Needs rclpy."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ LONGEST_VALUE = 200
 
 
 class RosDiagnostics:
-    """A node without parameters, services or log of its own, which spins in a thread."""
+    """A node without parameters, services or log, which spins in a thread."""
 
     def __init__(self, take: Callable[[list[DiagnosticStatus]], None]) -> None:
-        """Does nothing before `start`."""
+        """Listens from `start` on (`take`: gets the statuses of each message)."""
         self._take = take
         self._latest: deque[Any] = deque(maxlen=1)
         self._watched: Any = None
@@ -39,10 +39,10 @@ class RosDiagnostics:
         self._quiet.close()
 
     def watch(self, topic: TopicName) -> str:
-        """Subscribes to a topic in the place of the one before.
+        """Subscribes to a topic instead of the one before.
 
         Returns:
-            Why it cannot be watched, empty when it is.
+            The reason why it cannot be watched, empty when it is.
         """
         from jausml.runtime.bridge.ends.topics import Qos  # noqa: PLC0415
         from jausml.runtime.bridge.ros.parameters import profile_of, qos_of  # noqa: PLC0415
@@ -54,8 +54,8 @@ class RosDiagnostics:
         node = self._quiet.node
         publishers = node.get_publishers_info_by_topic(topic.name)
         offered = [qos_of(publisher.qos_profile) for publisher in publishers]
-        # Who asks for little gets what any publisher offers; but what a latched one published
-        # before gets only who asks for it.
+        # A best effort subscription matches any publisher; but the earlier message of a latched
+        # one comes to a latched subscription only.
         is_latched = offered and all(profile.durability == "transient_local" for profile in offered)
         qos = (
             Qos("reliable", "transient_local", depth=1)
@@ -74,7 +74,7 @@ class RosDiagnostics:
         """Ends the subscription of `watch`."""
         if self._watched is not None:
             self._quiet.node.destroy_subscription(self._watched)
-        # What is under way yet goes where nobody looks.
+        # A late message goes to the former list.
         self._watched, self._latest = None, deque(maxlen=1)
 
     def latest(self) -> list[str]:
@@ -102,7 +102,7 @@ class RosDiagnostics:
 
 
 def message_lines(message: Any, indent: str = "") -> Iterator[str]:
-    """Yields the fields of a message, one a line, those of its parts below it."""
+    """Yields a line for each field of a message, with those of inner messages below."""
     for name in message.get_fields_and_field_types():
         value = getattr(message, name)
         if _is_message(value):

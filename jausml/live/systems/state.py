@@ -1,4 +1,4 @@
-"""State of a running system as values: what a model promises of it, and what was heard."""
+"""State of a running system as values: declarations of its model, and reports of its parts."""
 
 from __future__ import annotations
 
@@ -13,28 +13,28 @@ HISTORY = 120
 """Latest rates of a connection that are kept."""
 
 SILENCE = 5.0
-"""Seconds after which who says nothing counts as gone, if it does not speak more seldom."""
+"""Seconds of silence after which a part counts as gone, unless its period is longer."""
 
 HEALTH = ("ok", "warning", "error")
 """Words for the weights of a state."""
 
 
 class Level(Enum):
-    """How well it goes."""
+    """How well a connection or a component works."""
 
     OK = "ok"
     UNKNOWN = "unknown"
-    """Nobody could tell: a source is missing."""
+    """A source that could report it is missing."""
     STALE = "stale"
-    """Nothing stands: the source has not begun, or is lost."""
+    """No value is valid: its source has not begun, or is lost."""
     WARNING = "warning"
     NOT_HEARD = "not heard"
-    """Whoever ought to report says nothing."""
+    """Its bridge or the component is silent."""
     ERROR = "error"
 
     @property
     def weight(self) -> int:
-        """0 when all is well, 1 for what one should look at, 2 for what does not work."""
+        """0 for a part that works, 1 for one to look at, 2 for one that does not work."""
         if self is Level.OK:
             return 0
         return 2 if self in (Level.NOT_HEARD, Level.ERROR) else 1
@@ -45,7 +45,7 @@ class TopicName:
     """A ROS topic of a connection, as its model names it.
 
     Attributes:
-        is_absolute: Whether it has the same name in whatever namespace its bridge runs.
+        is_absolute: Whether its name is the same in any namespace of its bridge.
     """
 
     name: str
@@ -83,11 +83,11 @@ class ConnectionState:
     """A connection of a bridge.
 
     Attributes:
-        phase: Its state as its bridge calls it, such as `silent`; empty when nobody says it.
-        declared_rate: Messages each second that the model promises, None when it promises none.
+        phase: Its state by its bridge, such as `silent`; empty before a report.
+        declared_rate: Messages each second by the model, None when it states no rate.
         period: Seconds between its last two statuses, 0 before there were two.
         latency: Measured latency in microseconds by name, such as `in the bridge p99`.
-        concerns_bridge: Whether it is told only while there is something to tell.
+        concerns_bridge: Whether it is a status of the bridge itself, sent only in certain states.
     """
 
     bridge: str
@@ -116,12 +116,12 @@ class ConnectionState:
 
     @property
     def is_gone(self) -> bool:
-        """Whether its bridge told of it, and does no more."""
+        """Whether its bridge reported it before, and is silent now."""
         return self.told is not None and self.level is Level.NOT_HEARD
 
     @property
     def dropped(self) -> int:
-        """How many messages were lost in all."""
+        """Number of lost messages."""
         return sum(self.drops.values())
 
 
@@ -130,12 +130,11 @@ class ComponentState:
     """A JAUS component.
 
     Attributes:
-        controller: JAUS id of who controls it, empty when nobody does, None when it tells nothing.
-        authority: Authority code of who controls it, else its default; None when unknown.
+        controller: JAUS id of its controller, empty for none, None when it does not report one.
+        authority: Authority code of its controller, else its default; None when unknown.
         control_timeout: Seconds after which control lapses unless it is requested again, 0 for
             never; None when unknown.
-        machines: The state machines of its own services, of one that tells them (MachineStates),
-            as they were when it told them last.
+        machines: The state machines of its own services at its last report (MachineStates).
         round_trip: Seconds of its last answer, None before the first one.
     """
 
@@ -158,13 +157,13 @@ class ComponentState:
 
     @property
     def present_machines(self) -> tuple[MachineState, ...]:
-        """Its machines as they were when it was heard last: what it tells are changes alone."""
+        """Its machines at its last message: it reports changes alone."""
         since = max(0.0, (self.told or 0.0) - self.machines_told)
         return tuple(machine.later(since) for machine in self.machines)
 
     @property
     def is_gone(self) -> bool:
-        """Whether it answered, and does no more."""
+        """Whether it answered before, and is silent now."""
         return self.told is not None and self.level in (Level.NOT_HEARD, Level.STALE)
 
 
@@ -173,7 +172,7 @@ class SystemState:
     """A running system at one time.
 
     Attributes:
-        sources: Of `ROS` and `JAUS`, why it cannot be heard; empty while it is.
+        sources: By `ROS` and `JAUS`, why it cannot be heard; empty while it can.
     """
 
     now: float = 0.0
@@ -186,7 +185,7 @@ class SystemState:
     def age_of(self, connection: ConnectionState) -> float | None:
         """Returns the seconds since the last message of a connection, None before the first.
 
-        It grows while the bridge says nothing.
+        It grows while the bridge is silent.
         """
         if connection.age is None or connection.told is None:
             return connection.age
@@ -194,14 +193,14 @@ class SystemState:
 
     @property
     def is_heard(self) -> bool:
-        """Whether anybody has said anything."""
+        """Whether any part has reported."""
         return any(part.told is not None for part in self._parts())
 
     @property
     def weight(self) -> int:
-        """0 when all is well, 1 with something to look at, 2 with something that does not work.
+        """0 when all parts work, 1 with one to look at, 2 with one that does not work.
 
-        It is 2 as well when nobody was heard.
+        It is 2 as well when no part was heard.
         """
         return max(part.level.weight for part in self._parts()) if self.is_heard else 2
 

@@ -1,7 +1,7 @@
 """Pools: pieces of work in processes of this machine.
 
-A piece, what all pieces share, and what becomes of one are values that can be pickled. Each process
-makes a worker of what is shared, once, and asks it for one piece after another.
+Pieces, their shared value and their results can be pickled. Each process makes a worker of the
+shared value, once, and calls it for one piece after another.
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ _SCRIPT = Path(__file__).with_name("pool_process.py")
 
 
 class PoolError(Exception):
-    """A pool cannot work, or does not any more; the text says why."""
+    """A pool that cannot work, or has ended; the text says why."""
 
 
 class PoolProcess:
-    """A process that works for one at a time; close it at the end."""
+    """A process that works on one piece at a time; close it at the end."""
 
     def __init__(self, begin: bytes) -> None:
         # All temporary files are in a folder that is removed, however the process ends.
@@ -66,7 +66,7 @@ class PoolProcess:
         return answer
 
     def close(self) -> None:
-        """Ends it, and what it has begun."""
+        """Ends the process, and its children."""
         with contextlib.suppress(OSError):
             if hasattr(os, "killpg"):
                 os.killpg(self._process.pid, signal.SIGKILL)
@@ -74,13 +74,13 @@ class PoolProcess:
         self._process.wait()
         for pipe in (self._process.stdin, self._process.stdout):
             if pipe is not None:
-                with contextlib.suppress(OSError):  # of what was not read any more
+                with contextlib.suppress(OSError):  # with data that was not read
                     pipe.close()
         self._folder.cleanup()
 
 
 class PoolProcesses:
-    """Processes for those who ask at once, one for each; close them at the end."""
+    """Processes for threads that call at the same time, one for each; close them at the end."""
 
     def __init__(self, begin: bytes) -> None:
         self._begin = begin
@@ -106,7 +106,7 @@ class PoolProcesses:
             return self._all[-1]
 
     def close(self) -> None:
-        """Ends them."""
+        """Ends all processes."""
         with self._lock:
             self._is_closed = True
             for pool_process in self._all:
@@ -123,8 +123,8 @@ class Work(Generic[Shared, Piece, Result]):
     """The work on each piece.
 
     Attributes:
-        make: Makes the worker of a process; it can be imported, and so can the worker.
-        shared: What it is given.
+        make: Makes the worker of a process; both can be imported.
+        shared: The argument of `make`.
     """
 
     make: Callable[[Shared], Callable[[Piece], Result]]
@@ -136,7 +136,7 @@ class Work(Generic[Shared, Piece, Result]):
         return pickle.dumps((self.make, self.shared))
 
     def results(self, pieces: Sequence[Piece], jobs: int) -> Iterator[tuple[int, Result]]:
-        """Yields the number of each piece and what became of it, in any order."""
+        """Yields the number of each piece and its result, in any order."""
         processes = PoolProcesses(self.begin)
         with ThreadPoolExecutor(max(1, min(jobs, len(pieces)))) as executor:
             try:

@@ -1,7 +1,7 @@
-"""The process of a pool: it makes a worker of what it is told first, and asks it piece by piece.
+"""The process of a pool, which makes a worker of its first value, and calls it for each piece.
 
-It reads pickled values from its input and writes one for each piece, until the input ends. Its
-argument is the folder of its temporary files, which it removes then.
+It reads pickled values from its input and writes an answer for each piece, until the input ends.
+Its argument is the folder of its temporary files, which it removes then.
 """
 
 from __future__ import annotations
@@ -16,20 +16,20 @@ from contextlib import suppress
 
 def main() -> None:
     """Answers until the input ends."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # whoever began it ends it
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # its parent ends it
     with suppress(EOFError, BrokenPipeError):
         _serve()
-    # Whoever began it may have ended without a word.
+    # Its parent may have died, and does not remove the folder.
     shutil.rmtree(sys.argv[1], ignore_errors=True)
 
 
 def _serve() -> None:
     with os.fdopen(os.dup(0), "rb") as requests, os.fdopen(os.dup(1), "wb") as answers:
-        # What the work begins neither reads pieces nor prints answers.
+        # Processes and prints of the work must not touch the pipes.
         os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
         os.dup2(2, 1)
         worker = None
-        make, shared = pickle.load(requests)  # noqa: S301 - of the process that began it
+        make, shared = pickle.load(requests)  # noqa: S301 - of its parent
         while True:
             piece = pickle.load(requests)  # noqa: S301 - as above
             try:
