@@ -1,4 +1,4 @@
-"""Which root elements of two states belong together, and which elements are the same one."""
+"""Matching of two states: pairs of root elements, and pairs of elements that are the same."""
 
 from __future__ import annotations
 
@@ -19,15 +19,14 @@ _KEYS = ("target", "path", "jaus", "value", "index", "text")
 _MOST = 60
 """Elements of one list that are compared with each other to find renamed ones."""
 _ALIKE = 0.5
-"""Share of what two elements say that must be the same for one to be the other, renamed."""
+"""Share of the facts of two elements that must be equal for one to be the other, renamed."""
 
 
 class Matching:
     """The pairs of elements of two states.
 
-    Identity is looked for in this order: the id in the file, the class and name, the class and
-    what tells unnamed elements apart, the same content, and at last much the same content, which
-    is what an element has that was renamed.
+    Elements are the same by, in this order: the id in the file; class and name; class and the
+    key of unnamed elements; equal contents; similar contents, which a renamed element has.
     """
 
     def __init__(self, old: Model, new: Model, roots: Sequence[tuple[EObject, EObject]]) -> None:
@@ -127,7 +126,7 @@ def values(obj: EObject, feature: FeatureTable) -> list[Any]:
 
 
 def address(value: Any) -> str:
-    """Returns the names along the way to an element; empty for what is no element."""
+    """Returns the names on the way to an element; empty for other values."""
     if not hasattr(value, "eContainer"):
         return ""
     steps: list[str] = []
@@ -147,7 +146,7 @@ def _same_class(one: EObject, other: EObject) -> bool:
 def _by_key(
     ours: list[EObject], theirs: list[EObject], key: Callable[[EObject], Hashable]
 ) -> Iterator[tuple[EObject, EObject]]:
-    """Yields pairs of elements of one class with the same key, the first ones of several."""
+    """Yields pairs of elements of one class with the same key, of several the first ones."""
     waiting: dict[Hashable, list[EObject]] = defaultdict(list)
     for element in theirs:
         waiting[key(element)].append(element)
@@ -163,9 +162,8 @@ def paired_roots(
 ) -> list[tuple[EObject | None, EObject | None]]:
     """Returns pairs of root elements, None for one that the other state lacks.
 
-    Nothing can be said of a file that cannot be parsed in one of the states, so it has none.
-
-    Where each state has one given file, these are a pair whatever their names are.
+    A file that cannot be parsed in one of the states has none. Where each state has one given
+    file, these are a pair whatever their names are.
     """
     before, after = _files(old, old_folder), _files(new, new_folder)
     unread = {*_unread(old, old_folder), *_unread(new, new_folder)}
@@ -179,7 +177,7 @@ def paired_roots(
         if name in unread:
             continue
         one, other = (files.get(name, ((), False)) for files in (before, after))
-        # What one state alone refers to shows where it refers to it.
+        # A file that one state alone refers to is shown at the reference.
         if one[1] or other[1] or (name in before and name in after):
             pairs += zip_longest(one[0], other[0])
     return pairs

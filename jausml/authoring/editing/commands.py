@@ -1,8 +1,8 @@
-"""Commands: what a user wants changed, in the terms of the metamodels."""
+"""Commands: changes that a user wants, in the terms of the metamodels."""
 
 from __future__ import annotations
 
-# The types of commands are asked for at run time, where commands come as JSON.
+# The types of commands are read at run time, where commands come as JSON.
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import ClassVar, TypeAlias, TypeVar
@@ -16,13 +16,12 @@ Values: TypeAlias = "tuple[str, ...]"
 """Values of a feature: attributes as XMI writes them, references as refs; none unset it."""
 
 NEW = "new:"
-"""`new:0` is a ref to what the first `Add` or `Create` of a batch of commands made, and so on.
-
-`new:0/@maps.1` is a ref to what that owns.
+"""`new:0` is a ref to the element of the first `Add` or `Create` in a batch of commands, and so on;
+`new:0/@maps.1` to a part of it.
 """
 
 IDENTIFIER = "xmi:id"
-"""Among the values of a new element: the id that it shall have. Without one it gets none."""
+"""The key of the id of a new element among its values; without one it gets no id."""
 
 ElementCommand: TypeAlias = "Set | Add | Remove | Move | Rename"
 
@@ -30,9 +29,9 @@ Command: TypeAlias = "ElementCommand | Create | Place"
 
 
 class EditError(Exception):
-    """Why a command is not carried out, for people. Nothing was changed.
+    """A refused command, with the reason for people. Nothing was changed.
 
-    `conflict`: whether the reason is that a file has changed since the command was thought of.
+    `conflict`: whether a file has changed since the state that the command is for.
     """
 
     def __init__(self, message: str, *, conflict: bool = False) -> None:
@@ -42,7 +41,7 @@ class EditError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Set:
-    """Gives a feature of an element its values; without any, the feature is no longer set."""
+    """Sets the values of a feature; without any, the feature is no longer set."""
 
     NAME: ClassVar = "set"
 
@@ -53,7 +52,7 @@ class Set:
 
 @dataclass(frozen=True, slots=True)
 class Child:
-    """An element that a new element owns.
+    """A part of a new element.
 
     `kind`: its class with the package, such as `bridge.PeriodicConnection`.
     """
@@ -66,7 +65,7 @@ class Child:
 
 @dataclass(frozen=True, slots=True)
 class Add:
-    """Adds an element with what it owns.
+    """Adds an element with its parts.
 
     `position`: its position among the values of the feature, None for the end.
     """
@@ -83,9 +82,9 @@ class Add:
 
 @dataclass(frozen=True, slots=True)
 class Remove:
-    """Removes an element, what it owns, and what refers to either.
+    """Removes an element with its parts.
 
-    References to it lose this value; what cannot be without a reference goes too.
+    References to them lose this value; elements that need such a reference are removed too.
     """
 
     NAME: ClassVar = "remove"
@@ -95,7 +94,7 @@ class Remove:
 
 @dataclass(frozen=True, slots=True)
 class Movement:
-    """An element that goes elsewhere with another one, as `Move` says it."""
+    """A further element that a `Move` moves."""
 
     element: Ref
     owner: Ref
@@ -105,10 +104,10 @@ class Movement:
 
 @dataclass(frozen=True, slots=True)
 class Move:
-    """Gives an element another owner, or another position; what refers to it follows.
+    """Moves an element to another owner or position; references to it follow.
 
-    `also`: what moves with it. All refs are those before, each position is that after the moves
-    before it.
+    `also`: further elements that move. All refs are of the state before, each position is that
+    after the moves before it.
     """
 
     NAME: ClassVar = "move"
@@ -121,7 +120,7 @@ class Move:
 
     @property
     def single_moves(self) -> tuple[Move, ...]:
-        """The moves that it is, one for each element."""
+        """A move for each element."""
         others = (
             Move(movement.element, movement.owner, movement.feature, movement.position)
             for movement in self.also
@@ -131,7 +130,7 @@ class Move:
 
 @dataclass(frozen=True, slots=True)
 class Rename:
-    """Gives an element another name; what refers to it by name follows."""
+    """Renames an element; references by name follow."""
 
     NAME: ClassVar = "rename"
 
@@ -154,8 +153,8 @@ class Create:
 class Place:
     """Places boxes of a view by hand.
 
-    `positions`: upper left corners in pixels by the key of the box; None leaves a box to the layout
-    engine again.
+    `positions`: upper left corners in pixels by the key of the box; None has the layout engine
+    place the box again.
     """
 
     NAME: ClassVar = "place"
@@ -169,9 +168,9 @@ AddedT = TypeVar("AddedT", Add, Child)
 
 
 def with_created(command: ElementCommand, known: Callable[[Ref], Ref]) -> ElementCommand:
-    """Returns a command with refs to what is there in place of those to what was made.
+    """Returns a command with refs to existing elements instead of refs such as `new:0`.
 
-    `known`: returns the ref for which one such as `new:0` stands, and any other text as it is.
+    `known`: returns the ref of an element that was made, and any other text as it is.
     """
     if isinstance(command, Set):
         values = tuple(map(known, command.values))

@@ -1,4 +1,4 @@
-"""Descriptions of elements: commands that would add the same once more, in any notation."""
+"""Descriptions of elements: commands that would add copies of them, in any notation."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ _NUMBERED = re.compile(r"(.*?)_?(\d+)")
 def described(
     elements: Sequence[tuple[EObject, Model]], ref_of: Callable[[EObject, Model], Ref]
 ) -> tuple[Add | Set, ...]:
-    """Returns commands that would add elements with all that they own.
+    """Returns commands that would add copies of elements with all their parts.
 
-    The owner of each is empty, its feature the one that owns it now. What they refer to within
-    what is copied becomes a ref to the copy, such as `new:0/@maps.1`: a copy of a bridge has its
-    connections use its own maps. What refers so is added after what it refers to.
+    The owner of each is empty, its feature the present one. A reference among the copied elements
+    becomes a ref to the copy, such as `new:0/@maps.1`: connections in the copy of a bridge use the
+    copied maps. The target of such a reference is added first.
     """
     return _Describing(elements, ref_of).commands()
 
@@ -111,7 +111,7 @@ class _Describing:
         self._commands.append(Add(owner, name, child.kind, child.values, child.children, position))
 
     def _child(self, path: _Path, part: _Path) -> Child:
-        """Returns an element of a part without what is added later."""
+        """Returns an element of a part, without parts and references that are added later."""
         obj, model = self._elements[path]
         table = model.metamodels.class_of(obj)
         values: dict[str, Values] = {}
@@ -138,7 +138,7 @@ class _Describing:
                 yield self._child(inner, part)
 
     def _references(self, path: _Path, feature: FeatureTable, part: _Path) -> Values:
-        """Returns the refs of a reference; none where one leads to what is not there before it."""
+        """Returns the refs of a reference; none where a target is not added before it."""
         targets = self._targets(path, feature)
         model = self._elements[path][1]
         inner = [self._paths.get(self._ref_of(target, model)) for target in targets]
@@ -153,7 +153,7 @@ class _Describing:
         return ref if inner is None else self._address(inner)
 
     def _address(self, path: _Path) -> Ref:
-        """Returns the ref of a copy that is there, by the part that it was added with."""
+        """Returns the ref of a copy, by the part with which it was added."""
         length = next(n for n in range(len(path), 0, -1) if path[:n] in self._numbers)
         ref = f"{NEW}{self._numbers[path[:length]]}"
         for end in range(length + 1, len(path) + 1):
@@ -166,7 +166,7 @@ class _Describing:
         return ref
 
     def _index(self, path: _Path) -> int:
-        """Returns which of its siblings a copy is among those that are there."""
+        """Returns the index of a copy among its siblings that were added."""
         step = path[-1]
         return step.at - sum(
             sibling[:-1] == path[:-1]
@@ -176,7 +176,7 @@ class _Describing:
         )
 
     def _position(self, path: _Path) -> int | None:
-        """Returns the position of what is added, None for behind all that are there."""
+        """Returns the position of a new copy, None for the last one."""
         feature = path[-1].feature
         behind = (element for element in self._elements if element[:-1] == path[:-1])
         last = max(
@@ -188,7 +188,7 @@ class _Describing:
 
 
 class _Step(NamedTuple):
-    """A step from an owner to what it owns, or the number of an element that is copied."""
+    """A step from an owner to a part, or the number of an element that is copied."""
 
     feature: str
     at: int = 0
@@ -199,9 +199,9 @@ _Path: TypeAlias = "tuple[_Step, ...]"
 
 
 def _part(path: _Path, target: _Path) -> _Path | None:
-    """Returns the part around an element that can be added when what it refers to is there.
+    """Returns the part around an element that can be added once the target of a reference is there.
 
-    There is none where an element refers to what it owns, or is one of those that are copied.
+    There is none where the element refers to a part of its own, or is copied as a whole.
     """
     common = 0
     while common < min(len(path), len(target)) and path[common] == target[common]:
@@ -216,7 +216,7 @@ def pasted(
     model: Model,
     ref_of: Callable[[EObject, Model], Ref],
 ) -> tuple[Add | Set, ...]:
-    """Returns descriptions as commands that add to an owner, with names that are free there."""
+    """Returns descriptions as commands that add to an owner, with names that are free in it."""
     taken: dict[EObject, set[str]] = {}
     pasted_commands: list[Add | Set] = []
     for command in commands:
@@ -239,7 +239,7 @@ def pasted(
 
 
 def _place(command: Add, chosen: EObject, model: Model) -> tuple[EObject, str]:
-    """Returns the nearest owner that can own what is described, and the feature."""
+    """Returns the nearest owner that can have the described element, and the feature."""
     table = model.metamodels.classes.get(command.kind)
     supertypes = table.supertypes if table is not None else ()
     for owner in with_owners(chosen):
@@ -259,7 +259,7 @@ def _place(command: Add, chosen: EObject, model: Model) -> tuple[EObject, str]:
 
 
 def numbered_name(name: str, taken: set[str]) -> str:
-    """Returns a name that is not taken: itself, else with the next number behind it."""
+    """Returns a free name: the name itself, else with the next number behind it."""
     match = _NUMBERED.fullmatch(name)
     stem, number = (match[1], int(match[2])) if match and len(match[2]) < 9 else (name, 1)
     candidate = name

@@ -1,7 +1,7 @@
-"""Comments in a merge: those of theirs go where they stand there, before the same element.
+"""Comments in a merge: new ones of theirs come before the same element as there.
 
-Comments belong to no element, so that no plan has them. What theirs took away goes, if our side
-has it as it was; what theirs wrote comes, and so both sides keep what they said.
+Comments belong to no element, so that no plan has them. One that theirs removed is removed, if
+our side has it unchanged; one that theirs wrote is added. So both sides keep their comments.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from jausml.language.text.reading.scanning import scan
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 
 LineOf = Callable[[int, int, bool], "int | None"]
-"""Returns the line, from 1, of an element in the merge: that behind (or before, if the last
-argument says so) a line and column of theirs. None where there is none."""
+"""Returns the line, from 1, of the element in the merge that follows a line and column of theirs
+(or that precedes them, if the last argument is True). None where there is none."""
 
 
 @dataclass(frozen=True)
 class Comment:
-    """A comment, and where it stands among the characters of a text."""
+    """A comment, and its place among the characters of a text."""
 
     written: str
     start: int
@@ -43,19 +43,19 @@ def comments_of(text: str, *, is_xmi: bool) -> list[Comment]:
 
 
 def with_comments(merged: str, base: str, theirs: str, line_of: LineOf, *, is_xmi: bool) -> str:
-    """Returns a merge with what theirs did to the comments of the base."""
+    """Returns a merge with their changes of the comments of the base."""
     was, here, there = (comments_of(version, is_xmi=is_xmi) for version in (base, merged, theirs))
     counts = [Counter(comment.said for comment in one) for one in (was, here, there)]
     ends = [match.end() for match in re.finditer(r"\n|\Z", merged)]
     starts = [0, *ends[:-1]]
     edits: list[tuple[int, int, str]] = []
     for comment in here:
-        # Said once on both sides it is the same comment; else which one went is open.
+        # A comment that occurs once in both is the same; of several the removed one is unknown.
         if counts[0][comment.said] == counts[1][comment.said] == 1 and not counts[2][comment.said]:
             edits.append(_removal(merged, comment))
     known = counts[0] | counts[1]
     for comment in there:
-        # Each comment of theirs uses up one that is known: what is left over is new.
+        # Each comment of theirs uses up a known one of the same words: the others are new.
         known[comment.said] -= 1
         if known[comment.said] >= 0:
             continue
@@ -73,13 +73,13 @@ def with_comments(merged: str, base: str, theirs: str, line_of: LineOf, *, is_xm
     for start, end, new in sorted(edits, key=lambda edit: edit[0]):
         written = new.replace("\r\n", "\n").replace("\n", newline)
         parts += (merged[done:start], written)
-        # What comes at a place may stand behind what goes there.
+        # A new comment may come behind a removed one.
         done = max(done, end)
     return "".join((*parts, merged[done:]))
 
 
 def _removal(text: str, comment: Comment) -> tuple[int, int, str]:
-    """Returns the edit that takes a comment away, and its line if nothing else stands there."""
+    """Returns the edit that removes a comment, and its line if that has no other text."""
     start = text.rfind("\n", 0, comment.start) + 1
     end = text.find("\n", comment.end) + 1 or len(text)
     is_alone = not (text[start : comment.start] + text[comment.end : end]).strip()

@@ -1,4 +1,4 @@
-"""The three states of a merge, and which elements of them are the same one."""
+"""The three states of a merge, and the identity of elements across them."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ from jausml.language.model.model import Model
 from jausml.language.model.refs import Ref
 
 _MOST_NAMED = 3
-"""Changes of one element that a conflict tells."""
+"""Changes of one element that the text of a conflict has at most."""
 
 Value: TypeAlias = "EObject | str | None"
-"""What can be compared whatever the side: a value as XMI writes it; an element, as that of the
-base, else of the side that added it; or the ref of an element of another file."""
+"""A value that is equal on all sides: text as XMI has it; the element of the base, else of the side
+that added it; or the ref of an element of another file."""
 
 
 @dataclass(frozen=True)
@@ -35,10 +35,10 @@ class Side:
 
 
 class Sides:
-    """The states of one file: what both sides began with, our side, and theirs.
+    """The states of one file: the base of both sides, our side, and theirs.
 
-    `twins`: elements that our side added too, by those that theirs added. `around`: other files
-    that differ between the states; what they have is known by what our side has of them.
+    `twins`: elements that our side added too, by the same ones of theirs. `around`: other files
+    that differ between the states; their elements are known by those of our side.
     """
 
     def __init__(
@@ -60,7 +60,7 @@ class Sides:
         return self.base.metamodels.class_of(obj)
 
     def features(self, obj: EObject) -> Iterator[FeatureTable]:
-        """Yields the features of an element that a file gives it."""
+        """Yields the features of an element that a file has."""
         for feature in self.table(obj).features.values():
             if feature.settable and feature.kind is not FeatureKind.CONTAINER:
                 yield feature
@@ -86,14 +86,14 @@ class Sides:
         return tuple(self.token(content, side) for content in contents(obj, feature))
 
     def all_of(self, obj: EObject) -> Iterator[EObject]:
-        """Yields an element and all that it owns."""
+        """Yields an element and all its parts."""
         yield obj
         for feature in self.table(obj).contained:
             for content in contents(obj, feature):
                 yield from self.all_of(content)
 
     def counterparts(self) -> Iterator[tuple[EObject, EObject]]:
-        """Yields each element of theirs with what the merge has of it, itself if it is new."""
+        """Yields each element of theirs with its counterpart in the merge, itself if it is new."""
         for root in self.theirs.model.documents[0].roots:
             for obj in self.all_of(root):
                 known = self.theirs.matching.olds.get(obj)
@@ -101,7 +101,7 @@ class Sides:
                 yield obj, ours if ours is not None else self.twins.get(obj, obj)
 
     def is_same(self, base: EObject, obj: EObject, side: Side) -> bool:
-        """Tells whether an element and all that it owns is as it was in the base."""
+        """Tells whether an element with all its parts is unchanged since the base."""
         for feature in self.features(base):
             if feature.kind is not FeatureKind.CONTAINMENT:
                 if self.values(base, feature, None) != self.values(obj, feature, side):
@@ -115,7 +115,7 @@ class Sides:
         return True
 
     def is_alike(self, ours: EObject, theirs: EObject) -> bool:
-        """Tells whether what both sides have says the same, whatever its history."""
+        """Tells whether elements of both sides have equal contents, whatever their history."""
         if ours.eClass is not theirs.eClass:
             return False
         for feature in self.features(ours):
@@ -133,13 +133,13 @@ class Sides:
         return True
 
     def label(self, obj: Any) -> str:
-        """Returns an element in words: what it is, and its name."""
+        """Returns the kind and the name of an element in words."""
         name = getattr(obj, "name", None) or getattr(obj, "target", None)
         what = element_words(self.table(obj))
         return f"{what} '{name}'" if name else what
 
     def difference(self, one: EObject, old: Side | None, other: EObject, new: Side) -> str:
-        """Returns in words what makes another element of one."""
+        """Returns the changes from one element to another in words."""
         before = self.base if old is None else old.model
         differences = changes(before, new.model, [(one, other)])
         texts = [

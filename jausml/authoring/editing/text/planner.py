@@ -1,7 +1,7 @@
-"""Planner of changes of texts: the syntax tree is brought to what will be, and laid out as a whole.
+"""Planner of changes of texts: the syntax tree is changed, and laid out as a whole.
 
-What does not change is the very node that was parsed. What does is written as the writer of texts
-does it, and keeps its comments.
+Unchanged nodes are those that were parsed. Changed ones are written as by the writer of texts, and
+keep their comments.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ from jausml.language.text.writing.layout import lay_out
 
 
 def print_text(commands: Sequence[ElementCommand], context: Context) -> bytes | None:
-    """Returns a text in which commands hold, all of one state; None where it stays as it is."""
+    """Returns the text after commands, all of one state; None where it stays as it is."""
     tree = _Plan(context).tree(commands)
     return encoded(lay_out(tree), context.document.data) if tree is not None else None
 
@@ -63,7 +63,7 @@ class _Plan:
         self._is_touched = False
 
     def tree(self, commands: Sequence[ElementCommand]) -> SyntaxTree | None:
-        """Returns the tree as commands leave it, None where they do not concern the text."""
+        """Returns the tree after commands, None where they do not concern the text."""
         for command in commands:
             self._note(command)
         words = words_for(commands, self._context, self._names)
@@ -77,7 +77,7 @@ class _Plan:
             at = max((i + 1 for i, item in enumerate(items) if isinstance(item, Import)), default=0)
             behind = items[at : at + 1]
             if behind:
-                # What a text begins with stays at its head.
+                # The heading comment stays the first.
                 heading = heading_of(behind[0]) if not at else []
                 own = behind[0].comments[len(heading) :]
                 imports[0].comments = heading
@@ -86,7 +86,7 @@ class _Plan:
         return SyntaxTree(with_words(items, words) if words else items, tree.closing)
 
     def _note(self, command: ElementCommand) -> None:
-        """Takes down what a command changes in this text."""
+        """Notes the changes of a command in this text."""
         obj = self._own(command.owner if isinstance(command, Add) else command.element)
         if obj is None:
             return
@@ -106,12 +106,12 @@ class _Plan:
             self._take(copy, obj)
 
     def _own(self, ref: Ref) -> EObject | None:
-        """Returns an element that stands in this text, None where it stands elsewhere."""
+        """Returns an element of this text, None for one of another file."""
         obj = self._context.find(ref)
         return obj if obj is not None and self._context.is_own(obj) else None
 
     def _is_so(self, obj: EObject, command: Set) -> bool:
-        """Tells whether the text says already what a command sets."""
+        """Tells whether the text has the values of a command already."""
         table = self._context.model.metamodels.class_of(obj)
         feature, node = table.features[command.feature], self._context.model.node_of(obj)
         is_said = node is not None and any(child.tag == feature.name for child in node.children)
@@ -122,7 +122,7 @@ class _Plan:
         else:
             values = converted(command.values, feature)
         old = list(contents(obj, feature)) if feature.many else [getattr(obj, feature.name)]
-        # What is left open follows from the rest, and that may change.
+        # An inferred value follows from others, which may change.
         is_open = table.qualified_name == CONNECTION and feature.name in FEATURES
         must_be_said = is_open or feature.unsettable
         return old == values and (is_said or not must_be_said)
@@ -155,7 +155,7 @@ class _Plan:
         is_here = obj.eContainer() is owner and obj.eContainmentFeature().name == copy.feature
         table = self._context.model.metamodels.class_of(owner)
         before = list(contents(owner, table.features[copy.feature]))
-        # It is there already, and moving it would make its block anew.
+        # It has this place already; a move would make its block anew.
         if is_here and before.index(obj) == len(copy.siblings[0]):
             return
         _check_names(obj, owner)
@@ -163,7 +163,7 @@ class _Plan:
         self._place(copy)
 
     def _touch(self, copy: ElementCopy) -> None:
-        """Has the block of an element, and those around it, be made anew."""
+        """Marks the block of an element, and those around it, to be made anew."""
         self._is_touched = True
         around: ElementCopy | None = copy
         while around is not None:
@@ -173,12 +173,12 @@ class _Plan:
             around = around.owner
 
     def _keep_roots(self, items: list[Item]) -> None:
-        """Writes roots that nothing implies any more."""
+        """Writes roots that the text no longer implies."""
         for root in self._blocks.implied:
             owned = self._context.model.owned(cast("EObject", root.obj))
             before = [part for part in map(self._blocks.part_of, owned) if part is not None]
             left = [copy for some in root.owned.values() for copy in some]
-            # What owns nothing any more is implied by nothing, and would be gone with its name.
+            # A root without parts is not implied, and would be lost with its name.
             if before and all(copy.obj and self._blocks.part(copy) is None for copy in left):
                 items.append(Element(Name(snake_case(root.table.name)), Name(root.name)))
 
