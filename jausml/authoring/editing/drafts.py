@@ -1,4 +1,4 @@
-"""Drafts: the files of a project while commands are planned, and what planners are told of them."""
+"""Drafts: the files of a project while commands are planned, and the context of planners."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ from jausml.language.text.writing.unparsing import to_text
 
 
 class Draft:
-    """The files of a project with changes that nobody else sees yet."""
+    """The files of a project with changes that are not written yet."""
 
     def __init__(
         self, root: Path, files: Mapping[str, Stored], reader: Reader, revision: int
@@ -61,20 +61,20 @@ class Draft:
         return [file for file in self.files if not is_layout(file)]
 
     def read(self, file: str) -> ReadResult:
-        """Returns the model of a file and all that it refers to, with the changes."""
+        """Returns the model of a file and of all files that it refers to, with the changes."""
         return self._reader.read(file, self.files)
 
     def referring(self, file: str) -> list[str]:
-        """Returns a file and those whose models have elements of it, itself first."""
+        """Returns a file, and then those whose models have elements of it."""
         others = [f for f in self.models if f != file and _mentions(self.files[f].good, file)]
         return [file, *(other for other in others if file in self.documents(other))]
 
     def documents(self, file: str) -> list[str]:
-        """Returns the files of the project that the model of a file has elements of."""
+        """Returns the files of the project with elements in the model of a file."""
         return self._reader.documents(file, self.files)
 
     def editable(self, ref: Ref) -> str:
-        """Returns the file of a ref."""
+        """Returns the file of a ref (`EditError`: it cannot be edited)."""
         file, _ = refs.split(ref)
         if is_library(file):
             raise EditError(f"{ref} is part of the library, which cannot be changed")
@@ -93,7 +93,7 @@ class Draft:
         return element, model
 
     def locate(self, ref: Ref) -> tuple[EObject, Model]:
-        """Returns an element, be it one of the library, and a model that has it."""
+        """Returns an element, also of the library, and a model that has it."""
         file, _ = refs.split(ref)
         if is_library(file):
             model = self._reader.library(file)
@@ -107,22 +107,22 @@ class Draft:
         return element, model
 
     def apply(self, file: str, data: bytes) -> None:
-        """Gives a file the bytes that commands have led to."""
+        """Sets the bytes of a file after commands."""
         if data != self.files[file].data:
-            # Whether it can be parsed shows when it is read: see `check`.
+            # `check` tries whether it can be parsed.
             self.files[file] = Stored(
                 file, data, digest(data), self._revision, data, self._revision, is_printed=True
             )
 
     def put(self, file: str, data: bytes | None) -> None:
-        """Gives a file other bytes, or makes it; None deletes it."""
+        """Sets the bytes of a file, or makes it; None deletes it."""
         if data is None:
             self.files.pop(file, None)
         elif data != data_of(self.files.get(file)):
             self.files[file] = stored(file, data, self._revision, self._before.get(file))
 
     def check(self, file: str) -> None:
-        """Sees to it that a file that was changed can be parsed."""
+        """Raises EditError where a changed file cannot be parsed."""
         held = self.files[file]
         if held == self._before.get(file):
             return
@@ -147,14 +147,14 @@ class Draft:
 
 
 def _mentions(data: bytes, file: str) -> bool:
-    """Tells whether a file may refer to another one, without reading what it says.
+    """Tells whether a file may refer to another one, without parsing it.
 
-    It does so by its name at the end of a path or URI.
+    A reference has the name of the file at the end of a path or URI.
     """
     name = posixpath.basename(file)
     if quote(name) != name:
-        return True  # written in one of several ways
-    # Every other byte of UTF-16 is nought.
+        return True  # it may be written in several ways
+    # Every other byte of UTF-16 is 0.
     return name.encode("ascii") in data.replace(b"\0", b"")
 
 
@@ -190,7 +190,7 @@ def _root(command: Create, metamodels: Metamodels) -> tuple[Any, dict[str, Value
 
 
 def check_new_file(file: str, draft: Draft) -> None:
-    """Sees to it that a model file can be made without overwriting anything."""
+    """Raises EditError where a model file cannot be made, or exists."""
     parts = file.split("/")
     is_plain = posixpath.normpath(file) == file and not file.startswith("/") and "\\" not in file
     if not is_plain or any(part.startswith(".") or "\0" in part for part in parts):
@@ -205,14 +205,14 @@ def check_new_file(file: str, draft: Draft) -> None:
 
 @dataclass(frozen=True)
 class Context:
-    """The file for which is planned, and the model that was read of it and all it refers to.
+    """The file for which changes are planned, and its model.
 
-    What commands change in a file that has none of their elements is what it says of these. What
-    goes with an element that is removed was worked out before, and stands among the commands.
+    In a file without elements of the commands, its references to these change. Elements that are
+    removed along with another one are among the commands.
 
     Attributes:
         root: The opened folder, symbolic links followed.
-        working_copy: The elements of all files concerned, as the commands will have them.
+        working_copy: The elements of all files concerned, after the commands.
         paths: The paths of copies of the working copy before the commands.
     """
 
@@ -229,7 +229,7 @@ class Context:
         return self.model.documents[0]
 
     def find(self, ref: Ref) -> EObject | None:
-        """Returns the element of a ref, None when neither the file nor what it refers to has it."""
+        """Returns the element of a ref, None where the model has none."""
         return refs.find(ref, self.model, self.root)
 
     def ref(self, copy: ElementCopy) -> Ref:

@@ -1,4 +1,4 @@
-"""Projects: the model files of a folder, with a log of what was done to them."""
+"""Projects: the model files of a folder, with a log of their changes."""
 
 from __future__ import annotations
 
@@ -29,15 +29,15 @@ from jausml.language.model.refs import Ref
 from jausml.language.text.notation import NOTATIONS
 
 _ATTEMPTS = 3
-"""How often commands are planned again when files change beneath them."""
+"""Times that commands are planned again when other programs change files meanwhile."""
 
 
 _OUTSIDE = "JML209"
-"""The rule that says that a file outside of the root is not read."""
+"""The rule by which a file outside of the root is not read."""
 
 
 def _folder_of_all(path: Path) -> Path:
-    """Returns the least folder that has a model file and all that it may refer to."""
+    """Returns the smallest folder with a model file and all files that it may refer to."""
     root = find_project_root([path])
     documents = read_models([path], project_root=root, notations=NOTATIONS).model.documents
     real = (Path(os.path.realpath(document.path)) for document in documents)
@@ -46,15 +46,15 @@ def _folder_of_all(path: Path) -> Path:
 
 
 class ChangedBeneathError(EditError):
-    """A file is not as the project knew it: it was taken over, and nothing was written."""
+    """Another program has changed a file: that was read, and nothing was written."""
 
 
 class Project:
-    """The model files below one folder: the one named, or that of a file and all it refers to.
+    """The model files below one folder: the opened one, or that of a file and its references.
 
-    Every change is written at once and logged. What cannot be done is an `EditError`, and nothing
-    is written then. All methods may be called from any thread. `opened` is the model file that was
-    named, relative to the root, else empty.
+    Every change is written at once and logged. One that cannot be made raises `EditError`, and
+    nothing is written. All methods may be called from any thread. `opened` is the opened model
+    file, relative to the root; empty for a folder.
     """
 
     def __init__(self, opened: str | os.PathLike[str]) -> None:
@@ -69,7 +69,7 @@ class Project:
         self._log = records.Log()
         self._rebasing = Rebasing()
         self.typing_pause = 2.0
-        """Seconds without typing after which what is typed is another entry of the log."""
+        """Seconds without typing after which the next one is another entry of the log."""
         self._working_copy: WorkingCopy | None = None
         self._unreported: list[records.Change] = []
 
@@ -101,7 +101,7 @@ class Project:
 
     @property
     def revision(self) -> int:
-        """A number that every change raises."""
+        """The number of the state, one more after each change."""
         return self._revision
 
     @property
@@ -117,17 +117,17 @@ class Project:
             return self._log.undone
 
     def model(self, file: str) -> ReadResult:
-        """Returns the model of a file and all that it refers to.
+        """Returns the model of a file and of all files that it refers to.
 
-        It is that of the last revision in which the file could be parsed. When the file changes,
-        later calls return another one.
+        It is of the last revision in which the file could be parsed. Once the file has changed,
+        another one is returned.
         """
         with self._lock:
             self._known(file)
             return self._reader.read(file, self._files)
 
     def read(self, file: str) -> tuple[ReadResult, records.Freshness]:
-        """Returns the model of a file as `model` does, and what it is worth at this moment."""
+        """Returns the model of a file as `model` does, and how current it is."""
         with self._lock:
             return self.model(file), self._reader.freshness(file, self._files, self._revision)
 
@@ -142,13 +142,13 @@ class Project:
             return self._known(file).data
 
     def ref(self, obj: EObject | None, model: Model) -> Ref:
-        """Returns the ref of an element of a model that this project gave; empty for none."""
+        """Returns the ref of an element of a model of this project; empty for None."""
         return refs.ref_of(obj, model, self.root)
 
     def find(self, ref: Ref) -> tuple[EObject, Model]:
         """Returns the element of a ref, and the model of its file.
 
-        Elements of the library are looked for in the models of all files.
+        Elements of the library are searched in the models of all files.
         """
         file, _ = refs.split(ref)
         with self._lock:
@@ -182,18 +182,18 @@ class Project:
         *,
         is_first: bool = True,
     ) -> records.Entry:
-        """Carries out commands, all or none, writes the files and logs it.
+        """Carries out commands, all or none, writes the files, and logs the change.
 
-        Where another program has just changed a file, they are planned again with what it says.
-        Their refs are those of the revision `base`, and are followed through what was done since.
-        Where others have changed the same, those that are first give way, else they win. An entry
-        without changes was not logged: nothing was to be done.
+        Where another program has just changed a file, they are planned again for its new state.
+        Their refs are those of the revision `base`, and are followed through later changes. Where
+        others have changed the same feature, commands with `is_first` are refused, others win. An
+        entry without changes is not in the log.
         """
         with self._lock:
             base = self._revision if base is None else base
             with suppress(ChangedBeneathError):
                 return self._done(self._rebased(commands, base, is_first=is_first), label)
-            # Others that write as often must not keep it from being done.
+            # With the lock of the folder, programs that write often cannot prevent it.
             with self._disk.alone():
                 for _ in range(_ATTEMPTS):
                     with suppress(ChangedBeneathError):
@@ -211,17 +211,17 @@ class Project:
 
     def _done(self, commands: Sequence[Command], label: str) -> records.Entry:
         draft = self._draft()
-        # If the commands fail, the copy is worth nothing.
+        # After a failure, the copy has a part of the changes.
         working_copy, self._working_copy = self._working_copy, None
         outcome = execute(commands, draft, working_copy)
         changes = draft.changes()
         if not changes:
-            # Nothing is to be done only if the files say so, not what is known of them.
+            # The files must be unchanged too, not only their known states.
             self._check_unchanged(outcome.working_copy.models)
             self._working_copy = outcome.working_copy
             return records.Entry(0, label, ())
         self._write({change.file: draft.files.get(change.file) for change in changes})
-        # Only now: a working copy of what was not written would be one of nothing.
+        # Only now, as the copy has to agree with the written files.
         self._working_copy = outcome.working_copy
         formatted = tuple(dict.fromkeys(outcome.formatted))
         entry = self._log.add(label, changes, outcome.created, formatted=formatted)
@@ -243,13 +243,13 @@ class Project:
             return self._log.add_typing(f"Type in {file}", changes, self.typing_pause)
 
     def add_file(self, file: str, data: bytes, label: str) -> records.Entry:
-        """Makes a model file of bytes; one that is there is left alone."""
+        """Makes a model file of bytes (`EditError`: it exists)."""
         with self._lock:
             check_new_file(file, self._draft())
             return self._log.add(label, self._put(file, data))
 
     def _put(self, file: str, data: bytes) -> tuple[records.FileChange, ...]:
-        """Gives a file bytes that no commands made."""
+        """Writes bytes to a file that are not of commands."""
         draft = self._draft()
         draft.put(file, data)
         changes = draft.changes()
@@ -260,7 +260,7 @@ class Project:
         return changes
 
     def undo(self) -> records.Entry | None:
-        """Takes the last entry back, if there is one and its files are as it left them."""
+        """Undoes the last entry, if there is one (`EditError`: its files have changed since)."""
         with self._lock:
             entry = self._log.last
             if entry is not None:
@@ -269,7 +269,7 @@ class Project:
             return entry
 
     def redo(self) -> records.Entry | None:
-        """Does again what was undone last, if there is something and its files are as they were."""
+        """Redoes the last undone entry, if there is one (`EditError`: its files have changed)."""
         with self._lock:
             entry = self._log.next
             if entry is not None:
@@ -278,9 +278,9 @@ class Project:
             return entry
 
     def refresh(self, paths: Iterable[str] = ()) -> tuple[records.Change, ...]:
-        """Takes over what other programs did to files, of all or of some relative to the root.
+        """Reads changes of other programs, in all files or in some, relative to the root.
 
-        Each change becomes an entry of the log; those that an edit has met are returned too.
+        Each change becomes an entry of the log; those that edits have read are returned too.
         """
         with self._lock:
             wanted = sorted(set(paths) or {*self._files, *model_files(self.root, SUFFIXES)})
@@ -288,7 +288,7 @@ class Project:
             return (*self.unreported(), *filter(None, map(self._refreshed, list(known))))
 
     def unreported(self) -> tuple[records.Change, ...]:
-        """Returns the files that edits found changed by other programs, each once."""
+        """Returns the changes of other programs that edits have read, each once."""
         with self._lock:
             met, self._unreported = self._unreported, []
             return tuple(met)
@@ -343,8 +343,8 @@ class Project:
         return Draft(self.root, self._files, self._reader, self._revision + 1)
 
     def _write(self, changed: Mapping[str, records.Stored | None]) -> None:
-        """Writes files, all or none, if they are still as this project knows them."""
-        # Nobody may write between the check and the storing.
+        """Writes files, all or none, if they still have their known states."""
+        # No other program may write between the check and the storing.
         with self._disk.alone():
             self._check_unchanged(changed)
             self._store(changed)
@@ -362,13 +362,13 @@ class Project:
                 self._disk.store(file, new.data if new is not None else None)
                 written.append(file)
         except OSError as error:
-            # All or none: what was written is put back.
+            # All or none: the written files get their former bytes.
             for file in written:
                 self._disk.store(file, self._data(file))
             raise EditError(f"{error.filename} cannot be written: {error.strerror}") from error
 
     def _check_unchanged(self, files: Iterable[str]) -> None:
-        """Sees to it that nothing is overwritten that another program has just saved."""
+        """Raises ChangedBeneathError for a file that another program has just saved."""
         for file in files:
             if self._disk.read(file) != self._data(file):
                 change = self._refreshed(file)
@@ -393,7 +393,7 @@ class Project:
         self._write(new)
         is_known = self._rebasing.note_again(self._revision, entry, back=back)
         for file in () if is_known else entry.files:
-            # What is not known of commands is the work of others, on one file each.
+            # Without known commands, it is treated as a change by another program.
             self._note_outside(file, files)
 
     def _refreshed(self, file: str) -> records.Change | None:

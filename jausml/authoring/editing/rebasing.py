@@ -1,4 +1,4 @@
-"""Refs of earlier revisions: followed through what was done since, be it by other programs."""
+"""Rebasing: refs of earlier revisions, followed through later changes, also of other programs."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from jausml.language.model import refs
 from jausml.language.model.refs import Ref
 
 Shift: TypeAlias = "Mapping[Ref, Ref]"
-"""New refs by old ones where they differ; empty for what is gone."""
+"""New refs by old ones where they differ; empty for removed elements."""
 
 _KEPT, _KEPT_OUTSIDE = 256, 32
 
@@ -37,7 +37,7 @@ _NAME = "name"
 class _Revision:
     """The changes of one revision.
 
-    `shifts`: how refs shifted; None when no commands say so.
+    `shifts`: shifts of refs; None for changes without known commands.
     """
 
     files: frozenset[str]
@@ -45,7 +45,7 @@ class _Revision:
     outside: Callable[[], OutsideChange] | None = None
 
     def past(self, command: ElementCommand, *, is_first: bool) -> ElementCommand:
-        """Returns a command with the refs after what happened."""
+        """Returns a command with the refs after the changes."""
         # Comparing two states of a file is costly, and most commands concern another one.
         if self.outside is not None and self._concerns(command):
             return self.outside().followed(command, is_first=is_first)
@@ -68,30 +68,30 @@ class _Revision:
             raise _forgotten(file)
         for shift in self.shifts or ():
             ref = shift.get(ref, ref)
-            # A ref that was empty from the start names nothing that could be gone.
+            # An empty ref names no element, which could not be removed.
             if not ref and file:
                 raise EditError("what was to be changed is gone meanwhile", conflict=True)
         return ref
 
 
 class Rebasing:
-    """Follows refs from one revision to the next, as long as it remembers."""
+    """Follows refs from one revision to the next, for the last revisions."""
 
     def __init__(self) -> None:
         self._revisions: OrderedDict[int, _Revision] = OrderedDict()
         self._shifts: OrderedDict[int, tuple[Shift, ...]] = OrderedDict()
 
     def note(self, revision: int, entry: Entry, shifts: Sequence[Shift]) -> None:
-        """Remembers what commands did to refs."""
+        """Keeps the shifts of refs by commands."""
         self._shifts[entry.number] = tuple(shifts)
         self._pass(revision, entry, tuple(shifts))
 
     def note_again(self, revision: int, entry: Entry, *, back: bool) -> bool:
-        """Remembers that an entry was undone, or done again; tells whether commands say how."""
+        """Keeps that an entry was undone or redone; tells whether its shifts are known."""
         shifts = self._shifts.get(entry.number)
         if back and shifts is not None:
-            # The last shift was made on top of the others, so it is undone first. What went has no
-            # new ref that could lead back.
+            # The last shift was made on top of the others, so it is undone first. A removed element
+            # has no new ref that could lead back.
             shifts = tuple(
                 {new: old for old, new in shift.items() if new} for shift in reversed(shifts)
             )
@@ -99,9 +99,9 @@ class Rebasing:
         return shifts is not None
 
     def note_outside(self, revision: int, file: str, outside: Callable[[], OutsideChange]) -> None:
-        """Remembers that something was done to a file that no commands say."""
+        """Keeps a change of a file without known commands."""
         self._revisions[revision] = _Revision(frozenset([file]), None, cache(outside))
-        # Each has the files before and after: more than a few would need much memory.
+        # Each has the files before and after: many would need much memory.
         held = [number for number, entry in self._revisions.items() if entry.outside is not None]
         for number in held[:-_KEPT_OUTSIDE]:
             self._revisions[number] = replace(self._revisions[number], outside=None)
@@ -134,10 +134,10 @@ def _forgotten(what: str) -> EditError:
 
 
 class OutsideChange:
-    """A change of a file of which only the file before and after is known.
+    """A change of a file of which only the states before and after are known.
 
-    An element is the same if it has the same names up to its root. What has no name of its own is
-    found again only where nothing of it has changed, since its position says nothing.
+    An element is the same if it has the same names up to its root. An element without a name is
+    found only if its contents are unchanged, since positions prove nothing.
     """
 
     def __init__(self, file: str, before: WorkingCopy, after: WorkingCopy) -> None:
@@ -148,7 +148,7 @@ class OutsideChange:
         self._same: dict[ElementCopy, ElementCopy] = {}
         old, new = before.roots[file], after.roots[file]
         if len(old) == len(new) == 1 and old[0].table is new[0].table:
-            # The only one may have another name, and is the same all the same.
+            # The only root is the same, also with another name.
             self._same[old[0]] = new[0]
             old, new = _owned(old[0]), _owned(new[0])
         self._pair(old, new)
@@ -156,9 +156,8 @@ class OutsideChange:
     def followed(self, command: ElementCommand, *, is_first: bool = True) -> ElementCommand:
         """Returns a command with the refs after the change.
 
-        `is_first`: whether the command gives way where both change the same; else it wins.
-        `EditError`: what it speaks of is gone or cannot be found again for certain, or what it
-        changes was changed already.
+        `is_first`: whether the command is refused where both change the same feature; else it
+        wins. `EditError`: an element is gone or cannot be found for certain, or was changed too.
         """
         if is_first:
             self._check(command)
@@ -191,13 +190,13 @@ class OutsideChange:
             message = f"{feature} of {old.label} was changed meanwhile, to {now}"
             raise EditError(message, conflict=True)
 
-    # Which is which
+    # Identity
 
     def _pair(self, old: Iterable[ElementCopy], new: Iterable[ElementCopy]) -> None:
         pending = [(list(old), list(new))]
         while pending:
             before, after = pending.pop()
-            # Names first; what is left is known by its content, if nothing else has the same.
+            # Names first; others are known by their contents, if these are unique.
             pairs = [*_unique(before, after, _named)]
             paired = set(chain.from_iterable(pairs))
             left, other = ([e for e in side if e not in paired] for side in (before, after))
@@ -207,7 +206,7 @@ class OutsideChange:
                 pending.append((_owned(one), _owned(same)))
 
     def _content(self, copy: ElementCopy) -> Hashable:
-        """Returns all that a copy is, without its position."""
+        """Returns the contents of a copy, without its position."""
         known = self._contents.get(copy)
         if known is None:
             names = sorted({*copy.values, *copy.references})
@@ -224,7 +223,7 @@ class OutsideChange:
 def _unique(
     before: Iterable[ElementCopy], after: Iterable[ElementCopy], mark: Callable[[ElementCopy], Any]
 ) -> Iterator[tuple[ElementCopy, ElementCopy]]:
-    """Yields the pairs of copies that nothing else has the mark of, on either side."""
+    """Yields the pairs of copies whose mark is unique on both sides."""
     sides: list[dict[Hashable, list[ElementCopy]]] = []
     for copies in (before, after):
         copies_by_mark = defaultdict(list)
@@ -234,13 +233,13 @@ def _unique(
     old, new = sides
     for key, copies in old.items():
         others = new.get(key, ())
-        # Of two alike on one side nobody can tell which is which.
+        # Of two with one mark, the same one is not known.
         if key is not None and len(copies) == len(others) == 1:
             yield copies[0], others[0]
 
 
 def _named(copy: ElementCopy) -> Hashable:
-    """Returns how a copy is called where it stands, None for what is owned and has no name."""
+    """Returns class, feature and name of a copy, None for a part without a name."""
     if not copy.name and copy.owner is not None:
         return None
     return copy.table.qualified_name, copy.feature, copy.name
@@ -257,7 +256,7 @@ def _value(copy: ElementCopy, feature: str) -> Hashable:
 
 
 def _path(copy: ElementCopy) -> Hashable:
-    """Returns a copy by its names, and by its position where it has none."""
+    """Returns the path of a copy: names, and positions where there are none."""
     steps: list[Hashable] = []
     ancestor: ElementCopy | None = copy
     while ancestor is not None:

@@ -1,4 +1,4 @@
-"""Records of a project: its files, what would be done to them, and the log of what was."""
+"""Records of a project: its files, previews of changes, and the log of changes."""
 
 from __future__ import annotations
 
@@ -34,8 +34,7 @@ class FileInfo:
 class FileChange:
     """A change of one file: splices, each of the result of the one before.
 
-    `before`: digest of the file before, empty when it was not there. `after`: digest of the file
-    after, empty when it is not there any more.
+    `before`, `after`: digests of the file before and after, empty where it does not exist.
     """
 
     file: str
@@ -45,13 +44,13 @@ class FileChange:
 
     @classmethod
     def between(cls, file: str, before: Stored | None, after: Stored | None) -> FileChange:
-        """Returns the change from one state of a file to another; None where it is not there."""
+        """Returns the change from one state of a file to another; None for no file."""
         splice = difference(data_of(before) or b"", data_of(after) or b"")
         digests = (held.digest if held is not None else "" for held in (before, after))
         return cls(file, (splice,), *digests)
 
     def inverted(self) -> FileChange:
-        """Returns the change that takes it back."""
+        """Returns the opposite change."""
         splices = tuple(splice.inverted() for splice in reversed(self.splices))
         return FileChange(self.file, splices, self.after, self.before)
 
@@ -64,10 +63,10 @@ class FileChange:
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """An entry of the log: what was done at once, and is undone at once.
+    """An entry of the log: changes that are made and undone together.
 
-    `number`: its number, counted from 1 and never given twice. `created`: the elements that it
-    made, valid in the revision that it led to. `formatted`: files whose layout was another one.
+    `number`: counted from 1, never used again. `created`: refs of new elements, valid in the
+    revision after it. `formatted`: files that it has formatted first.
     """
 
     number: int
@@ -85,7 +84,7 @@ class Entry:
 
 @dataclass(frozen=True, slots=True)
 class Referrer:
-    """An element that refers to another one: its ref, what it is called, and by which feature."""
+    """An element that refers to another one: its ref, its label, and the feature."""
 
     element: Ref
     label: str
@@ -96,8 +95,8 @@ class Referrer:
 class Preview:
     """The effect of commands, before they are carried out.
 
-    `referrers`: elements that refer to what would go, and would lose that or go too. `diff`: the
-    differences of the files, as `diff -u` writes them.
+    `referrers`: elements that refer to removed ones, and would lose that reference or be removed.
+    `diff`: the differences of the files, as `diff -u` writes them.
     """
 
     changes: tuple[FileChange, ...]
@@ -110,7 +109,7 @@ class Preview:
 class Change:
     """A change of a file by another program.
 
-    `is_conflict`: whether it has done away with the last edit, which it had not seen.
+    `is_conflict`: whether it has overwritten the last edit unseen.
     """
 
     file: str
@@ -123,11 +122,10 @@ class Freshness:
     """How current an answer about a model is.
 
     Attributes:
-        state: `current`, or why it is of the past: `stale` when it is of an earlier revision,
-            `unreadable` when a file cannot be read as it is, `conflict` when two changes of it
-            have not been brought together.
-        since: Revision of the project of whose files it is; None where they never could be read.
-        why: What keeps it from being current, for people; empty when it is.
+        state: `current`; `stale` for an answer of an earlier revision; `unreadable` where a file
+            cannot be read as it is; `conflict` where two changes of it are not merged.
+        since: The revision of its files; None where they never could be read.
+        why: The reason why it is not current, for people; empty when it is.
     """
 
     state: Literal["current", "stale", "unreadable", "conflict"]
@@ -145,8 +143,8 @@ class Freshness:
 class Stored:
     """A file as the project knows it.
 
-    `good`: the bytes of which its model is read: those, or the last ones that could be parsed.
-    `is_printed`: whether an edit has laid it out.
+    `good`: the bytes of its model: `data`, or the last ones that could be parsed. `is_printed`:
+    whether an edit has laid it out.
     """
 
     file: str
@@ -164,7 +162,7 @@ class Stored:
 
 
 def data_of(held: Stored | None) -> bytes | None:
-    """Returns the bytes of a file, None where it is not there."""
+    """Returns the bytes of a file, None for no file."""
     return held.data if held is not None else None
 
 
@@ -176,7 +174,7 @@ class Log:
         self._at = 0
         self._count = 0
         self._typed = (0, 0.0)
-        """Number of the entry that was typed last, and when."""
+        """Number and time of the last typed entry."""
 
     @property
     def done(self) -> tuple[Entry, ...]:
@@ -235,7 +233,7 @@ class Log:
 
 
 def takes_back(entry: Entry | None, known: Stored | None, new: bytes | None) -> bool:
-    """Tells whether a file has the lines again that an edit has replaced, and none that it made."""
+    """Tells whether a file has the lines again that an edit replaced, and no new ones of it."""
     if entry is None or known is None or new is None or entry.is_outside:
         return False
     for change in entry.changes:
