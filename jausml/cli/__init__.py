@@ -102,7 +102,7 @@ class Verbs(LazyGroup):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """Returns the verb that is meant and what stands behind it."""
+        """Returns the verb of a command line and the words behind it."""
         if args[0] not in self.verbs:
             from difflib import get_close_matches
 
@@ -136,7 +136,7 @@ class Verbs(LazyGroup):
             return super().make_context(*args, **kwargs)
 
     def invoke(self, ctx: click.Context) -> Any:
-        """Runs a verb; whatever it does not expect is an internal error."""
+        """Runs a verb; an unexpected exception is an internal error."""
         try:
             with _written_out():
                 return super().invoke(ctx)
@@ -156,7 +156,7 @@ class Verbs(LazyGroup):
 
 @contextmanager
 def _written_out() -> Iterator[None]:
-    """Sees to it that what is printed reaches its reader, and ends the program where it cannot."""
+    """Flushes the output at the end, and ends the program where it cannot be written."""
     try:
         try:
             yield
@@ -231,7 +231,7 @@ def _end_by_interrupt() -> None:
 
 
 def _open_closed_streams() -> None:
-    """Opens nothing in the place of standard streams that were closed, as some services do it.
+    """Opens the null device for standard streams that are closed, as some services have them.
 
     Else the first file or socket that is opened would take their numbers, and be written to.
     """

@@ -175,7 +175,7 @@ CANNOT_PARSE = (ValueError, SyntaxError, SyntaxWarning, RecursionError)
 
 
 def syntax_problem(text: str, path: str, *, is_parsed: bool = False) -> str | None:
-    """Says why the text, as its bytes on disk, cannot be read as what the path's suffix names."""
+    """Returns the reason why a text is no content for the suffix of its path; None where it is."""
     try:
         data = text.encode("utf-8")
         check = _check_encoding if is_parsed else _CHECKS.get(PurePosixPath(path).suffix)

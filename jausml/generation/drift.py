@@ -60,7 +60,7 @@ def _unreadable(path: str, line: int, message: str) -> Finding:
 
 
 def _paths(out: Path, interface: Interface, skeletons: Mapping[str, Artifact]) -> Iterator[str]:
-    """Yields the paths of the user's files: the skeletons, and what stands beside them."""
+    """Yields the paths of the user's files: skeletons, and files beside them."""
     for path, artifact in skeletons.items():
         state = inspect(out, path) if path_problem(path) is None else None
         if artifact.contract is not None and state is not None and state.exists:

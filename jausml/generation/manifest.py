@@ -64,7 +64,7 @@ class Manifest:
     unfinished: Mapping[str, str] = field(default_factory=dict)
 
     def hashes(self, path: str) -> tuple[str, ...]:
-        """Returns the hashes of a file, one of which it has unless somebody edited it."""
+        """Returns the hashes of a file, one of which it has unless a user edited it."""
         entry = self.files.get(path)
         return entry.sha256 if entry else "", self.unfinished.get(path, "")
 

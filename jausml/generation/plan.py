@@ -300,7 +300,7 @@ def _unlisted_generated(
 
 
 def _left_by_killed_run(out: Path, manifest: Manifest) -> Iterator[Action]:
-    """Yields the deletions of what a killed run left besides its files."""
+    """Yields the deletions of files that a killed run left besides its output."""
     for path in (*map(temporary, manifest.unfinished), PENDING_PATH):
         state = inspect(out, path)
         if state.exists:

@@ -116,7 +116,7 @@ class _Compiled(jinja2.BytecodeCache):
         self._codes: dict[tuple[str, str], CodeType | None] = {}
 
     def load_bytecode(self, bucket: Bucket) -> None:
-        """Gives a template the code that its text was compiled to before."""
+        """Sets the compiled code of a template of the same text."""
         bucket.code = self._codes.get((bucket.key, bucket.checksum))
 
     def dump_bytecode(self, bucket: Bucket) -> None:
@@ -234,6 +234,6 @@ class _FilesInMemory(JinjaTask):  # type: ignore[misc]  # multigen has no types
 
 
 def _laid_out(text: str) -> str:
-    """Returns a rendered text as it is to stand in its file."""
+    """Returns a rendered text as its file has it."""
     body = normalize_newlines(text).rstrip("\n")
     return body + "\n" if body else ""

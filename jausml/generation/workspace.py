@@ -236,7 +236,7 @@ def _manifest(out: Path, name: str, adopt: str) -> Manifest:
 
 
 def with_code(report: Report, result: Result, out: Path) -> Report:
-    """Returns the report of a model with what does not fit it in the workspace."""
+    """Returns the report of a model with the findings about the workspace."""
     plan = result.plan
     diagnostics = [finding.diagnostic(out) for finding in result.drift]
     for change in (*plan.changes, *plan.refused):

@@ -60,7 +60,7 @@ def apply(plan: Plan) -> None:
 
 
 class _File:
-    """A file by its name and its open folder; without such folders by its path alone."""
+    """A file by its name and its open folder; without open folders by its path alone."""
 
     def __init__(self, name: str, folder: int | None) -> None:
         self._name = name
@@ -149,7 +149,7 @@ def _announce(plan: Plan) -> None:
 
 
 def replace_file(out: Path, path: str, old: bytes, new: bytes) -> None:
-    """Replaces what a file of the user says, which keeps its permissions."""
+    """Replaces the contents of a file of the user, which keeps its permissions."""
     with _faults_named(path), _opened(out, path) as file:
         if file.read() != old:
             raise WriteError(path, "the file was edited while jausml was running")
@@ -168,7 +168,7 @@ def _write(out: Path, action: Action) -> None:
 
 
 def _put(file: _File, path: str, data: bytes, mode: int) -> None:
-    """Writes a file beside its place, and then into it."""
+    """Writes a temporary file beside a file, which then replaces it."""
     new = file.beside(PurePosixPath(temporary(path)).name)
     with suppress(FileNotFoundError):
         new.unlink()  # left by a run that was killed
@@ -182,7 +182,7 @@ def _put(file: _File, path: str, data: bytes, mode: int) -> None:
 
 
 def _keep(file: _File, action: Action) -> None:
-    """Copies what the user wrote: as the plan says, or since it was made."""
+    """Copies the user's version of a file: as planned, or one that was saved since."""
     data = file.read()
     if not action.backup and _text(data) == action.old:
         return

@@ -85,7 +85,7 @@ class FieldLayout:
 
     @property
     def idl(self) -> str:
-        """Its type as rosidl gives it in `get_fields_and_field_types`."""
+        """Its type by rosidl in `get_fields_and_field_types`."""
         if self.primitive is not None:
             base = self.primitive.idl
         elif self.message is not None:

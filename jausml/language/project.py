@@ -65,7 +65,7 @@ class _Kept:
     names: frozenset[str]
 
     def is_of(self, files: tuple[str, ...], contents: Mapping[str, bytes]) -> bool:
-        """Tells whether it was read of files that hold the same now."""
+        """Tells whether it was read of files with the same contents as now."""
         is_same_project = self.files == files and self.names == contents.keys()
         return is_same_project and all(
             contents[file] == data for file, data in self.contents.items()
@@ -73,7 +73,7 @@ class _Kept:
 
 
 class Models:
-    """Models of the files of a project; one is read again when what it was read of has changed."""
+    """Models of the files of a project; one is read again when one of its files has changed."""
 
     def __init__(
         self,
@@ -142,7 +142,7 @@ class Index:
         return self._models.read(tuple(sorted(self.contents)), self.contents).model
 
     def beside(self, file: str, model: Model | None = None) -> Model:
-        """Returns the model of the files that a file does not refer to, and of what these do.
+        """Returns the model of the files outside of the model of a file.
 
         Args:
             model: That of the file, from whoever has read it.

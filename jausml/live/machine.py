@@ -359,7 +359,7 @@ def _profiles() -> Iterator[Finding]:
 
 
 def _security() -> Iterator[Finding]:
-    """Looks at what SROS 2 is told; whether the keys fit, it says itself when a node starts."""
+    """Yields the findings about the settings of SROS 2; a node checks its keys at its start."""
     name = "security"
     if os.environ.get("ROS_SECURITY_ENABLE", "").lower() != "true":
         return

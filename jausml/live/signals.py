@@ -9,7 +9,7 @@ from contextlib import contextmanager
 
 @contextmanager
 def ended_by_signals(end: Callable[[], None]) -> Iterator[None]:
-    """Has signals call something while a block runs.
+    """Lets signals call a function while a block runs.
 
     They are SIGINT, SIGTERM, and SIGHUP, which comes when the terminal goes, unless that is ignored
     as `nohup` has it.

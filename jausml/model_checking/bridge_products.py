@@ -36,7 +36,7 @@ class Obeying(NamedTuple):
 
 @dataclass(frozen=True)
 class ObeyingProduct:
-    """A bridge, its clients, one of more authority than the other, and who sets emergencies.
+    """A bridge, its two clients of different authority, and a client that sets emergencies.
 
     Attributes:
         clients: Who commands; the first one is a peer of the connection.
@@ -191,7 +191,7 @@ class Commanding(NamedTuple):
 
 @dataclass(frozen=True)
 class CommandingProduct:
-    """A bridge and one peer of it.
+    """A bridge and its peer.
 
     Attributes:
         patience: Ticks after which the bridge takes control for lost.
@@ -269,7 +269,7 @@ class CommandingProduct:
             yield step, self._own_changed(state, after)
 
     def _peer_changed(self, state: Commanding, peer: Core) -> Commanding:
-        """The peer drops what it was commanded where its controller or its state is another."""
+        """Returns the state in which the peer drops commands of a lost controller or state."""
         is_kept = self.services.allows(peer, self.connection.guard, self.bridge)
         is_left = state.peer.status == READY and peer.status != READY
         state = state._replace(peer=peer)
@@ -310,7 +310,7 @@ class CommandingProduct:
         return self._standing(state) if state.watched_in else state
 
     def _renewed(self, state: Commanding) -> Commanding:
-        """The bridge requests control, resumes the peer, and sends what it has missed."""
+        """Returns the state after the bridge requests control, resumes the peer and sends again."""
         if not self._may_command(state) or self.connection.guard == "ANY":
             return self._stop_sent(state)
         peer = self.services.request(state.peer, self.bridge)
@@ -367,7 +367,7 @@ class CommandingProduct:
         return "" if state.is_linked else RADIO
 
     def is_over(self, state: Commanding) -> bool:
-        """Tells whether one of both has come to an end that no message leads out of."""
+        """Tells whether the bridge or the peer has come to a final state."""
         ends = (state.peer, state.own)
         return any(end.status in FINAL or end.interrupted[0] in FINAL for end in ends)
 

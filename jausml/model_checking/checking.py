@@ -102,7 +102,7 @@ def diagnostic_of(subject: Subject, example: CounterExample, model: Model) -> Di
 
 
 def check_subject(subject: Subject, bounds: Bounds) -> Outcome:
-    """Searches one product and judges it."""
+    """Searches a product and judges it."""
     graph = explore(subject.product, bounds)
     counterexamples = [
         _counter_example(subject, graph, violation)

@@ -94,7 +94,7 @@ class CoreServices:
         return self.drop(core) if is_obeyed else core
 
     def drop(self, core: Core) -> Core:
-        """Takes control away; nobody is Ready without."""
+        """Removes control; a component is not Ready without it."""
         if not core.controller:
             return core
         status = STANDBY if core.status == READY else core.status
@@ -261,13 +261,13 @@ class CommandConnection:
 
 
 def halts(core: Core) -> bool:
-    """Tells whether a bridge commands nothing of its own (`Standing.halt`)."""
+    """Tells whether a bridge sends no commands of its own (`Standing.halt`)."""
     stands_by = core.status == STANDBY and bool(core.controller)
     return not core.is_active or core.status in PASSIVE or stands_by
 
 
 def loses(former: Core, core: Core) -> bool:
-    """Tells whether what the former controller commanded must not stand (`lost_since`)."""
+    """Tells whether commands of the former controller must not stand (`lost_since`)."""
     if former.is_active and not core.is_active:
         return True
     if core.status != former.status and core.status in PASSIVE:

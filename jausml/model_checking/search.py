@@ -36,7 +36,7 @@ TIME = Step("time", "passes", is_tick=True, is_helpful=True)
 
 
 class Product(Protocol):
-    """Some parts of a system, what can happen to them together, and what must hold in it."""
+    """Parts of a system, their possible steps, and the properties that must hold."""
 
     def initial(self) -> Any:
         """Returns the state at the start."""
@@ -56,10 +56,10 @@ class Product(Protocol):
         """Returns whose command is in effect, and could be lost; empty for nobody's."""
 
     def is_over(self, state: Any) -> bool:
-        """Tells whether there is nothing left to wait for."""
+        """Tells whether there is no step to wait for."""
 
     def place(self, state: Any) -> str:
-        """Returns in which state of its machine it is; empty for a product without machine."""
+        """Returns the state of the machine; empty for a product without machine."""
 
     def fault(self, state: Any, step: Step, after: Any) -> str:
         """Returns the fault of a transition; empty for none."""
@@ -187,7 +187,7 @@ def _unsafe(product: Product, graph: Graph) -> Violation | None:
 
 
 def _late_stop(product: Product, graph: Graph) -> Violation | None:
-    """Lets time pass from all states in which a command stands, while its source says nothing."""
+    """Finds a command that stands too long after its source is lost."""
     lasting = _lasting(product, graph)
     still = {state for state, edges in enumerate(lasting) if edges is not None}
     for _ in range(max(product.bound, 1)):
@@ -215,7 +215,7 @@ def _lasting(product: Product, graph: Graph) -> _Lasting:
 
 
 def _after_tick(lasting: _Lasting, states: set[int]) -> set[int]:
-    """Returns where a command still stands when time has passed once, whatever else happens."""
+    """Returns the states in which a command still stands after one tick."""
     pending, seen, later_states = list(states), set(states), set()
     while pending:
         for _, after, is_tick in lasting[pending.pop()] or ():
@@ -304,7 +304,7 @@ def _leading(origins: list[list[int]], pending: list[int]) -> set[int]:
 
 
 def _livelock(product: Product, graph: Graph) -> Violation | None:
-    """Finds a state from which nothing that is asked for happens, though nobody hinders it."""
+    """Finds a state in which no request has an effect, though no other client hinders it."""
     stuck = _stuck(product, graph, lambda step: step.is_helpful)
     if stuck is None:
         return None

@@ -76,7 +76,7 @@ class Behaving(NamedTuple):
 
 @dataclass(frozen=True)
 class MachineProduct:
-    """A component with a machine, and its clients, one of more authority than the other.
+    """A component with a machine, and its two clients of different authority.
 
     Attributes:
         obeyed: Whom the component obeys a message from before the machine is asked, by name.
@@ -114,7 +114,7 @@ class MachineProduct:
         yield TIME, self.later(state)
 
     def later(self, state: Behaving) -> Behaving:
-        """Returns the state one tick after another one in which nobody does anything."""
+        """Returns the state one tick later without any other step."""
         core = self.services.tick(state.core)
         # An independent machine learns by this event that control has lapsed.
         if state.core.controller and not core.controller and not self._follows:

@@ -74,7 +74,7 @@ class SteppingError(Exception):
 
 
 def stepped_machine(model: Model, element: jaus.StateMachine) -> SteppedMachine | None:
-    """Returns a machine in the first component that has it, else in one that says nothing of it.
+    """Returns a machine in the first component that has it, else in one of defaults.
 
     None where the machine stands in no service.
     """
@@ -120,7 +120,7 @@ def walked(product: MachineProduct, path: Sequence[Chosen]) -> list[Choice]:
 
 
 def choices(product: MachineProduct, state: Behaving, said: Mapping[str, bool]) -> Iterator[Choice]:
-    """Yields everything that can happen in a state, also what nothing comes of.
+    """Yields all possible steps in a state, also those without an effect.
 
     Args:
         said: What conditions of the user say.

@@ -91,7 +91,7 @@ def machine_subjects(component: jaus.Component, demanded: float = 0.0) -> Iterat
 
 
 def service_subjects(service: jaus.Service) -> Iterator[Subject]:
-    """Yields the product of each machine of a service, in a component that says nothing else."""
+    """Yields the product of each machine of a service, in a component of defaults."""
     clock = _Clock([_LAPSE])
     core = CoreServices({_ANYBODY: 0, _TAKES_OVER: 1}, timeout=clock.ticks(_LAPSE))
     provided = with_inherited([service, *standard_services()])
@@ -148,7 +148,7 @@ def _commanding(
     peer: jaus.Component | None,
     demanded: float,
 ) -> Subject:
-    """Returns the product with one peer; one that is searched for is as components are unsaid."""
+    """Returns the product with one peer; a searched one has the defaults of components."""
     silence, watch = stops.silence_timeout(connection), _watch_of(peer, connection)
     lapse = _LAPSE if peer is None else float(peer.controlTimeout)
     # Control is renewed several times before it lapses, so steps must not be longer than that.
@@ -213,7 +213,7 @@ def _obeying(
     silence: float = 0.0,
     held: str | None = None,
 ) -> Subject:
-    """Returns the product of what takes a command; `held` is why it has no stop, None if it has."""
+    """Returns the product of the receiver of a command; `held`: its reason for no stop, or None."""
     clock = _Clock([silence, float(owner.controlTimeout), demanded])
     peers = [str(peer.name) for peer in connection.peers]
     client = peers[0] if peers else _ANYBODY

@@ -53,7 +53,7 @@ class BrokenWorkspace:
             importlib.import_module(name)
 
     def differing(self, files: Mapping[str, str]) -> list[str]:
-        """Returns the paths of files but tests that say something else, or that one side lacks."""
+        """Returns the paths of files, without tests, that differ or exist on one side alone."""
         paths = sorted(file for file in {*files, *self._files} if "/test/" not in file)
         return [
             path for path in paths if not _is_same(path, files.get(path), self._files.get(path))
@@ -84,7 +84,7 @@ class BrokenWorkspace:
             return self._tried()
 
     def sound_command(self) -> str:
-        """Runs the command on what is not broken; one that fails there does not run again."""
+        """Runs the command without a mutation; one that fails there does not run again."""
         problem = self._tried() if self._command else ""
         if problem:
             self._command = ()
@@ -103,7 +103,7 @@ class BrokenWorkspace:
                 self._write(path, self._files.get(path), _BEFORE)
 
     def _tried(self) -> str:
-        """Returns the last line of the command if it fails; empty else."""
+        """Returns the last line of the command if it fails; else an empty text."""
         paths = [*self._paths, *filter(None, [os.environ.get("PYTHONPATH")])]
         environment = {
             **os.environ,
@@ -134,7 +134,7 @@ class BrokenWorkspace:
         return (lines or [f"ended with {done.returncode}"])[-1]
 
     def sound(self) -> dict[str, str]:
-        """Runs all tests on what is not broken, and returns what fails there, by package.
+        """Runs all tests without a mutation, and returns the failures by package.
 
         Those tests say nothing, and do not run again.
         """

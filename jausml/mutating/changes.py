@@ -201,7 +201,7 @@ def exchanged_entries(site: Site) -> Iterator[Together]:
 
 
 def partner(placed: Placed[Any] | None) -> Any:
-    """Returns the assignment to JAUS that leads back what one to ROS gives; None without any."""
+    """Returns the assignment to JAUS that is the way back of one to ROS; None without one."""
     if placed is None or not placed.scope.to_ros or placed.scope.is_nested:
         return None
     goes = placed.assignment

@@ -47,7 +47,7 @@ class Operator:
             yield name, features
 
     def changes(self, site: Site) -> Iterator[Change | Together]:
-        """Yields the changes of a feature, of those that change something."""
+        """Yields the changes of a feature that change a value."""
         for value in self.values(site):
             if isinstance(value, Together):
                 yield value
@@ -56,7 +56,7 @@ class Operator:
 
 
 def _ends(site: Site) -> list[Attribute]:
-    """Returns source and target of an assignment of one number to another, else nothing."""
+    """Returns source and target of an assignment of one number to another, else an empty list."""
     placed = site.placed
     if placed is None:
         return []
@@ -84,7 +84,7 @@ def _negated_both_ways(site: Site) -> Iterator[Together]:
 
 
 def _one_that_drives(site: Site) -> Iterator[Any]:
-    """Yields a stop that sends 1 in the first number that its map fills and it says nothing of."""
+    """Yields a stop that sends 1 in the first number that its map fills and it leaves out."""
     map_ = site.element.eContainer()
     to_ros = site.element.eContainmentFeature().name == "stopRos"
     scope = outer_scope(map_, to_ros=to_ros)

@@ -30,14 +30,14 @@ _PROOF_BUDGET = 1.0
 
 
 class ModelCheckOracle:
-    """Tells which property a broken model violates and the sound one keeps.
+    """Finds the first property that a broken model violates and the sound one keeps.
 
     Attributes:
         remarks: What of the sound model could not be checked, so that nothing is noticed by it.
     """
 
     def __init__(self, model: Model) -> None:
-        """Checks nothing yet: `model`, the sound one, is checked when it is first asked for."""
+        """Begins without a check: the sound model is checked when it is first needed."""
         self.remarks: list[str] = []
         self._model = model
         self._baseline: _ModelCheck | None = None
@@ -94,7 +94,7 @@ class ProofOracle:
     """
 
     def __init__(self, report: Report) -> None:
-        """Proves nothing yet: a map of `report`, the sound one, is proved when one asks for it."""
+        """Begins without a proof: a map of the sound model is proved when it is first needed."""
         self.remarks: list[str] = []
         self._report = report
         self._baselines: dict[str, _Proof | None] = {}

@@ -128,7 +128,7 @@ def survivor_line(survivor: Outcome) -> str:
 
 
 def matrix_rows(campaign: Campaign) -> Iterator[tuple[str, list[int]]]:
-    """Yields how many mutations of each operator were noticed by what, and of all of them."""
+    """Yields the numbers of noticed mutations by verdict, for each operator and in all."""
     counts_by_operator = campaign.counts_by_operator()
     for name, counts in counts_by_operator.items():
         yield name, [counts[verdict] for verdict in VERDICTS]

@@ -138,7 +138,7 @@ class _Shared:
 
 
 class _Breaker:
-    """Tries mutations of a model, one after another, in a process of its own."""
+    """Process that tries mutations of a model, one after another."""
 
     def __init__(self, shared: _Shared) -> None:
         self._shared = shared
@@ -168,7 +168,7 @@ class _Breaker:
 
 
 def _prepared(workspace: BrokenWorkspace) -> Iterator[str]:
-    """Runs command and tests on what is not broken, and yields what of them says nothing."""
+    """Runs command and tests without a mutation, and yields those that cannot take part."""
     if problem := workspace.sound_command():
         yield f"the command fails without a mutation: {problem}"
     try:
@@ -182,7 +182,7 @@ def _prepared(workspace: BrokenWorkspace) -> Iterator[str]:
 
 
 class _Original:
-    """A model as one document, what it generates, and what is found in it."""
+    """A model as one document, with its generated files and its findings."""
 
     def __init__(self, document: OneDocument, cache: LibraryCache) -> None:
         self._document = document

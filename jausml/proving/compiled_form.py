@@ -28,7 +28,7 @@ _CORE = f"{NAME}/{native.SOURCE.parent.as_posix()}/"
 
 @dataclass(frozen=True)
 class ProofCode:
-    """The code of a map, as `jausml generate` makes it of a bridge, and the program of its proof.
+    """The code of a map by `jausml generate`, and the program of its proof.
 
     Attributes:
         directions: Those that are compiled, by whether they make messages of ROS.
@@ -75,7 +75,7 @@ def proof_code(model: Model, trip: RoundTrip) -> ProofCode:
 
 
 def _model(model: Model, trip: RoundTrip) -> Model:
-    """Makes a bridge with each direction, with the policies and quantities of its own."""
+    """Makes a bridge with each direction, with its own policies and quantities."""
     directions = {TO_ROS_NAME: (trip.to_ros, True), TO_JAUS_NAME: (trip.to_jaus, False)}
     connections = {
         name: (map_, to_ros)

@@ -61,7 +61,7 @@ USUAL = Usual()
 
 
 class LayoutError(ValueError):
-    """A message of which nobody knows where its numbers stand."""
+    """A message with an unknown layout of its numbers."""
 
 
 @dataclass(frozen=True)
@@ -99,7 +99,7 @@ class Number:
 
     @property
     def ends(self) -> tuple[float, float]:
-        """Its least and its greatest value that is finite."""
+        """Its least and its greatest finite value."""
         if self.kind == FLOAT:
             most = wire.REALS["float32" if self.size == 4 else "float64"].largest
             return -most, most
@@ -189,7 +189,7 @@ class _Walk:
         return Layout(bytes(self._data), self.numbers)
 
     def number(self, code: str, usual: float) -> float:
-        """Takes a number, or puts the usual one."""
+        """Reads a number, or writes the usual one."""
         try:
             if self._read_data is None:
                 self._data += struct.pack(code, usual)

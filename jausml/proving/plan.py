@@ -83,7 +83,7 @@ class Plan:
 
 @dataclass(frozen=True)
 class _Side:
-    """A message with the translation that takes it, and whether there is one that makes it.
+    """A message with its translation, and with the opposite one if there is one.
 
     Attributes:
         taken: The message that is translated.
@@ -103,7 +103,7 @@ class _Side:
 
 @dataclass(frozen=True)
 class _Passage:
-    """A message that is translated, what of it comes back, if it does, and what is made of it.
+    """A message, its translation, and the message that comes back, if one does.
 
     Attributes:
         octets: Length of what is made.
@@ -235,7 +235,7 @@ class _Planner:
                 self._plan.remarks.append(remark)
 
     def _settled(self, message: Layout) -> Layout | None:
-        """A message that comes back with all that it has; as it is, if the map lets it be."""
+        """Returns a message that comes back unchanged; the message itself, if the map allows it."""
         returned = self._returned(message.data)
         again = self._returned(returned) if returned is not None else None
         if returned is None or again is None:
@@ -283,7 +283,7 @@ class _Planner:
     def _dependents(
         self, message: bytes, number: Number, translation: bytes
     ) -> list[Number] | None:
-        """The numbers of the message that is made which depend on one; None where nothing does."""
+        """Returns the numbers of the result that depend on one; None where none does."""
         try:
             others = self._side.made.message(translation, USUAL).numbers
         except LayoutError:
@@ -304,7 +304,7 @@ class _Planner:
 
 
 def _probes(number: Number) -> Sequence[int]:
-    """Positions of values by which it shows whether anything depends on a number.
+    """Returns positions of values that show whether a result depends on a number.
 
     Of integers, a single one may have a meaning.
     """

@@ -57,7 +57,7 @@ class Forms:
         return bytes(octets), notes
 
     def answer(self, request: dict[str, typing.Any]) -> list[list[typing.Any]]:
-        """Returns for each message what it becomes, what comes back, the notes and the error."""
+        """Returns for each message its translation, its way back, the notes and the error."""
         return [self._trip(request, bytes.fromhex(message)) for message in request["messages"]]
 
     def _trip(self, request: dict[str, typing.Any], data: bytes) -> list[typing.Any]:
@@ -81,7 +81,7 @@ class Forms:
 
 
 def _split(data: bytes, joins: int) -> list[bytes]:
-    """Returns a message and those behind it, whose sizes stand at the end."""
+    """Returns a message and those behind it, whose sizes are at the end."""
     end = len(data) - 4 * joins
     sizes = [int.from_bytes(data[at : at + 4], "little") for at in range(end, len(data), 4)]
     parts = []

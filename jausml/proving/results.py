@@ -278,7 +278,7 @@ PROOF_RULES: Mapping[str, RuleInfo] = {
 
 
 def with_proofs(report: Report, trips: Sequence[RoundTrip], results: Sequence[MapResult]) -> Report:
-    """Returns the report of a model with what falls short in proofs of it."""
+    """Returns the report of a model with the shortcomings found by proofs."""
     proof_diagnostics = [
         finding.diagnostic(report.model, trip)
         for trip, result in zip(trips, results, strict=True)

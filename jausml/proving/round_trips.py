@@ -99,7 +99,7 @@ def _trip(published: Endpoint, taken: Endpoint) -> Iterator[RoundTrip]:
 
 
 def assignment_of(trip: RoundTrip, side: str, path: str) -> bridge.FieldAssignment | None:
-    """Returns the assignment that gives a number of a side its value when it comes back."""
+    """Returns the assignment that sets a number of a side on its way back."""
     is_jaus = side == JAUS
     assignments = spelled_out(trip.to_jaus if is_jaus else trip.to_ros, to_ros=not is_jaus)
     for field_assignment in field_assignments(assignments):
@@ -110,7 +110,7 @@ def assignment_of(trip: RoundTrip, side: str, path: str) -> bridge.FieldAssignme
 
 
 def is_alone(assignment: bridge.FieldAssignment | None, path: str) -> bool:
-    """Whether an assignment gives one number the value of one source.
+    """Tells whether an assignment sets one number from one source.
 
     What shares an assignment, as the parts of an orientation do, may rightly be lost in it.
     """
@@ -140,7 +140,7 @@ def field_assignments(assignments: Iterable[bridge.Assignment]) -> Iterator[brid
 
 
 def _is_at(path: str, target: str) -> bool:
-    """Whether the path of a number is that of a target, or of something in it."""
+    """Tells whether the path of a number is that of a target, or within it."""
     if path == target or path.startswith(f"{target}."):
         return True
     plain = re.sub(r"\[\d+\]", "", path)

@@ -117,7 +117,7 @@ def _swept(form: CompiledForm, planned: Field, jobs: int, deadline: float) -> Sw
 
 
 def _is_alike(whole: Tally, short: Tally) -> bool:
-    """Whether a sweep without the rest of the message finds what one of whole messages does."""
+    """Tells whether a sweep without the rest of the message has the same result."""
     counts = ("count", "unchanged", "changed", "others", "left_out", "left", "drifting")
     names = (*counts, "largest", "largest_drift")
     return all(getattr(whole, name) == getattr(short, name) for name in names)

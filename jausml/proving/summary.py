@@ -148,7 +148,7 @@ def _trips(planned: Field, indices: Sequence[int], python: PythonForm) -> list[T
 def _classify(
     result: FieldResult, planned: Field, indices: Sequence[int], python: PythonForm
 ) -> None:
-    """Tells by the Python form what becomes of values that the compiled one leaves to it."""
+    """Classifies the values that the compiled form leaves to the Python form."""
     faults: Counter[str] = Counter()
     reasons: Counter[str] = Counter()
     for index, trip in zip(indices, _trips(planned, indices, python), strict=True):

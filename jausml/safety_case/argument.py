@@ -71,7 +71,7 @@ class Concern:
         return [kind for kind in self.row.kinds if kind not in without]
 
     def has(self, path: str) -> bool:
-        """Tells whether a path is that of the element, of a map, what is in them, or the owner."""
+        """Tells whether a path is that of the element, of a map, within them, or of the owner."""
         inside = (path == place or path.startswith(f"{place}/") for place in self.places)
         return path == self.owner or any(inside)
 
@@ -209,7 +209,7 @@ def _is_of_a_person(answers: Sequence[Answer]) -> bool:
 
 
 def counted(goals: Sequence[Goal]) -> str:
-    """Returns how many goals rest on what, those that are supported first."""
+    """Returns the number of goals by the kind of their support, supported ones first."""
     counts = {standing: sum(goal.standing == standing for goal in goals) for standing in _STANDINGS}
     more = [
         f"{count} {standing}"

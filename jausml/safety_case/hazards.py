@@ -41,7 +41,7 @@ class Answer:
 
 @dataclass(frozen=True)
 class Row(Generic[ElementT]):
-    """Elements of one kind that a hazard concerns; `{}` in the claim stands for the name of one."""
+    """Elements of one kind that a hazard concerns; `{}` in the claim is the name of each."""
 
     claim: str
     find: Callable[[Subject], Iterable[ElementT]]
@@ -187,7 +187,7 @@ def _loss_told(connection: bridge.Connection) -> Answer | None:
 
 
 def _unknown(carrier: Carrier) -> dict[str, str]:
-    """Returns the targets that nothing can judge, each with what rules lack."""
+    """Returns the targets that cannot be judged, each with the reason."""
     directions = (unknown_targets(map_, to_ros=to_ros) for map_, to_ros in _map_directions(carrier))
     return {target: lack for pairs in directions for target, lack in pairs}
 

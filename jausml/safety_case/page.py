@@ -199,7 +199,7 @@ def _shape(shape: _Shape, corner: Point) -> Iterator[str]:
 
 
 def _wrapped(text: str, room: int) -> list[str]:
-    """Returns a text in lines; what is too long for them is cut."""
+    """Returns a text in lines, cut where it is too long for them."""
     lines: list[str] = []
     for word in cut(text, 400).split():
         if lines and width(f"{lines[-1]} {word}", SMALL) <= room:
@@ -235,7 +235,7 @@ def render(case: SafetyCase, pictures: Mapping[str, str]) -> str:
 
 
 def is_untouched(document: str) -> bool:
-    """Tells whether nobody has written into a document since it was made."""
+    """Tells whether a document is unchanged since it was made."""
     text, seal, rest = document.rpartition(_SEAL)
     return bool(seal) and rest.startswith(_digest(text))
 

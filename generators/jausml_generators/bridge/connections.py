@@ -55,7 +55,7 @@ class ConnectionView:
 
     @property
     def model_name(self) -> str:
-        """Its name in the model, by which diagnostics, parameters and logs speak of it."""
+        """Its name in the model, also in diagnostics, parameters and logs."""
         return str(self.connection.name)
 
     @property
@@ -205,12 +205,12 @@ class ConnectionView:
 
     @property
     def _named(self) -> NamedPlaces | None:
-        """The elements of what it takes that are put in order by their names."""
+        """The elements of its source that are put in order by their names."""
         return None if self.to_ros else named_places(self.connection.map)
 
     @property
     def is_capped(self) -> bool:
-        """Whether it can have a cap of what one source sends unasked."""
+        """Whether it can have a limit on unrequested messages of one source."""
         return self.kind == "MessageToTopics"
 
     @property
@@ -250,7 +250,7 @@ class ConnectionView:
         return arguments
 
     def _telling(self) -> list[tuple[str, str]]:
-        """Returns how the command is told to whoever asks for it."""
+        """Returns the query and the report by which the command is read."""
         answer = told_command(self.connection)
         if answer is None:
             return []
@@ -384,6 +384,6 @@ class ConnectionView:
 
     @functools.cached_property
     def has_safe_value(self) -> bool:
-        """Whether the model says what is sent when the source is lost, and it can be lost."""
+        """Whether the model states a stop for a lost source, and the source can be lost."""
         can_be_lost = self.is_command or self.silence_timeout > 0
         return can_be_lost and stops.has_stop(self.connection)

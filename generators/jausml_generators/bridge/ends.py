@@ -50,7 +50,7 @@ class JoinView:
 
 
 def _staleness(join: bridge.Join | bridge.ReportJoin) -> list[str]:
-    """Returns the arguments that say when what is joined is stale, and what happens then."""
+    """Returns the arguments on the staleness of a join, and its effect."""
     drops = ["drop=True"] if join.whenStale.name == "dropMessage" else []
     return [f"freshness={python_literal(float(join.freshness))}", *drops]
 
@@ -76,7 +76,7 @@ def list_of(items: Iterable[str]) -> str:
 
 
 def query_call(query: MessageView, report: MessageView | None, fields: Container[str]) -> str:
-    """Returns a query as it is asked: its presence vector names the fields that are read.
+    """Returns a query whose presence vector names the fields that are read.
 
     Args:
         report: The report, if something of it is read.

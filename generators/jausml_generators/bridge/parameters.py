@@ -46,7 +46,7 @@ class ParameterLine:
 
 
 def parameter_lines(view: BridgeView) -> Iterator[ParameterLine]:
-    """Yields the parameters that stand in the file of a bridge, besides those of its transport."""
+    """Yields the parameters in the file of a bridge, besides those of its transport."""
     element = view.bridge
     yield ParameterLine("jaus_id", element.address, "JAUS address of the bridge.")
     yield ParameterLine("autostart", value=True, about="Whether the node becomes active by itself.")

@@ -69,7 +69,7 @@ def answers_of_driver(action: bridge.RosActionConnection) -> list[Answer]:
 
 @dataclass(frozen=True)
 class ActionView(ConnectionView):
-    """A modelled action connection; what it shares with connections is about its elements."""
+    """A modelled action connection; inherited members are about its elements."""
 
     action: bridge.RosActionConnection = field(kw_only=True)
 
@@ -109,7 +109,7 @@ class ActionView(ConnectionView):
 
     @property
     def is_command(self) -> bool:
-        """Whether it sets something in motion."""
+        """Whether it moves the vehicle."""
         return True
 
     @property
@@ -196,7 +196,7 @@ class ActionView(ConnectionView):
 
     @property
     def hook(self) -> str:
-        """Name of the method that users may override for what a goal has besides its list."""
+        """Name of the method that users may override for members of a goal besides its list."""
         return f"{'goal' if self.to_ros else 'speed'}_{self.name}"
 
     @property
@@ -252,7 +252,7 @@ class CallView:
 
     @property
     def model_name(self) -> str:
-        """Its name in the model, by which diagnostics, parameters and logs speak of it."""
+        """Its name in the model, also in diagnostics, parameters and logs."""
         return str(self.connection.name)
 
     @property

@@ -85,7 +85,7 @@ class BridgeView(ProgramView):
 
     @property
     def _hears_of_handoffs(self) -> bool:
-        """Whether it is told who asks for control of its peers."""
+        """Whether it gets requests for control of its peers."""
         provided = with_inherited(with_standard(self.bridge))
         return _HANDOFF_CONTROLLER in (str(service.urn) for service in provided)
 
@@ -336,7 +336,7 @@ def bridge_views(model: Model) -> tuple[BridgeView, ...]:
 
 
 def _messages_of(connection: bridge.Connection) -> Iterator[jaus.MessageDef]:
-    """Yields the message of a connection and those inside it that have maps of their own."""
+    """Yields the message of a connection, and messages inside it with maps of their own."""
     to_ros = is_to_ros(connection)
     for attribute_map in used_maps(connection.map, to_ros=to_ros):
         yield attribute_map.message

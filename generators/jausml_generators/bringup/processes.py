@@ -88,7 +88,7 @@ class ProcessView:
 
     @property
     def needs_file(self) -> bool:
-        """Whether its parameter file says what its code does not: what rclpy itself declares.
+        """Whether its parameter file is needed: for parameters that rclpy itself declares.
 
         The values of the model are in the code alone: in a file that is always passed they would
         win against a value of another type, whatever the order is, and nobody would be told.
@@ -143,7 +143,7 @@ class ConfigView:
 
     @property
     def lines(self) -> tuple[str, ...]:
-        """The parameters as lines of YAML, each with what it is before it."""
+        """The parameters as lines of YAML, each with its comment before it."""
         # A launch argument says it for all nodes, which a value in their own files would undo.
         first = ParameterLine("use_sim_time", value=False, is_comment=True)
         plain = [ParameterLine(*pair) for pair in self.process.parameters.items()]

@@ -56,7 +56,7 @@ _ROS_WAITING = Argument(
 
 @dataclass(frozen=True)
 class LaunchView:
-    """A launch file: the whole system, or what runs on one host.
+    """A launch file: of the whole system, or of one host.
 
     Attributes:
         transport: Values of SETTINGS that the launch arguments have by default.

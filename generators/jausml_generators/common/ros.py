@@ -52,7 +52,7 @@ class RosType:
 
     @property
     def class_name(self) -> str:
-        """Name of a class for it: its own, or `SetBoolRequest` for the part of a service."""
+        """Name of its class: its own, or `SetBoolRequest` for a part of a service."""
         return self.name if self.kind == "msg" else self.name.replace("_", "")
 
 

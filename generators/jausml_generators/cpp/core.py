@@ -178,7 +178,7 @@ class Core:
         return ChainMap(self._unnamed(message), self._jaus.structs, self._ros_classes)
 
     def _unnamed(self, message: MessageView) -> dict[str, Struct]:
-        """Returns the structs of a message as steps call them that its form shares."""
+        """Returns the structs of a message by the names in the steps of its form."""
         own = message.class_name
         paths = [own, *(getattr(item, "path", "") for item in message.nested)]
         structs = self._jaus.structs

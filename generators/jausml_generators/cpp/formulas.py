@@ -120,7 +120,7 @@ def _is_of(expression: Expression, sign: str) -> bool:
 
 
 def _is_divisor(expression: Expression) -> bool:
-    """Whether a quotient by it has a value: it is a number other than 0."""
+    """Tells whether it may be a divisor: a number other than 0."""
     return isinstance(expression, Number) and expression.value != 0
 
 
@@ -144,7 +144,7 @@ def _call(function: str, arguments: Sequence[str]) -> str:
 
 @functools.cache
 def conversion_lines(conversion: Conversion) -> tuple[str, ...]:
-    """Returns the function of a conversion, whose arguments are those of its definition."""
+    """Returns the function of a conversion, with the arguments of its definition."""
     definition = conversion.definition
     if not isinstance(definition, Definition):
         raise UnprintableError(f"the conversion {conversion.name}")
@@ -216,7 +216,7 @@ def _parameters(
 
 
 def _result(conversion: Conversion, results: Sequence[str]) -> tuple[str, list[str]]:
-    """The type of what a conversion makes, and the statement that returns it."""
+    """Returns the type of the result of a conversion, and the statement that returns it."""
     (kind, *more) = conversion.outputs
     if kind not in STRUCTS and not more:
         return "double", [f"return {results[0]};"]

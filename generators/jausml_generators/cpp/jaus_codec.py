@@ -95,7 +95,7 @@ class _Message:
         self.lines += self._container(message.body, [code, *inner, ""])
 
     def _part(self, lines: Sequence[str], path: str) -> list[str]:
-        """Writes a part, and returns the name that it has inside of its message."""
+        """Writes a part, and returns its name inside of its message."""
         self.lines += [*lines, ""]
         return [f"using {cpp_class(path.rpartition('.')[2])} = {self.structs[path].own_name};"]
 
@@ -220,7 +220,7 @@ class _Message:
                 return Elements(self._type(value.element), value.count if most else 0)
 
     def _number_type(self, values: Sequence[Fixed]) -> Plain:
-        """The type of what is one of some numbers."""
+        """Returns the type of one of several numbers."""
         formats = {value.format if not value.offset else "" for value in values}
         if any(value.python_type == "float" for value in values):
             return Plain("float") if self._is_bounded and formats == {"f"} else REAL

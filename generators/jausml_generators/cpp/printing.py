@@ -312,7 +312,7 @@ def _octet(kind: Type) -> str:
 
 
 def _of(value: Expression, place: Place) -> Expression:
-    """An expression of one value, of what stands at another place."""
+    """Returns an expression with the value of another place."""
     match value:
         case Limit() | values.Cast():
             return replace(value, value=_of(value.value, place))
@@ -322,7 +322,7 @@ def _of(value: Expression, place: Place) -> Expression:
 
 
 def _are_octets(kind: Elements) -> bool:
-    """Tells whether a vector is what the octets of JAUS are."""
+    """Tells whether a vector is one of octets, as of JAUS."""
     return getattr(kind.of, "element", "") == NUMBERS["B"] and not kind.count
 
 

@@ -38,7 +38,7 @@ class RosCodec:
     def __init__(
         self, types: Iterable[ros.MessageType], names: Mapping[ros.MessageType, str]
     ) -> None:
-        """Writes the structs of types, those of the messages inside them first."""
+        """Writes the structs of types, inner ones first."""
         self.structs: dict[ros.MessageType, Struct] = {}
         self.text: dict[ros.MessageType, list[str]] = {}
         self._sizes = Sizes()

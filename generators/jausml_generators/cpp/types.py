@@ -174,7 +174,7 @@ class Struct:
 
     @property
     def own_name(self) -> str:
-        """Its name where it is declared."""
+        """Its name in its declaration."""
         return self.cpp.rpartition("::")[2]
 
     @property
@@ -207,7 +207,7 @@ _MORE = "    "
 
 
 def laid_out(lines: Iterable[str]) -> Iterator[str]:
-    """Yields lines, none of them longer than it should be if it can be broken."""
+    """Yields lines, long ones broken where possible."""
     for line in lines:
         if len(line) <= LINE_WIDTH:
             yield line

@@ -102,7 +102,7 @@ def literal(constant: Constant) -> str:
 
 
 class Values(Places):
-    """The expressions of one translation, and what they are given besides its message.
+    """The expressions of one translation, and the values around its message.
 
     Attributes:
         quantities: Attributes of the bridge that are numbers.
@@ -264,7 +264,7 @@ class Values(Places):
         return f"{value.name}({', '.join(arguments)})"
 
     def _of_integers(self, value: values.Convert) -> str:
-        """Conversions that keep integers: what has 63 bits of them has an opposite."""
+        """Returns the text of a conversion that keeps integers, of up to 63 bits."""
         if value.name != Negate.name:
             raise UnprintableError(f"{value.name} of integers")
         return f"jausml::opposite(check, {self.text(value.inputs[0])})"

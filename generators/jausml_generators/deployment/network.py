@@ -28,7 +28,7 @@ class Peer:
 
 @dataclass(frozen=True)
 class Deployed:
-    """A host that processes of the system run on, and what passes to and from it."""
+    """A host of processes of the system, and its network traffic."""
 
     host: Host
     processes: tuple[ProcessView, ...]
@@ -101,7 +101,7 @@ def _faults(system: System) -> Iterator[tuple[System | Host, str, str]]:
 
 
 def _unreachable(hosts: Iterable[Host]) -> Iterator[tuple[Host, str, str]]:
-    """Says which hosts have an interface that others cannot send to, or another one's."""
+    """Yields the hosts with an interface that others cannot reach, or that another one has."""
     owners: dict[ipaddress.IPv4Address, Host] = {}
     for host in hosts:
         address = ipaddress.IPv4Address(host.interface)
@@ -217,7 +217,7 @@ def bridges_on(system: System, host: Host) -> list[Bridge]:
 
 
 def questions(system: System, host: Host, processes: Sequence[ProcessView]) -> Iterator[str]:
-    """Asks what the model leaves open, and says what stands in its place."""
+    """Yields the open questions of the model, and the values used instead."""
     speaking = sum(process.speaks_jaus for process in processes)
     if speaking:
         yield from _of_strangers(system, host)
@@ -245,7 +245,7 @@ def questions(system: System, host: Host, processes: Sequence[ProcessView]) -> I
 
 
 def _of_strangers(system: System, host: Host) -> Iterator[str]:
-    """Asks where components are that somebody else has put somewhere."""
+    """Yields the questions for the places of components of other makers."""
     if any(bridge.allowedHosts for bridge in bridges_on(system, host)):
         return
     for component in (*system.components, *system.bridges):

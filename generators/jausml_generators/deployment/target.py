@@ -146,7 +146,7 @@ class HostView:
 
     @property
     def is_local(self) -> bool:
-        """Whether its interface is that of the computer itself, which no other one reaches."""
+        """Whether its interface is loopback, which no other computer reaches."""
         return ipaddress.IPv4Address(self.interface).is_loopback
 
     @property

@@ -67,7 +67,7 @@ class Method:
 
     @property
     def default(self) -> tuple[str, ...]:
-        """Statements of the base: nobody has implemented it."""
+        """Statements of the base, for a method that is not implemented."""
         if self.simulation:
             return self.simulation
         *messages, (sender, _) = self.parameters
@@ -181,7 +181,7 @@ class Received:
 
     @property
     def is_found(self) -> bool:
-        """Whether a search finds who sends it."""
+        """Whether a search finds its sender."""
         return self.connection.search is not None
 
     @property
@@ -234,7 +234,7 @@ _BY_DEFINITION = {"ExecuteList": "ActiveElement"}
 def simulated(
     handlers: Iterable[Handler], answers: Iterable[Answer]
 ) -> tuple[tuple[Handler, ...], tuple[Answer, ...]]:
-    """Returns the methods of a component with what a simulation does in them."""
+    """Returns the methods of a component with the statements of a simulation."""
     answers = tuple(answers)
     reports = [answer.report for answer in answers]
     return (
@@ -248,7 +248,7 @@ def _with(part: PartT, statements: tuple[str, ...]) -> PartT:
 
 
 def _kept(message: MessageView, reports: Iterable[MessageView]) -> tuple[str, ...]:
-    """Returns statements that keep what a command says, one for each report of it."""
+    """Returns statements that keep the values of a command, one for each report of it."""
     wanted = _commanded(message)
     of_it = (report for report in reports if wanted and _quantity(report) == wanted)
     statements = tuple(filter(None, (_keep(message, report) for report in of_it)))
@@ -274,7 +274,7 @@ def _quantity(report: MessageView) -> str:
 
 
 def _keep(message: MessageView, report: MessageView) -> str:
-    """Returns the statement for what both have and mean alike, empty when that is nothing."""
+    """Returns the statement for the members that both have alike, empty for none."""
     meanings = {member.attribute: _meaning(member.value) for member in message.body.members}
     alike = (
         member.attribute

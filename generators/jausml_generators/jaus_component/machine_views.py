@@ -18,7 +18,7 @@ _BODY = 8
 
 @dataclass(frozen=True)
 class MachineMethod(Method):
-    """A guard or an action; the base does nothing but count that nobody has written it."""
+    """A guard or an action; the base only counts that it is not implemented."""
 
     @property
     def default(self) -> tuple[str, ...]:
@@ -126,7 +126,7 @@ _INDENT = "    "
 
 
 def diagram(machine: Machine) -> str:
-    """Returns the lines of a diagram: the modelled states, each inside what encloses it.
+    """Returns the lines of a diagram: the modelled states, each inside the enclosing one.
 
     A transition that only acts leads from its state to itself and says so.
     """

@@ -75,7 +75,7 @@ class _Use:
 
     @property
     def parameters(self) -> tuple[tuple[str, str], ...]:
-        """A method that no message calls takes nothing; one that an event calls too, both."""
+        """Its parameters: none without a message; with an event too, the message is optional."""
         if not self.messages:
             return ()
         kinds = ["Message"] if "Message" in self.messages else list(self.messages)
@@ -353,7 +353,7 @@ def _key(action: jaus.Action) -> tuple[str, int]:
 
 
 def _action_name(action: jaus.Action) -> str:
-    """Returns the name of an action, without what AS5684 puts before it.
+    """Returns the name of an action, without the prefix of AS5684.
 
     Its Send stands for all messages that a service sends: each has a method of its own.
     """

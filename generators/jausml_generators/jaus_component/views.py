@@ -200,7 +200,7 @@ class ComponentView(ProgramView):
 
     @property
     def is_simulated(self) -> bool:
-        """Whether methods of the base keep what they are told, and report it."""
+        """Whether methods of the base keep commanded values, and report them."""
         return any(method.simulation for method in self.methods)
 
     @property
@@ -231,7 +231,7 @@ class ComponentView(ProgramView):
 
     @property
     def optional_services(self) -> tuple[str, ...]:
-        """Classes of the core services that it provides and its superclass has not."""
+        """Classes of the core services that it provides besides those of its superclass."""
         classes = components.optional_services(self.component)
         known = "MachineStatesService" if self.state_machines else ""
         return tuple(name for name in classes if name != known)

@@ -186,7 +186,7 @@ class FormulaPrinter:
         return expression
 
     def _step(self, operand: Expression, *, is_certain: bool) -> Expression:
-        """An operand under a name of its own, if it can be computed before."""
+        """Returns an operand under a name of its own, if it can be computed before."""
         if not operands_of(operand) or len(self._text(operand)) <= _SHORT:
             return operand
         if not is_certain and "arithmetic." in self._text(operand):

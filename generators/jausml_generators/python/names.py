@@ -138,7 +138,7 @@ class Scope:
         return other
 
     def claim(self, name: str, otherwise: str = "") -> str:
-        """Returns the name, changed when it is taken: `x`, `x_2`, `x_3`; a reserved one: `x_`."""
+        """Returns the name, or for a taken one `x_2`, `x_3`; for a reserved one `x_`."""
         if otherwise and (name in self._taken or name in self._reserved):
             return self.claim(otherwise)
         first = name + self._separator if name in self._reserved else name

@@ -91,7 +91,7 @@ class PackageView:
 
     @property
     def asks_for_api(self) -> bool:
-        """Whether it imports the runtime, and what is run in it does not ask for its API."""
+        """Whether it imports the runtime, and its programs do not ask for the API themselves."""
         return FACE in self.dependencies and not self.executables
 
     @property
@@ -232,7 +232,7 @@ class ProgramView(ABC):
         """The names that the skeleton may import."""
 
     def package_view(self, system: System, description: str, **attributes: Any) -> PackageView:
-        """Returns its package, whose other attributes are as `package_view` takes them."""
+        """Returns its package; other attributes are those of `package_view`."""
         return package_view(
             system,
             self.package,
@@ -287,7 +287,7 @@ def program_tasks(
 
 
 def laid_out(stub: str) -> str:
-    """Returns a method that users may paste, laid out as it stands in its class."""
+    """Returns a method for users to paste, laid out as in its class."""
     if all(len(line) <= LINE_WIDTH for line in stub.split("\n")):
         return stub
     return layout(f"class _:\n{stub}").partition("\n")[2]

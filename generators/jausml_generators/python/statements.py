@@ -35,7 +35,7 @@ class Assign:
 
 @dataclass(frozen=True)
 class Do:
-    """An expression for what it does, such as a call.
+    """An expression for its effect, such as a call.
 
     Attributes:
         expression: The expression, as Python text.
@@ -59,7 +59,7 @@ class Raise:
 
 @dataclass(frozen=True)
 class If:
-    """Statements under a condition, and those for when it does not hold.
+    """Statements under a condition, and those for the other case.
 
     Attributes:
         test: The condition, as Python text.
@@ -172,7 +172,7 @@ def condition(message: jaus.MessageDef, guard: str) -> str:
 
 
 def may_set_limits(message: jaus.MessageDef) -> bool:
-    """Tells whether a message moves the component or sets limits, as its CommandType says."""
+    """Tells whether a message moves the component or sets limits, by its CommandType."""
     owner = message.eContainer()
     is_of_driver = owner is not None and owner.urn == _VELOCITY_DRIVER
     return is_of_driver and message.name == "SetVelocityCommand"

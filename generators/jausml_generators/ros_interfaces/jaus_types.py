@@ -204,7 +204,7 @@ def _numeric(number: wire.Number) -> str:
 
 
 def _holding(reach: tuple[int, int]) -> str:
-    """Returns the smallest type that holds what the wire can bring, or the largest of its sign."""
+    """Returns the smallest type for all numbers on the wire, or the largest of its sign."""
     lower, upper = reach
     kinds = wire.UNSIGNED if lower >= 0 else wire.INTEGERS
     fitting = (

@@ -159,7 +159,7 @@ def unmapped_messages(model: Model) -> list[jaus.MessageDef]:
 
 
 def _messages(services: Iterable[jaus.Service]) -> list[jaus.MessageDef]:
-    """Returns the messages of services, each once, those of one name and code by the first."""
+    """Returns the messages of services, each once; of one name and code the first."""
     messages: dict[tuple[str, str], jaus.MessageDef] = {}
     for service in dict.fromkeys(services):
         for message in (*service.inputs, *service.outputs):

@@ -86,7 +86,7 @@ class EndpointView:
 
 @dataclass(frozen=True)
 class ParameterView:
-    """A parameter: default value as a Python literal and what its descriptor says.
+    """A parameter: default value as a Python literal, and its descriptor.
 
     Attributes:
         name: End of the property that returns the value, e.g. `gain` of `parameter_gain`.

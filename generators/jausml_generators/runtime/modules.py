@@ -117,7 +117,7 @@ def copied(module: Module, kept: Mapping[str, str]) -> str:
 
 
 def _asked(text: str) -> list[tuple[str, str]]:
-    """Returns the imports of code from the runtime, whatever older runs or somebody's hand left.
+    """Returns the imports of code from the runtime, also of older runs or by hand.
 
     Of a package that is imported as a whole, it is what the code names behind a dot.
     """
@@ -135,7 +135,7 @@ def _asked(text: str) -> list[tuple[str, str]]:
 
 
 def _origin(module: str, name: str) -> str:
-    """Returns the module that has what is imported of one."""
+    """Returns the module that defines a name which is imported from another one."""
     known = runtime_modules()
     inner = f"{module}.{name}".strip(".")
     if inner in known:

@@ -119,7 +119,7 @@ def _add(
     of_code: list[MessageTable],
     filters: dict[str, dict[str, str]],
 ) -> None:
-    """Adds a message unless one of its code has its name and layout; then only its service."""
+    """Adds a message, or only its service if one of its code has its name and layout."""
     try:
         layout = wire.resolve(element)
     except wire.LayoutError as error:
@@ -184,7 +184,7 @@ class TableBuilder:
         return {} if body is None else self._inner(body, self._filter)
 
     def _inner(self, field: wire.Field, path: str) -> Table:
-        """Returns the table of what stands alone; a record passes the filter around it on."""
+        """Returns the table of a field by itself; a record passes on the filter around it."""
         if isinstance(field.kind, wire.Record):
             return self._field(field, path)
         word = Scope(_TAKEN).claim(filter_word(field.name))

@@ -281,7 +281,7 @@ def statement(obj: EObject) -> str:
 
 
 def conversion(obj: bridge.Conversion) -> str:
-    """Returns a conversion with what it is given."""
+    """Returns a conversion with its arguments."""
     arguments = [f"{argument:.10g}" for argument in obj.arguments]
     arguments += [str(text) for text in (obj.expression, obj.method, obj.units) if text]
     arguments += [

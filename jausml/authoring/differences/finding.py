@@ -35,7 +35,7 @@ _PHRASES = {
 
 
 def is_ordered(table: ClassTable, feature: FeatureTable) -> bool:
-    """Tells whether the order of the parts of an element means something."""
+    """Tells whether the order of the parts of an element has a meaning."""
     return any(
         f"{supertype.qualified_name}.{feature.name}" in _ORDERED for supertype in table.supertypes
     )
@@ -255,7 +255,7 @@ def _holds(candidates: list[Any], value: Any) -> bool:
 
 
 def _counterpart(missing: _Missing, others: list[Any], model: Model) -> Any:
-    """Returns the element that the other state finds by the same fragment, else what is missing."""
+    """Returns the element that the other state has at the same fragment, else the missing one."""
     for other in others:
         if address(other) and missing.fragment in (model.identifier(other), model.path_of(other)):
             return other

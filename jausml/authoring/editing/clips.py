@@ -140,7 +140,7 @@ def _left_out(model: Model, obj: EObject | None, diagnostic: Diagnostic) -> Left
 
 
 class _Notation(Ros2Jaus):
-    """Text in which any element may stand alone, as it stands where it was copied."""
+    """Text in which any element may stand alone, as it stood where it was copied."""
 
     suffixes = (_SUFFIX,)
 
@@ -175,7 +175,7 @@ class _Notation(Ros2Jaus):
         return replace(parsed, document=SyntaxTree([*kept, *items]))
 
     def _standing(self, item: BlockItem) -> BlockItem:
-        """Returns an item with what makes a root of it."""
+        """Returns an item as a root."""
         if isinstance(item, Feature) and all(isinstance(value, Element) for value in item.values):
             name = item.name.text
             self.features += ["" if name == ROOT.text else name] * len(item.values)

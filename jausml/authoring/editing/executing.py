@@ -195,7 +195,7 @@ class _Work:
             self._shifts.append(_shift(before, self._working_copy.refs()))
 
     def _is_laid_out(self, context: Context) -> bool:
-        """Tells whether a file has the layout that edits give it; one that was printed has."""
+        """Tells whether a file has the layout of edits already."""
         if self._draft.files[context.file].is_printed:
             return True
         return (is_laid_out_text if is_text(context.file) else is_laid_out_xmi)(context)
@@ -216,7 +216,7 @@ class _Work:
         self._working_copy = read
 
     def _take(self, files: Sequence[str]) -> None:
-        """Has the working copy hold some files, and those where something was made."""
+        """Extends the working copy to some files, and to those with new elements."""
         wanted = dict.fromkeys([*(self._working_copy.roots if self._created else ()), *files])
         if set(wanted) == set(self._working_copy.roots):
             return
@@ -320,7 +320,7 @@ def _renew(
     *,
     is_changed: bool,
 ) -> None:
-    """Makes an element that was read that of a copy, if it has the values that are meant."""
+    """Renews a copy from the element that was read, if that has the intended values."""
     model = read.models[file]
     if model.metamodels.class_of(obj) is not copy.table:
         raise _different(copy, "is another element")

@@ -91,7 +91,7 @@ def _named_targets(machine: ElementCopy, working_copy: WorkingCopy) -> Iterator[
 
 
 def _put_together(machine: ElementCopy, gone: Collection[ElementCopy] = ()) -> Machine:
-    """Returns the paths of a machine with those that it extends, without what goes."""
+    """Returns the paths of a machine and of those that it extends, without removed states."""
     united_machine = Machine(machine.name)
     for copy in _extended(machine):
         for path, state in _states(copy):
@@ -137,7 +137,7 @@ def _states(machine: ElementCopy) -> Iterator[tuple[str, ElementCopy]]:
 
 
 def _machine(copy: ElementCopy) -> ElementCopy | None:
-    """Returns the machine of a state, None for anything else."""
+    """Returns the machine of a state, None for other elements."""
     if copy.table.qualified_name != _STATE:
         return None
     around: ElementCopy | None = copy

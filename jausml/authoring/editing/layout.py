@@ -47,7 +47,7 @@ def is_layout(file: str) -> bool:
 
 
 def read_layout(data: bytes) -> Layout:
-    """Returns the positions of a layout file; what is none is passed over, whatever it is."""
+    """Returns the positions of a layout file; other content is ignored."""
     try:
         content = json.loads(data) if len(data) <= _LONGEST else None
     except (ValueError, RecursionError):
@@ -131,7 +131,7 @@ def _text(key: str) -> str:
 
 
 def followed(layout: Layout, file: str, before: WorkingCopy, after: WorkingCopy) -> Layout:
-    """Returns the layout of a file after an edit: what was renamed keeps its place."""
+    """Returns the layout of a file after an edit: renamed elements keep their places."""
     old, new = before.models[file], after.models[file]
     elements = {after.copies[obj]: obj for obj in new.elements() if obj in after.copies}
     old_keys, new_keys = old.derived(Keys), new.derived(Keys)

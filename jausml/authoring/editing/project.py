@@ -418,7 +418,7 @@ class Project:
         return records.Change(file, unified_diff(file, old, new), is_conflict)
 
     def _note_outside(self, file: str, before: Mapping[str, records.Stored]) -> None:
-        """Remembers a change that no commands made, with what is needed to understand it."""
+        """Keeps a change without commands, and how to compare its states."""
         after = dict(self._files)
 
         def understood() -> OutsideChange:

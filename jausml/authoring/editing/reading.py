@@ -39,7 +39,7 @@ def digest(data: bytes) -> str:
 
 
 def stored(file: str, data: bytes, revision: int, before: Stored | None = None) -> Stored:
-    """Returns a file with new bytes; while these cannot be parsed, its model stays what it was."""
+    """Returns a file with new bytes; while they cannot be parsed, its model stays the former."""
     good, since = data, revision
     if before is not None and not can_be_parsed(file, data) and can_be_parsed(file, before.good):
         good, since = before.good, before.good_since
@@ -122,7 +122,7 @@ class Reader:
         return Freshness("unreadable", since, why, tuple(faults))
 
     def _faults(self, file: str, files: Mapping[str, Stored]) -> tuple[Diagnostic, ...]:
-        """Returns why a file cannot be read as it is: what the command line says of it."""
+        """Returns the faults of a file that cannot be read, as the command line shows them."""
         held = files[file]
         known = self._known_faults.get(file)
         if known is None or known[0] != held.digest:

@@ -40,7 +40,7 @@ def table(qualified_class: str) -> ClassTable:
 
 
 def class_of(element: tree.Element, owner: ClassTable | None) -> ClassTable | None:
-    """Returns the class of a block, None when nothing tells it.
+    """Returns the class of a block, None when it is not known.
 
     `owner`: the class of the block around it; None on top level.
     """

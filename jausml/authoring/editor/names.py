@@ -89,7 +89,7 @@ def names_of(document: tree.SyntaxTree) -> Names:
 
 
 def find(reference: Reference, names: Names) -> Declaration | None:
-    """Returns the declaration that a reference means: the one that shares most owners with it."""
+    """Returns the declaration that a reference means: that with most owners in common."""
     steps = reference.text.replace("/", ".").split(".")
     fitting = [
         declaration

@@ -28,7 +28,7 @@ class Place:
 
 
 class Columns:
-    """A text as an editor counts in it, and what it becomes by what is typed.
+    """A text with the columns of an editor, and its changes.
 
     `text`: the text; a carriage return that ends a line alone becomes a line feed. `encoding`:
     units in which the editor counts: `utf-8`, `utf-16` or `utf-32`.

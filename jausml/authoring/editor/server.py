@@ -134,7 +134,7 @@ class _Document(TextDocument):
 
 
 class _Handlers:
-    """Translates what editors ask, and what they are answered."""
+    """The requests of editors, translated, and the answers to them."""
 
     def __init__(self, server: LanguageServer, bench: Workbench) -> None:
         load_metamodels()  # now, for threads that ask at once would load them twice

@@ -40,7 +40,7 @@ def names_in(text: str) -> Names:
 
 @dataclass
 class Workbench:
-    """The open texts, and what was read of them.
+    """The open texts, and the models that were read of them.
 
     `root`: the folder outside of which nothing but the library is read, symbolic links followed;
     None for no limit.
@@ -75,7 +75,7 @@ class Workbench:
     def findings(
         self, path: Path, is_wanted: Callable[[], bool] = lambda: True
     ) -> list[Diagnostic]:
-        """Reads an open text with all that it refers to, and checks it.
+        """Reads an open text with all files that it refers to, and checks it.
 
         May run beside everything else. What was read answers later questions. Returns what was
         found in this text. `SupersededError`: `is_wanted` says meanwhile that nobody asks any more.
@@ -144,7 +144,7 @@ class Workbench:
         return module_of(document.path) if document is not None else self.file_of(path, element)
 
     def file_of(self, path: Path, element: EObject) -> str:
-        """Returns the file that a text imports for an element, quoted; empty for what it knows."""
+        """Returns the file that a text imports for an element, quoted; empty if it needs none."""
         beside = self._beside.get(path)
         document = beside.document_of(element) if beside is not None else None
         if document is None or document.is_library:

@@ -42,7 +42,7 @@ class Edit:
 
 
 class Unsaved:
-    """Some texts as somebody holds them.
+    """Texts as an editor holds them, unsaved.
 
     `texts`: the texts by real path. What they refer to besides is read where it is stored.
     """
@@ -104,7 +104,7 @@ _Words: TypeAlias = "list[tuple[Span, str]]"
 
 
 def changed_words(old: str, new: str) -> _Words | None:
-    """Returns the words of a text that another one has otherwise, with what stands there.
+    """Returns the words that differ between two texts of one layout, with their places.
 
     Returns:
         None where more differs than words and layout.

@@ -23,7 +23,7 @@ from jausml.language.model.refs import Ref
 
 
 class Execution:
-    """Does to our side what a plan says.
+    """Execution of a plan on our side.
 
     `sides`: the three states; our side is that which the reader has read of the files. `where`: the
     refs of the elements of our side, and of what was added, as they stand now.
@@ -148,7 +148,7 @@ class Execution:
         return [content for content in contents(obj, feature) if content not in self._moved]
 
     def _locate(self, obj: EObject, ref: Ref) -> None:
-        """Remembers where an element of theirs stands now, and what it owns."""
+        """Notes the present ref of an element of theirs, and those of its parts."""
         self.where[obj] = ref
         file, _, _ = ref.partition("#")
         path = self._path(ref)
@@ -183,7 +183,7 @@ class Execution:
             self._do(commands.Set(self.where[element], feature.name, texts))
 
     def _ref(self, value: Value) -> Ref | None:
-        """Returns the ref of an element on our side as it stands now, None when it is not there."""
+        """Returns the present ref of an element on our side, None when it is not there."""
         if value is None or isinstance(value, str):
             return value
         # An empty ref stands for what is gone.
@@ -199,7 +199,7 @@ class Execution:
                 self._do(commands.Move(self.where[element], owner_ref, order.feature.name, place))
 
     def _remove(self, element: EObject, going: set[EObject]) -> None:
-        """Removes an element, unless something that stays refers to it."""
+        """Removes an element, unless one that stays refers to it."""
         leaving = {
             self.where[going_element] for going_element in going if going_element in self.where
         }

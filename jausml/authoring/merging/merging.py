@@ -179,7 +179,7 @@ class _Merge:
         return read_models([path], project_root=self._root, notations=NOTATIONS, contents=contents)
 
     def with_comments(self) -> tuple[bytes, list[str]]:
-        """Returns the merge with the comments of both sides, and those that have no place in it."""
+        """Returns the merge with the comments of both sides, and those without a place in it."""
         is_xmi = self._file.endswith(XMI)
         data = self.files[self._file].data
         model = self.execution.model()
@@ -224,7 +224,7 @@ class _Merge:
 
 
 def _files(root: Path, known: Mapping[str, bytes | None]) -> dict[str, Stored]:
-    """Returns the model files of a folder, of some of them what is known to be our side."""
+    """Returns the model files of a folder, some with the known bytes of our side."""
     paths = {model_file: root / model_file for model_file in model_files(root)}
     stored_files = {
         n: stored(n, read_input(path), 0) for n, path in paths.items() if path.is_file()
@@ -304,7 +304,7 @@ def _places(data: bytes) -> dict[bytes, bytes]:
 
 
 def placeholders(lost: Iterable[LostReference], metamodels: Metamodels) -> dict[Path, bytes]:
-    """Returns files that have what references miss, behind what the files have already.
+    """Returns files with placeholders for missing targets, behind the present contents.
 
     `lost`: references that lead to no element. Those by position or by name have no placeholder,
     nor have those to what is no XMI in UTF-8.

@@ -286,7 +286,7 @@ class _Planner:
                     self._paired(twin, content)
 
     def _is_taken(self, ours: EObject, feature: FeatureTable) -> bool:
-        """Tells whether our side has something where there is room for one alone."""
+        """Tells whether our side has an element where there is room for one alone."""
         return any(content not in self.plan.replaced for content in contents(ours, feature))
 
     def _following(self, siblings: Sequence[EObject]) -> EObject | None:

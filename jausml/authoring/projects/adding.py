@@ -155,7 +155,7 @@ def _carry(
 
 
 def check_name(name: str, whole: system.System) -> None:
-    """Sees to it that a component, bridge or node can have a name."""
+    """Raises ProjectError where a component, bridge or node cannot have a name."""
     if not is_identifier(name):
         raise ProjectError(f"{name!r} is no name: letters, digits and single _ after a letter")
     if reason := taken(name.lower()):
@@ -165,7 +165,7 @@ def check_name(name: str, whole: system.System) -> None:
 
 
 def scope_of(place: Place) -> Scope:
-    """Returns a model and its project as proposals see them; the model may be missing."""
+    """Returns the scope of a model and its project; the model may be missing."""
     if place.path.exists():
         return opened(place).scope
     return Scope(Index(place.root).whole(), place.root)
@@ -188,7 +188,7 @@ def _identity(map_: bridge.AttributeMap) -> tuple[str, str, str]:
 
 
 def _present(crossing: Crossing, scope: Scope, copies: Collection[Path]) -> Crossing:
-    """Returns a way with its map as the models have it now; a copy replaces that of the library."""
+    """Returns a way with its present map; a copy replaces that of the library."""
     if crossing.has_own_map:
         return crossing
     shipped = library().document_of(crossing.map)
@@ -216,7 +216,7 @@ def _copies(place: Place, chosen: Sequence[Crossing]) -> dict[Path, Path]:
 
 
 def check_map_name(name: str, owner: bridge.Bridge) -> None:
-    """Sees to it that a bridge can have a map of a name."""
+    """Raises ProjectError where a bridge cannot have a map of a name."""
     if not is_identifier(name):
         raise ProjectError(f"{name!r} is no name: letters, digits and single _ after a letter")
     if any(name_of(attribute_map) == name for attribute_map in owner.maps):

@@ -93,12 +93,12 @@ def create(folder: Path, wish: Wish) -> list[str]:
 
 
 def is_project(folder: Path) -> bool:
-    """Tells whether a folder has what only projects have: the file of Eclipse, or the library."""
+    """Tells whether a folder has a file of projects alone: that of Eclipse, or the library."""
     return (folder / _ECLIPSE).is_file() or (folder / _LIBRARY).is_dir()
 
 
 def renew_copies(folder: Path) -> tuple[list[str], list[str]]:
-    """Writes the copies that Eclipse needs as they are now; those that somebody changed stay.
+    """Writes the present copies for Eclipse; those that a user has changed stay.
 
     Returns the paths of what was written, and of what stays, relative to the folder.
     """
@@ -178,7 +178,7 @@ def sums_of(digests: Mapping[str, str]) -> bytes:
 
 
 def renewed(folder: Path, contents: Mapping[str, bytes]) -> tuple[dict[str, bytes], list[str]]:
-    """Returns the copies that are to be written anew, and those that somebody has changed."""
+    """Returns the copies to write anew, and those that a user has changed."""
     stored = read_input(folder / SUMS) if (folder / SUMS).is_file() else b""
     lines = stored.decode("utf-8", "replace").splitlines()
     known = {

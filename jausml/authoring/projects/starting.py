@@ -15,7 +15,7 @@ EMPTY, EXAMPLE = "empty", "example"
 
 @dataclass(frozen=True)
 class StartingPoint:
-    """A model to begin with; `about` says in half a sentence what it has."""
+    """A model to begin with; `about` describes it in half a sentence."""
 
     name: str
     kind: Kind
@@ -84,7 +84,7 @@ def _source(point: StartingPoint) -> Path:
 
 
 def _united(path: Path) -> str:
-    """Returns an example in XMI, with what it has in other files, as one text."""
+    """Returns an example in XMI with its other files, as one text."""
     from jausml.language.model.reading.reader import read_models  # noqa: PLC0415 - heavy
     from jausml.language.text.writing.unparsing import to_text  # noqa: PLC0415
 

@@ -238,7 +238,7 @@ def system_of(scope: Scope) -> system.System | None:
 
 
 def lacks_stop(offer: Offer, map_: bridge.AttributeMap) -> bool:
-    """Tells whether a command that moves something has no stop in a map, for a lost source.
+    """Tells whether a command that moves the vehicle has no stop in a map, for a lost source.
 
     So it is with an emergency: what ends it, a person has to say.
     """

@@ -125,7 +125,7 @@ def _half(
 def _needs_map(
     call: Call, message: jaus.MessageDef, part: ros.MessageType, *, to_ros: bool
 ) -> bool:
-    """Tells whether a half carries anything but that it came, and how the call ended."""
+    """Tells whether a half carries a value, besides the outcome of the call."""
     outcome_members = (call.success, call.reason) if part is call.type.response else ()
     members = [field for field in part.fields if field.name not in outcome_members]
     fields = attributes(message)

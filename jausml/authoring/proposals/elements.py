@@ -243,7 +243,7 @@ def literal(value: Any) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Option:
-    """A way to do what was asked; `preview`: what it comes to, such as a statement."""
+    """A way to do the request; `preview`: its result, such as a statement."""
 
     label: str
     why: str

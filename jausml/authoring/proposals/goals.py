@@ -46,7 +46,7 @@ class ListWay:
 
     @property
     def is_usual(self) -> bool:
-        """Whether nobody has to name it: waypoints of vehicles, whose lists say how fast to go."""
+        """Whether it need not be named: waypoints of vehicles, whose lists have a speed."""
         messages = driver_messages(self.driver)
         is_segment = code(self.map.message) in PATH_SEGMENTS
         if messages is None or is_segment:
@@ -121,7 +121,7 @@ def list_ways(
 
 
 def _has_elements(driver: jaus.Service, message: jaus.MessageDef) -> bool:
-    """Tells whether a message is of elements: one of one's own only for drivers of one's own."""
+    """Tells whether a message is an element of a driver: of the standard, or of its own service."""
     is_of_standard = str(driver.urn) in ELEMENTS | WAYPOINTS
     is_own = str(message.eContainer().urn) == str(driver.urn)  # type: ignore[union-attr]
     return takes(driver, message) and (is_of_standard or is_own)
@@ -136,7 +136,7 @@ def ways_for(scope: Scope, kind: ros.ActionType, *, to_ros: bool) -> list[ListWa
 
 
 def progress_of(kind: ros.ActionType) -> tuple[str, str]:
-    """Returns the member of the feedback that tells of progress, and what it says; empty for none.
+    """Returns the member of the feedback with the progress, and its meaning; empty for none.
 
     A number whose name tells neither is none: a wrong one would name wrong elements.
     """
@@ -209,7 +209,7 @@ def why_none(kind: ros.ActionType, *, to_ros: bool) -> str:
 
 
 def _as_topics(kind: ros.ActionType) -> Iterator[str]:
-    """Yields how a goal of one message goes to a topic, as planners take it too."""
+    """Yields the topics that take a goal of one message, as planners take it too."""
     known = {
         ros_name(attribute_map.type)
         for attribute_map in library().instances(bridge.AttributeMap)

@@ -58,7 +58,7 @@ def are_named(map_: bridge.AttributeMap, robot_names: Sequence[str]) -> bool:
 
 
 def _by_words(places: NamedPlaces, robot_names: Sequence[str]) -> tuple[str, ...]:
-    """Returns for each place the one name that has its words; none if any is in doubt."""
+    """Returns the name for each place that has its words; none if one is in doubt."""
     words_of = {
         name: {word.lower() for word in words(name)} for name in (*robot_names, *places.names)
     }
@@ -79,7 +79,7 @@ def are_examples(map_: bridge.AttributeMap) -> bool:
 
 
 def frames_in(map_: bridge.AttributeMap) -> list[str]:
-    """Returns the frames that a map names in what it publishes."""
+    """Returns the frames that a map publishes."""
     frames = (name for assignment in map_.toRos for name in _frames(assignment))
     return list(dict.fromkeys(frames))
 

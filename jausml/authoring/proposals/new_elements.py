@@ -78,7 +78,7 @@ def free_address(model: Model, taken: Iterable[str] = (), near: str = "") -> str
 
 
 def stated_or_free_address(model: Model, address: str) -> str:
-    """Returns a JAUS id that somebody states, or a free one.
+    """Returns the stated JAUS id, or a free one.
 
     `address`: the id that is stated; empty for none.
     """
@@ -92,7 +92,7 @@ def stated_or_free_address(model: Model, address: str) -> str:
 
 
 def _is_usable(subsystem: int, node: int) -> bool:
-    """Tells whether components can be there, and peers on Junior can talk to them."""
+    """Tells whether a subsystem and node are legal, and can be reached by peers on Junior."""
     return 1 <= subsystem < 0xFFFF and 1 <= node <= _LAST and 0xFF not in divmod(subsystem, 0x100)
 
 

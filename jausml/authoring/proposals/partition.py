@@ -96,7 +96,7 @@ def burden(owner: EObject, component: jaus.Component, node: EObject) -> tuple[in
 
 
 def merits_of(owner: EObject, component: jaus.Component, node: EObject) -> list[str]:
-    """Returns why a bridge suits a component and a node: both ends are near what it has."""
+    """Returns the reasons why a bridge suits a component and a node."""
     whole = owner.eContainer()
     if not isinstance(owner, bridge.Bridge) or not isinstance(whole, system.System):
         return []
@@ -111,7 +111,7 @@ def merits_of(owner: EObject, component: jaus.Component, node: EObject) -> list[
 
 
 class _Applying:
-    """Makes commands of a plan; refs are those before all of them, except for what is new."""
+    """Maker of the commands of a plan; refs are those before all of them, but for new elements."""
 
     def __init__(self, scope: Scope, plan: Plan) -> None:
         self._scope = scope
@@ -244,7 +244,7 @@ class _Applying:
         message: jaus.MessageDef | None,
         way: str,
     ) -> Planned | None:
-        """Returns where what a bridge says to an owner is from now on; None where it was."""
+        """Returns the new place of the messages of a bridge to an owner; None for no change."""
         if message is None:
             return None
         homes = [
@@ -294,7 +294,7 @@ class _Applying:
         return going
 
     def _renamed(self, going: Mapping[Any, Planned]) -> Iterator[Command]:
-        """Yields other names for what has one that is taken where it goes."""
+        """Yields new names for elements whose names are taken in their new place."""
         taken: dict[tuple[str, str], list[str]] = defaultdict(list)
         for planned in self._plan.after:
             for feature in _FEATURES.values() if planned.owner is not None else ():
@@ -360,7 +360,7 @@ class _Applying:
             yield Add(self._scope.ref(self._whole), "placements", "system.Placement", values)
 
     def _is_empty(self, owner: bridge.Bridge) -> bool:
-        """Tells whether nothing is left of a bridge when its connections have gone."""
+        """Tells whether a bridge is empty once its connections have gone."""
         kept = set(owner.maps).difference(self._going())
         is_used = any(not kept.isdisjoint(maps_of(carrier)) for carrier in self._home)
         return not (owner.connections or owner.controls or is_used)
@@ -373,7 +373,7 @@ def _message(carrier: Carrier) -> jaus.MessageDef | None:
 
 
 def _needs(carrier: Carrier, service: jaus.Service, feature: str) -> bool:
-    """Tells whether a connection is why its bridge provides or uses a service."""
+    """Tells whether a bridge provides or uses a service for a connection."""
     message = _message(carrier)
     if feature == "provides":
         if isinstance(carrier, bridge.Connection):

@@ -261,7 +261,7 @@ def _coded(names: Sequence[str], taken: set[int]) -> Iterator[Child]:
 
 
 def _begin(name: str) -> int:
-    """Returns where the codes of messages of its kind begin; what says no kind is a command."""
+    """Returns the first code of messages of a kind, by the first word of a name."""
     return next((code for word, code in _BEGINS.items() if name.startswith(word)), _COMMANDS)
 
 

@@ -60,7 +60,7 @@ class TopicName:
         return not self.names(map_), -len(self._all & {*own}), len(missing), len(own)
 
     def names(self, map_: bridge.AttributeMap) -> bool:
-        """Tells whether the name says what the name of a map does, and nothing else."""
+        """Tells whether the name has the distinctive words of a map, and no others."""
         return self._distinctive == _distinctive(_of_map(map_))
 
     def feeds(self, join: bridge.Join) -> bool:
@@ -69,7 +69,7 @@ class TopicName:
 
 
 def is_bare(kind: str) -> bool:
-    """Tells whether a type such as `std_msgs/Bool` says nothing of what its value means."""
+    """Tells whether a type such as `std_msgs/Bool` leaves the meaning of its value open."""
     return kind.partition("/")[0] in _VALUES
 
 
@@ -93,7 +93,7 @@ def _lower(name: str) -> list[str]:
 
 
 def _split(name: str) -> list[str]:
-    """Returns words; those of one thing stay together."""
+    """Returns the words of a name; compounds stay one word."""
     for compound in _JOINED:
         name = name.replace(compound, compound.replace("_", ""))
     return [word for word in name.split("_") if word]

@@ -70,7 +70,7 @@ class Crossing:
 
     @property
     def has_no_stop(self) -> bool:
-        """Whether it is a command that nothing in its map stops when its source is lost."""
+        """Whether it is a command without a stop in its map for a lost source."""
         return lacks_stop(self.offer, self.map)
 
     @property
@@ -80,17 +80,17 @@ class Crossing:
 
     @property
     def lacks_names(self) -> bool:
-        """Whether its map knows elements by names, and those of the robot are not known."""
+        """Whether its map knows elements by names, and the names of the robot are unknown."""
         return are_examples(self.map) and not self.names
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The names of elements that an own copy of its map has; none for a map as it is."""
+        """The names of elements in an own copy of its map; none for a map as it is."""
         return names_for(self.map, self.topic.names) if are_examples(self.map) else ()
 
     @property
     def frames(self) -> dict[str, str]:
-        """The robot's frames by those that its map publishes otherwise."""
+        """The robot's frames by those that its map publishes."""
         if not self.offer.to_ros or library().document_of(self.map) is None:
             return {}
         known = self.topic.frames
@@ -203,7 +203,7 @@ def _is_of(map_: bridge.AttributeMap, kind: str) -> bool:
 
 
 def _can_carry(map_: bridge.AttributeMap, *, to_ros: bool) -> bool:
-    """Tells whether a connection of one topic and one message is all that a map needs."""
+    """Tells whether a map needs no more than one topic and one message."""
     if not (map_.toRos if to_ros else map_.toJaus) or (to_ros and map_.reportJoins):
         return False
     return len(list(used_maps(map_, to_ros=to_ros))) == 1
@@ -240,7 +240,7 @@ def within(topics: Sequence[TopicEnd], namespace: str) -> list[TopicEnd]:
 
 
 def clashes(chosen: Sequence[Crossing]) -> list[tuple[Crossing, Crossing]]:
-    """Returns the ways that no person has named and that repeat one before them, with that one.
+    """Returns the ways that repeat one before them, each with that one, unless a person named it.
 
     Two topics that make one report are a value that jumps, and one command for two topics moves
     two things.
@@ -276,7 +276,7 @@ def joins_of(crossing: Crossing, topics: Sequence[TopicEnd], taken: set[str]) ->
 
 
 def feeds(topic: TopicEnd, join: bridge.Join) -> bool:
-    """Tells whether a topic can be that of a join: by its type, and a bare value by its name."""
+    """Tells whether a topic fits a join: by its type, and a bare value by its name."""
     if join.type is None or ros_name(join.type) != topic.type:
         return False
     return not is_bare(topic.type) or TopicName(topic.name).feeds(join)
@@ -351,7 +351,7 @@ _MOVABLE = frozenset({"revolute", "continuous", "prismatic"})
 
 
 def is_worth_reading(name: str) -> bool:
-    """Tells by the name of a parameter whether it says anything for a model."""
+    """Tells whether a parameter has a meaning for a model, by its name."""
     return name == _DESCRIPTION or bool(_meaning(name))
 
 

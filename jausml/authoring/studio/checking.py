@@ -62,7 +62,7 @@ class Verdicts:
         return self._project.revision
 
     def of(self, file: str) -> Verdict:
-        """Returns the verdict on a file as it is now; who asks meanwhile gets the same."""
+        """Returns the present verdict on a file; simultaneous callers get the same one."""
         with self._lock:
             judging = self._judging.setdefault(file, threading.Lock())
         with judging:
@@ -111,11 +111,11 @@ class Checking(threading.Thread):
         self._is_closed = False
 
     def begin(self) -> None:
-        """Has all files judged that someone looks at; what is judged already is not told again."""
+        """Judges all files that a page looks at, but for those with a present verdict."""
         self._wanted.set()
 
     def close(self) -> None:
-        """Ends it, after the file that is being judged."""
+        """Ends the thread, after the file that is being judged."""
         self._is_closed = True
         self._wanted.set()
 

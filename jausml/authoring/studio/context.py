@@ -170,7 +170,7 @@ class StudioContext:
         return Scope(self.project.find(element)[1], self.project.root)
 
     def keep(self, commands: Sequence[Command], label: str, base: int, why: str) -> bool:
-        """Keeps an edit that met a change beneath it; tells whether there was room for it."""
+        """Keeps an edit that met a conflict; tells whether there was room for it."""
         if len(self.kept) >= _MOST_KEPT:
             return False
         edit = KeptEdit(next(self._numbers), label, tuple(commands), base, why)
@@ -186,7 +186,7 @@ class StudioContext:
         self.subscribers.notify("kept", {"edits": self.kept})
 
     def refresh(self, files: Iterable[str] = ()) -> None:
-        """Takes over what other programs did to files, and tells of it.
+        """Reads changes of other programs, and reports them.
 
         `files`: files that may have changed, relative to the root; without any, all.
         """
@@ -203,7 +203,7 @@ class StudioContext:
             self.changed(by="outside")
 
     def changed(self, *, by: Literal["edit", "outside"] = "edit") -> None:
-        """Tells pages and followers that the project has changed, and who did it."""
+        """Reports to pages and followers that the project has changed, and by whom."""
         state = {
             "revision": self.project.revision,
             "files": files_as_json(self.project),

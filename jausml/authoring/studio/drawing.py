@@ -49,10 +49,10 @@ class _View:
 
 
 class Drawings:
-    """Views as pages draw them: what stands stays until someone asks to arrange it."""
+    """Views as pages draw them: boxes stay in place until a user arranges them."""
 
     def __init__(self, root: Path) -> None:
-        """Knows nothing but what is remembered of the views of files below a folder."""
+        """Begins with the remembered places in the views of files below a folder."""
         self._lock = threading.Lock()
         self._memory = Memory(root)
         self._views: dict[tuple[str, str], _View] = {}
@@ -129,7 +129,7 @@ class Drawings:
         return values.settled(shown, moved, standing, last=last.places if last else None)
 
     def expect(self, file: str, name: str, element: str, corner: Point) -> None:
-        """Has the box of a new element stand where it was dropped."""
+        """Lets the box of a new element stand where it was dropped."""
         view = self._view(file, name)
         with view.lock:
             view.expected = {element: corner}

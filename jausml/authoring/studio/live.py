@@ -150,7 +150,7 @@ def _boxes(state: SystemState, places: Places) -> dict[str, Any]:
 
 
 def _box(component: ComponentState, complaints: Iterable[ConnectionState]) -> dict[str, Any]:
-    """Returns how a component is; of a bridge also what it says of itself on `/diagnostics`."""
+    """Returns the state of a component; of a bridge also that of its own diagnostics."""
     level, texts = component.level, [_component_text(component)]
     for complaint in complaints:
         level = complaint.level if complaint.level.weight > level.weight else level
@@ -173,7 +173,7 @@ _TIMEOUT = 1.0
 
 
 class LiveSystem(RunningSystem):
-    """One running system, from `start` to `stop`. Its methods may be called by any thread."""
+    """A running system, from `start` to `stop`. Any thread may call its methods."""
 
     def __init__(
         self,
@@ -208,7 +208,7 @@ class LiveSystem(RunningSystem):
             self._changed = model
 
     def tell_again(self) -> None:
-        """Tells the state soon, changed or not: somebody new looks."""
+        """Reports the state soon, changed or not: for a new page."""
         with self._lock:
             self._is_wanted = True
 
@@ -248,7 +248,7 @@ class LiveSystem(RunningSystem):
             inspection.close()
 
     def _look(self) -> None:
-        """Tells the state if it is another than before."""
+        """Reports the state if it has changed."""
         self._take_model()
         state = self.monitor.state()
         with self._lock:
@@ -271,7 +271,7 @@ class LiveSystem(RunningSystem):
                 self._places = places
 
     def _look_away(self) -> None:
-        """Looks at no connection any more when nobody asks for its last message."""
+        """Stops watching a connection when no page asks for its last message any more."""
         if self._glanced is None or time.monotonic() - self._glanced < GLANCE:
             return
         self._glanced = None

@@ -95,7 +95,7 @@ _ACTIVE, _AROUND, _LEFT = "active", "around", "left"
 
 @dataclass(frozen=True)
 class MachineView:
-    """The view of a machine: what the ids of its boxes begin with, and the paths of its states."""
+    """The view of a machine: the prefix of the ids of its boxes, and the paths of its states."""
 
     start: str
     paths: tuple[str, ...]
@@ -123,7 +123,7 @@ def machine_views(model: Model) -> dict[Key, tuple[MachineView, ...]]:
 def machine_boxes(
     state: SystemState, views: Mapping[Key, Sequence[MachineView]]
 ) -> dict[str, dict[str, Any]]:
-    """Returns how states are, by the ids of their boxes; those in which nobody was are left out."""
+    """Returns the states of boxes by id; those without a component in them are left out."""
     running: dict[MachineView, list[tuple[str, MachineState]]] = defaultdict(list)
     for component in state.components.values():
         for machine in component.present_machines:
@@ -171,6 +171,6 @@ def _lies_in(path: str, outer: str) -> bool:
 
 
 def is_known(machine: MachineState, views: Mapping[Key, Sequence[MachineView]]) -> bool:
-    """Tells whether the model has the state that a machine says it is in."""
+    """Tells whether the model has the reported state of a machine."""
     shown = views.get((machine.service, machine.machine), ())
     return any(machine.state in view.paths for view in shown)

@@ -129,7 +129,7 @@ class Recordings:
             opened_recording.close()
 
     def _path(self, name: str) -> Path:
-        """Returns the file of a name: one that was given, or one of the folder and no other."""
+        """Returns the file of a name: one from the command line, or one of the folder."""
         if name in self._named_files:
             return self._named_files[name]
         try:

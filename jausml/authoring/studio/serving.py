@@ -44,7 +44,7 @@ METHODS = frozenset(
 
 
 class LanguageSocket:
-    """One conversation with a language server of its own; messages are JSON without headers."""
+    """A conversation with a language server of its own; messages are JSON without headers."""
 
     def __init__(self, socket: WebSocket, root: Path) -> None:
         # It takes longer to load than all else, and who draws only never needs it.
@@ -96,7 +96,7 @@ class LanguageSocket:
             self._outgoing.send(rpc.refusal(fault, request.id))
 
     def _check(self, request: Request) -> None:
-        """Sees to it that only texts below the root are spoken of."""
+        """Raises RpcError for a text outside of the root."""
         if request.method not in METHODS:
             message = f"there is no method {request.method[:80]!r}"
             raise RpcError(rpc.METHOD_NOT_FOUND, message, id_=request.id)
@@ -118,18 +118,18 @@ class LanguageSocket:
     # What the server writes
 
     def write(self, data: bytes) -> None:
-        """Sends a message of the language server; what failed is told without its innards."""
+        """Sends a message of the language server, errors without internal data."""
         message: dict[str, Any] = json.loads(data)
         if isinstance(message.get("error"), dict):
             message["error"].pop("data", None)
         self._outgoing.send(json.dumps(message))
 
     def close(self) -> None:
-        """Ends nothing: the socket ends when the page closes it."""
+        """Does nothing: the socket ends when the page closes it."""
 
 
 def _is_answer(text: str) -> bool:
-    """Tells whether a message answers the server, which asks for nothing that it needs."""
+    """Tells whether a message is an answer to the server, which needs none."""
     try:
         message = json.loads(text)
     except (ValueError, RecursionError):

@@ -50,7 +50,7 @@ def methods_of(context: StudioContext) -> dict[str, Method]:
 
 
 class Session:
-    """Answers pages, and tells them what happens."""
+    """Session of pages: answers to their requests, and events for them."""
 
     urgent = ()
     pace = PACE

@@ -105,7 +105,7 @@ def command(
 
 
 def _check_origin(origin: str, sources: Sequence[str]) -> None:
-    """Refuses sources and options that a way to begin has not, and one without its sources."""
+    """Refuses sources and options that do not fit an origin, and missing sources."""
     if origin != _TOPICS:
         refuse_options(f"only with --from {_TOPICS}", "side", "yes", "holds", "joints")
     if bool(sources) is not (origin in _EXAMPLES):

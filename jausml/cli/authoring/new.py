@@ -132,7 +132,7 @@ def add_to(
     *,
     is_of_services: bool = False,
 ) -> None:
-    """Adds elements to a model, shows what is to say of them, and what was written."""
+    """Adds elements to a model, and shows remarks and the written files."""
     from jausml.authoring.projects.adding import add
 
     with stopping():

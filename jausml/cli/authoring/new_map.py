@@ -226,14 +226,14 @@ def begun_map(scope: Scope, owner: bridge.Bridge, wish: Wish, *, yes: bool) -> B
 
 
 def _zeros_stop() -> bool:
-    """Asks a person what no tool knows; nothing but a yes is one."""
+    """Asks whether zeros stop the vehicle, which no tool knows; only a yes counts."""
     click.echo("All numbers of this command are rates, such as velocities.", err=True)
     question = "Do zeros stop what it moves, when its source is lost?"
     return click.confirm(question, default=False, err=True)
 
 
 def _answered(wish: Wish, doubt: Doubt) -> Wish:
-    """Returns a wish with what somebody says to a doubt, which may be nothing."""
+    """Returns a wish with a person's answer to a doubt, which may be none."""
     from jausml.authoring.proposals.mapping.beginning import shown
 
     chosen = choose_one(f"What fills {doubt.target}?", [shown(choice) for choice in doubt.choices])

@@ -83,7 +83,7 @@ def service(
 
 
 def _message_line(message: Child) -> str:
-    """Returns a message in a line: its code, its name, and its fields."""
+    """Returns the line of a message: code, name, and fields."""
     fields = [child.values["name"][0] for body in message.children for child in body.children]
     way = "sends" if message.feature == "outputs" else "takes"
     head = f"{way} {message.values['code'][0]} {message.values['name'][0]}"

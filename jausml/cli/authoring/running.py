@@ -84,7 +84,7 @@ def _said_lines(running: Running) -> Iterator[str]:
 
 
 def _parameter_lines(running: Running) -> Iterator[str]:
-    """Yields the parameters that say something for a model, and what."""
+    """Yields the parameters with a meaning for a model, and the meaning."""
     from jausml.authoring.proposals.topics import says
 
     for node, values in sorted(running.parameters.items()):
@@ -97,7 +97,7 @@ def _parameter_lines(running: Running) -> Iterator[str]:
 
 
 def _frames(running: Running) -> dict[str, str]:
-    """Returns the robot's frames by those of REP 105, as far as it is clear which they are.
+    """Returns the robot's frames by those of REP 105, as far as they are known.
 
     Odometry tells what is; parameters tell what somebody wants.
     """
@@ -138,7 +138,7 @@ def topics_in(running: Running, words: Sequence[str], namespace: str = "") -> li
 
 
 def of_one_robot(topics: Sequence[TopicEnd], namespace: str | None) -> list[TopicEnd]:
-    """Returns the topics of a namespace, or all of them where they look like those of one robot.
+    """Returns the topics of a namespace, or all where they look like those of one robot.
 
     Of several robots, one bridge would command all at once: then somebody has to say which.
     """
@@ -214,7 +214,7 @@ def _end(topic: RunningTopic, running: Running, namespace: str) -> TopicEnd:
 
 
 def _joints(topic: RunningTopic, running: Running) -> tuple[str, ...]:
-    """Returns the joints of a topic: those that it names, else those that its nodes publish."""
+    """Returns the joints of a topic: in its messages, else in those of its nodes."""
     if topic.name in running.joints:
         return running.joints[topic.name]
     own = {subscription.node for subscription in topic.subscriptions}

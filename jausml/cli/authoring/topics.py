@@ -197,7 +197,7 @@ def chosen_crossings(
 
 
 def _clash(crossing: Crossing, first: Crossing) -> None:
-    """Says of a way that it is left out, since another topic has its message."""
+    """Shows that a way is left out, since another topic has its message."""
     from jausml.language.model.names import name_of
 
     name, message = crossing.topic.name, name_of(crossing.offer.message)
@@ -211,7 +211,7 @@ def _clash(crossing: Crossing, first: Crossing) -> None:
 def _check_stated(
     option: str, words: Sequence[str], concerned: Sequence[Crossing], reason: str
 ) -> None:
-    """Refuses what somebody states of topics that it says nothing of, `TOPIC=...`."""
+    """Refuses statements on topics for which they have no meaning, `TOPIC=...`."""
     names = {crossing.topic.name for crossing in concerned}
     for name in (word.partition("=")[0] for word in words):
         if name not in names:
@@ -219,7 +219,7 @@ def _check_stated(
 
 
 def _lacks_names(crossing: Crossing, left_out: LeftOut | None) -> bool:
-    """Tells whether a way needs names of joints that nobody knows, and says so."""
+    """Tells whether a way needs unknown names of joints, and shows that."""
     from jausml.language.model.names import name_of
 
     if not crossing.lacks_names:
@@ -242,7 +242,7 @@ def joined(chosen: Sequence[Crossing], topics: Sequence[TopicEnd]) -> list[dict[
 
 
 def _decided(crossing: Crossing, reasons: Mapping[str, str], *, yes: bool) -> Crossing:
-    """Returns a way with the reason of a person why its last command may stand, if there is one."""
+    """Returns a way with a person's reason why its last command may stand, if there is one."""
     if not crossing.has_no_stop:
         return crossing
     reason = reasons.get(crossing.topic.name, "")
@@ -329,7 +329,7 @@ def _parts_carried(kind: str, maps: Sequence[bridge.AttributeMap]) -> Iterator[s
 def _unsaid(
     topic: TopicEnd, candidates: Sequence[Crossing], command: str, left_out: LeftOut | None
 ) -> None:
-    """Says of a topic that its type alone means nothing, and what a person may state."""
+    """Shows that the type of a topic has no meaning alone, and what a person may state."""
     from jausml.authoring.proposals.topic_names import is_emergency_stop
     from jausml.language.model.names import name_of
 

@@ -31,7 +31,7 @@ def show_chosen(chosen: Sequence[Crossing], topics: Sequence[TopicEnd]) -> None:
 
 
 def show_undecided(chosen: Sequence[Crossing]) -> None:
-    """Says last of all what a person has to decide before anything is generated."""
+    """Shows last the decisions that a person has to make before anything is generated."""
     names = [crossing for crossing in chosen if crossing.has_no_stop and not crossing.hold_reason]
     if not names:
         return
@@ -61,7 +61,7 @@ def show_undecided(chosen: Sequence[Crossing]) -> None:
 
 
 def show_unanswered(chosen: Sequence[Crossing]) -> None:
-    """Says which queries of the services of a new bridge nothing answers."""
+    """Shows the queries of the services of a new bridge that have no answer."""
     from jausml.authoring.proposals.topics import unanswered_queries
 
     for service, queries in unanswered_queries(chosen).items():

@@ -229,7 +229,7 @@ class _Output:
 
 
 def _check_meaning(catalogue: Catalogue, service: str | None, message: str | None) -> None:
-    """Refuses a service or a message that nobody defines, before anything is read."""
+    """Refuses an unknown service or message, before any input is read."""
     from jausml.live.messages import AmbiguousMessageError, MessageError
 
     try:
@@ -245,7 +245,7 @@ def _check_meaning(catalogue: Catalogue, service: str | None, message: str | Non
 
 @dataclass(frozen=True)
 class _Reading:
-    """Reads one source and shows what is in it."""
+    """Reader of one source, which shows its messages."""
 
     _catalogue: Catalogue
     _meaning: tuple[str | None, str | None]
@@ -369,7 +369,7 @@ def encode(words: tuple[str, ...], models: tuple[str, ...]) -> None:
 
 
 def _is_named(text: str) -> bool:
-    """Tells whether one argument is the name of a message with fields, and no file."""
+    """Tells whether an argument is the name of a message with fields, and no file."""
     return _NAMED.match(text) is not None and not _is_file(text)
 
 
@@ -405,7 +405,7 @@ def _message(line: str) -> dict[str, Any]:
 
 
 def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    """Returns an object of JSON; of a name that stands in it twice nobody knows which counts."""
+    """Returns an object of JSON; a repeated name is an error."""
     members = dict(pairs)
     if len(members) < len(pairs):
         ((twice, _),) = Counter(name for name, _ in pairs).most_common(1)

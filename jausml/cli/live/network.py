@@ -95,7 +95,7 @@ network_options = _adding(_OPTIONS)
 
 
 def waiting_options(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Adds the options that say how long a test waits for what comes and what does not."""
+    """Adds the options of the times that a test waits for expected and unexpected messages."""
     timeout = click.option(
         "--timeout", type=FiniteRange(0.05, 60), default=1.0, help="Seconds to wait for an answer."
     )
@@ -110,7 +110,7 @@ def waiting_options(function: Callable[..., Any]) -> Callable[..., Any]:
 
 @contextmanager
 def ended_by_signals() -> Iterator[None]:
-    """Lets SIGTERM end a block like Ctrl-C, so that what is held is released."""
+    """Lets SIGTERM end a block like Ctrl-C, so that control is released."""
     former = signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         yield
@@ -183,7 +183,7 @@ class Settings:
 
     @contextmanager
     def operator(self) -> Iterator[Operator]:
-        """Yields an operator; its errors become those of the command line."""
+        """Yields an operator, whose errors end the verb."""
         from jausml.live.messages import MessageError
         from jausml.live.peers.network import fault
         from jausml.live.peers.operator import running_operator
@@ -349,7 +349,7 @@ def reaching(network: Network, remedy: str) -> Iterator[None]:
 
 @contextmanager
 def until_interrupted() -> Iterator[None]:
-    """Ends a block with Ctrl-C in good order: what is held is released by who holds it."""
+    """Ends a block with Ctrl-C in good order, with control released."""
     try:
         with ended_by_signals():
             yield

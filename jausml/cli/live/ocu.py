@@ -353,7 +353,7 @@ def _run_session(settings: Settings) -> None:
 
 
 def _complete_with(console: Console) -> None:
-    """Has the tab key complete what is typed, where Python can."""
+    """Lets the tab key complete words, where Python can."""
     try:
         import readline
     except ImportError:

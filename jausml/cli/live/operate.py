@@ -124,7 +124,7 @@ def command(
 
 @contextmanager
 def _logged() -> Iterator[None]:
-    """Has a thread write the log: who has no page any more sees faults, and the journal, there."""
+    """Lets a thread write the log, which has faults and the journal also without a page."""
     # A terminal that takes nothing, as after Ctrl-S, would hold up the stop that is noted.
     lines: SimpleQueue[logging.LogRecord] = SimpleQueue()
     listener = QueueListener(lines, logging.StreamHandler())

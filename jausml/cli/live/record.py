@@ -186,7 +186,7 @@ def command(
 
 
 def _output(output: str | None, limits: SplitLimits, *, force: bool) -> Path:
-    """Returns where the MCAP file stands, once it is sure that nothing would be overwritten."""
+    """Returns the path of the MCAP file, unless a file would be overwritten."""
     if output is None:
         raise click.UsageError("say with --output which file is written")
     if limits.files is not None and not limits.splits:
@@ -230,7 +230,7 @@ def _take(frame: CapturedFrame | None, reader: UdpReader, recorder: Recorder) ->
 def _until(
     frames: Iterator[CapturedFrame | None], duration: float | None, stop: Event, recorder: Recorder
 ) -> Iterator[CapturedFrame | None]:
-    """Yields frames until the end; those that passed before it and are still to be read, too."""
+    """Yields frames until the end, including late ones of earlier times."""
     end = inf if duration is None else time.monotonic() + duration
     ended = inf  # by the clock of the frames
     for frame in frames:
@@ -303,7 +303,7 @@ def _heard(listener: MulticastListener) -> Iterator[CapturedFrame | None]:
 
 
 def _is_usual(topic: str) -> bool:
-    """Tells whether a topic may be missed: before Kilted, nobody can publish goals and results."""
+    """Tells whether a topic may be missed: before Kilted, goals and results are not published."""
     from jausml.live.recording.recorder import ACTION_TOPICS, CALLS
 
     return not (topic.endswith(ACTION_TOPICS) and topic.endswith(CALLS))
@@ -347,7 +347,7 @@ def _show_counts(
 
 
 def _show_files(parts: RecordingFiles, recorder: Recorder) -> None:
-    """Tells which files there are, or why nothing more could be written."""
+    """Shows the written files, or why no more could be written."""
     if recorder.fault is None:
         names = ", ".join(click.format_filename(path) for path in parts.paths)
         remark(f"written: {names}, captures beside")

@@ -50,7 +50,7 @@ def written(path: str, *, force: bool) -> Iterator[BinaryIO]:
 
 
 def not_itself(recording: str, output: str) -> None:
-    """Does nothing where a recording is not written over itself: there is but one of it."""
+    """Raises UsageError where a recording would be written over itself."""
     try:
         is_same = Path(recording).samefile(output)
     except (OSError, ValueError):  # one is not there, which others tell

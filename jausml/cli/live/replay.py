@@ -210,7 +210,7 @@ def _check_ends(
 
 
 def _again(recording: str, output: str, span: TimeSpan, *, force: bool, ros_only: bool) -> None:
-    """Writes an MCAP file again, as far as it goes, or a part of it."""
+    """Writes an MCAP file again, as far as it can be read, or a part of it."""
     from jausml.live.recording.mcap_files import RecordingError, copied
     from jausml.live.recording.mcap_reading import McapRecording
 
@@ -322,7 +322,7 @@ def _wire_lines(replay: WireReplay) -> Iterator[str]:
 def _to_file(
     read: Model, paths: tuple[str, str, str], port: int, span: TimeSpan, *, force: bool, jaus: bool
 ) -> bool:
-    """Makes a file of a capture; returns whether all of it could be used."""
+    """Writes the translation of a capture; returns whether all of it could be used."""
     from jausml.live.recording.captured import JausWriter
     from jausml.live.recording.mcap_files import McapFile
     from jausml.live.recording.translating import CaptureReplay, Translator
@@ -351,7 +351,7 @@ def _to_file(
 
 
 def _readable(stream: BinaryIO, faults: list[str]) -> Iterator[CapturedFrame]:
-    """Yields the frames of a capture as far as it can be read; adds why it ends early."""
+    """Yields the frames of a capture as far as it can be read; adds the fault at its end."""
     from jausml.live.traffic.captures import TrafficError, read_frames
 
     reached = None

@@ -16,7 +16,7 @@ from jausml.cli.shared.options import COMPLETION, SHELLS
 
 
 def offer_files() -> None:
-    """Has shells complete files where nothing else can stand, instead of nothing at all."""
+    """Lets shells complete files where no other word can stand."""
     for shell in SHELLS:
         add_completion_class(_with_files(_kind(shell)), shell)
 
@@ -30,7 +30,7 @@ def _kind(shell: str) -> type[ShellComplete]:
 
 def _with_files(kind: type[ShellComplete]) -> type[ShellComplete]:
     class WithFiles(kind):  # type: ignore[misc, valid-type]
-        """Completions of a shell, with files where nothing else can stand."""
+        """Completions of a shell, with files where no other word can stand."""
 
         def get_completions(self, args: list[str], incomplete: str) -> list[CompletionItem[Any]]:
             """Returns the completions of a word that was begun."""

@@ -138,7 +138,7 @@ def _chosen(
     names: Callable[[dict[str, Any]], Sequence[str]],
     what: str,
 ) -> list[dict[str, Any]]:
-    """Returns the maps of a name, or of the end of one behind its slash."""
+    """Returns the maps of a name, or of the end of a name behind its slash."""
 
     def are_meant(map_entry: dict[str, Any]) -> bool:
         return any(wanted in (name, name.rpartition("/")[2]) for name in names(map_entry))

@@ -28,7 +28,7 @@ _NAMES = {"message": message_names, "service": service_names, "map": _map_names}
 
 
 class Kinds(click.Group):
-    """The kinds of what can be shown; of a name without its kind it says which that is."""
+    """Group of the kinds of elements; for a name without its kind it names that."""
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]

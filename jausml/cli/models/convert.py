@@ -120,7 +120,7 @@ def _report(result: ReadResult, source: str, *, quiet: bool) -> None:
 def _check_written(
     source: str, target: str, contents: Mapping[Path, bytes], reading: Reading, *, quiet: bool
 ) -> None:
-    """Ends where the new file would have more errors of a rule than the old one has."""
+    """Ends where the new file would have more errors of a rule than the old one."""
     from collections import Counter
 
     from jausml.language.model.diagnostics import Severity

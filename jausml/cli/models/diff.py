@@ -118,7 +118,7 @@ def command(
 
 @dataclass(frozen=True)
 class _State:
-    """A state of models: what the user calls it, where it is, and what was read.
+    """A state of models: its name for the user, its place, and its model.
 
     Attributes:
         path: The file or folder, that of a revision in a folder of its own.
@@ -186,7 +186,7 @@ def _check_options(
 
 
 def _comparison(before: _State, after: _State, code: str | None) -> _Comparison:
-    """Compares two states, and tells what of them cannot be read."""
+    """Returns the comparison of two states, and shows unreadable files."""
     from jausml.authoring.differences import finding
     from jausml.authoring.differences.matching import paired_roots
 

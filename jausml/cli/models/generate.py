@@ -36,7 +36,7 @@ class WholeLibraryOption(click.Option):
     """The flag `--all`, whose help is of the installed targets that know it."""
 
     def get_help_record(self, ctx: click.Context) -> tuple[str, str] | None:
-        """Returns the flag and what it asks of each target."""
+        """Returns the flag, and its effect for each target."""
         targets = _installed().values()
         able = ((target.name, target.whole_library) for target in targets)
         texts = "; ".join(
@@ -181,7 +181,7 @@ def _check_frequency(frequency: float | None) -> None:
 
 
 def _has_fallen_behind(result: Result, mode: str, *, strict: bool) -> bool:
-    """Tells whether files do not fit the model: where it is asked, also those that still run."""
+    """Tells whether files do not fit the model; with `strict`, also those that still run."""
     from jausml.language.model.diagnostics import Severity
 
     if mode == "check" and not result.plan.is_up_to_date:

@@ -75,7 +75,7 @@ def _read(file: str) -> bytes:
 
 
 def _around(path: Path, root: Path, *states: bytes) -> dict[str, States]:
-    """Returns the states of the other models of a merge, where git tells its driver which one.
+    """Returns the states of the other models of a merge, where git names its other commit.
 
     git names the other commit in GITHEAD_<id>, in a merge and in nothing else; the work tree is as
     it was before until all files are merged.

@@ -146,7 +146,7 @@ def _json(results: Sequence[MapResult], judged: Report) -> str:
 
 
 def _wanted(model: Model, names: tuple[str, ...]) -> list[RoundTrip]:
-    """Returns the maps of a model and those that its bridges use, or those that are named."""
+    """Returns the maps of a model and of its bridges, or the named ones."""
     from jausml.proving.round_trips import round_trips
 
     trips = round_trips(model)

@@ -126,7 +126,7 @@ _MOST_DIGITS = 18
 
 
 def assumption_options(command: Callable[..., None]) -> Callable[..., None]:
-    """Adds the options of what a model does not say; the verb takes them as `assumptions`."""
+    """Adds the options of assumed figures; the verb gets them as `assumptions`."""
 
     @click.option(
         "--assume-rate",

@@ -35,7 +35,7 @@ class EnvironmentFault(click.ClickException):
 def ending_at(
     *kinds: type[Exception], kind: type[click.ClickException] = EnvironmentFault
 ) -> Iterator[None]:
-    """Ends the verb at an error of some kinds, which its text tells; it is one of `kind` then."""
+    """Ends the verb at an error of some kinds, with its text, as an error of `kind`."""
     try:
         yield
     except kinds as error:

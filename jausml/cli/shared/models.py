@@ -202,7 +202,7 @@ def frequency_option(command: Callable[..., None]) -> Callable[..., None]:
 
 @contextmanager
 def _usable_input() -> Iterator[None]:
-    """Ends the verb where what it was given cannot be used."""
+    """Ends the verb where its input cannot be used."""
     from jausml.language.model.project import InputError
 
     with ending_at(InputError):
@@ -258,7 +258,7 @@ def valid_system(path: str, reading: Reading) -> tuple[Model, System]:
 def readable_model(
     paths: Iterable[str], reading: Reading | None = None, *, is_one: bool = False
 ) -> Model:
-    """Returns models that could be read without an error, whatever the rules say of them."""
+    """Returns models that could be read without an error, whatever the rules find."""
     from jausml.language.model import Severity
     from jausml.language.validation.formats.text import one_line
 

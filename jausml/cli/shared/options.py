@@ -68,7 +68,7 @@ class FiniteRange(click.FloatRange):
 
 
 def refuse_options(reason: str, *names: str) -> None:
-    """Ends the verb where its command line states an option that has no effect there.
+    """Ends the verb where its command line states an option that has no effect.
 
     `reason`: beside what, such as `only with --listen`. `names`: those of the options, as the verb
     takes them.
@@ -150,7 +150,7 @@ peer_option = _network_option(
 
 
 class LazyGroup(click.Group):
-    """A group that knows where its verbs are, and what `--help` says of each before it is loaded.
+    """Group with the places and the help of its verbs, which are loaded when they are used.
 
     A place is a module below `jausml.cli`, and behind a colon the name that the verb has in it if
     that is not `command`.

@@ -50,7 +50,7 @@ def check_out(state_argument: str, folder: Path) -> Path:
 
 
 def _path_in_repository(path: str) -> str | None:
-    """Returns a path from the top of the repository; None for one that leads out of it."""
+    """Returns a path from the top of the repository; None for one outside."""
     if path == "." or path.startswith(("./", "../")):
         path = posixpath.join(_line("--show-prefix"), path)
     normal_path = posixpath.normpath(path)

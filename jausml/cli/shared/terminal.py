@@ -62,13 +62,13 @@ def painted_findings(text: str) -> str:
 
 
 def remark(text: str) -> None:
-    """Tells on stderr what is neither a result nor a problem, unless quiet is asked for."""
+    """Shows a remark on stderr, unless `--quiet` is stated."""
     if not verbosity().quiet:
         click.echo(text, err=True)
 
 
 def warn(text: str) -> None:
-    """Tells on stderr what a user has to know, whatever is asked for."""
+    """Shows a warning on stderr, whatever the options."""
     click.echo(text, err=True)
 
 
@@ -93,7 +93,7 @@ class Progress:
 
 @contextmanager
 def step(label: str, *, prints: bool = False) -> Iterator[Progress]:
-    """Shows on a terminal that a step goes on once it takes long, and nothing anywhere else.
+    """Shows the progress of a step on a terminal once it takes long.
 
     With `--verbose` the time that it took is told at its end, in logs too. `prints`: whether the
     step writes results; these are progress enough on a terminal.
@@ -142,7 +142,7 @@ def _shown(label: str, progress: Progress, begun: float) -> Iterator[None]:
 def _show_progress(
     label: str, progress: Progress, begun: float, ended: threading.Event, stream: TextIO
 ) -> None:
-    """Tells of a step until it has ended, from its patience on, and wipes that away."""
+    """Shows a step until it has ended, from its patience on, and wipes the line."""
     if ended.wait(PATIENCE):
         return
     while True:
@@ -168,12 +168,12 @@ _NONE = "0"
 
 
 def can_ask() -> bool:
-    """Tells whether somebody sits at a terminal who can be asked."""
+    """Tells whether a person at a terminal can be asked."""
     return sys.stdin.isatty() and sys.stderr.isatty()
 
 
 def choose_one(question: str, options: Sequence[str]) -> int | None:
-    """Asks for one of several options; returns its position, None where none is wanted."""
+    """Asks for one of several options; returns its position, None for none."""
     return next(iter(choose(question, options, is_one=True)), None)
 
 

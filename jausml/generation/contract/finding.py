@@ -124,7 +124,7 @@ class Finding:
         return Severity.INFO if self.kind is FindingKind.MISSING else Severity.WARNING
 
     def diagnostic(self, out: Path) -> Diagnostic:
-        """Returns the finding as reports have it, its file being in a folder."""
+        """Returns the finding as a diagnostic of a file in a folder."""
         place = Location(str(out / self.path), self.line, self.column)
         return Diagnostic(self.kind.value, self.severity, place, self.message)
 
@@ -138,7 +138,7 @@ class Fix:
 
 
 def fix_files(out: Path, findings: Sequence[Finding]) -> list[Fix]:
-    """Makes the edits of findings, and returns them; a file in which they do not fit stays."""
+    """Makes the edits of findings, and returns them; a file that they do not fit stays."""
     fixed: list[Fix] = []
     for path, path_findings in groupby(
         sorted(findings, key=lambda f: f.path), key=lambda f: f.path
@@ -302,7 +302,7 @@ class File:
 
     @cached_property
     def module(self) -> Module:
-        """The module that it is; its name is empty outside of packages."""
+        """The module of the file; its name is empty outside of packages."""
         is_package = self.path.endswith("/__init__.py")
         return Module(module_of(self.path), self.tree, is_package, is_generated=False)
 

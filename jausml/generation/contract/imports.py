@@ -15,7 +15,7 @@ from jausml.language.model.values import nearest
 
 @dataclass(frozen=True)
 class Lost:
-    """An import that finds nothing (`edits`: what makes it fit for certain)."""
+    """An import without a target (`edits`: those that make it fit for certain)."""
 
     node: ast.stmt | ast.alias
     message: str
@@ -140,7 +140,7 @@ class Imports:
 
 
 def alike(name: str, names: Iterable[str]) -> str:
-    """Asks whether a name is another one that resembles it; empty where none does."""
+    """Returns a question whether a similar name is meant; empty where there is none."""
     likely = [candidate for candidate in names if candidate[:1].isupper() == name[:1].isupper()]
     nearest_name = nearest(name, likely)
     return f"; is it {nearest_name} now?" if nearest_name else ""

@@ -77,7 +77,7 @@ class Interface:
             return UNKNOWN
 
     def _is_importable_otherwise(self, place: Path) -> bool:
-        """Whether something else than text of Python can be imported from a place."""
+        """Whether a library or another non-Python module can be imported from a place."""
         if any(path.suffix in (".so", ".pyd") for path in place.parent.glob(f"{place.name}.*")):
             return True
         inside = (path.relative_to(self._out).as_posix() for path in place.rglob("*.py"))
@@ -89,7 +89,7 @@ def _package(path: str) -> str:
 
 
 def module_of(path: str) -> str:
-    """Returns the dotted name of a module, or nothing for what is outside of a package."""
+    """Returns the dotted name of a module, empty for a file outside of a package."""
     parts = PurePosixPath(path).with_suffix("").parts
     if len(parts) < _FEWEST_PARTS or parts[0] != parts[1]:
         return ""

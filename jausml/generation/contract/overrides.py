@@ -97,7 +97,7 @@ _SIMILAR = 0.6  # ratio of difflib above which two method names may be one renam
 
 @dataclass
 class Comparison:
-    """A user's class beside what its base calls.
+    """A user's class, compared with the methods that its base calls.
 
     Attributes:
         uncalled: Methods that the base calls no more.
@@ -211,7 +211,7 @@ def _successor(
 def _renaming(
     file: File, user: SourceClass, definition: Definition, name: str, successor: MethodContract
 ) -> tuple[Edit, ...]:
-    """Returns the edits that rename a method, where all that has its name in the file is it."""
+    """Returns the edits that rename a method, where no other name in the file is the same."""
     function = definition.function
     used = [n for n in file.nodes if isinstance(n, ast.Attribute) and n.attr == name]
     defined = [n for n in file.nodes if isinstance(n, Function) and n.name == name]

@@ -57,7 +57,7 @@ def _in_present_classes(name: str, renames: Mapping[str, str]) -> str:
 
 
 def _has(modules: Modules, dotted: str) -> bool:
-    """Tells whether there is a name inside a module, or inside a class of it."""
+    """Tells whether a name exists inside a module, or inside a class of it."""
     parts = dotted.split(".")
     # The longest beginning that is a module; the rest lies inside it.
     for count in range(len(parts) - 1, 0, -1):
@@ -150,7 +150,7 @@ def _public_without(symbols: _Symbols, excluded: _Symbols) -> _Symbols:
 def _paired(
     removed: _Symbols, added: _Symbols, identity: Callable[[Symbol | None], str]
 ) -> dict[str, str]:
-    """Returns the new name of each old one, where just one of each state has the identity."""
+    """Returns the new name of each old one, where exactly one of each state has the identity."""
     old_names, new_names = _by_unique(identity, removed), _by_unique(identity, added)
     return {name: new_names[key] for key, name in old_names.items() if key in new_names}
 

@@ -188,7 +188,7 @@ def _share(scope: Scope, name: str, node: ast.AST) -> None:
 
 
 def own_nodes(node: Block) -> Iterator[ast.AST]:
-    """Yields the nodes of a block, inner blocks included, but not what is inside of these."""
+    """Yields the nodes of a block, inner blocks included, but not the nodes inside of these."""
     waiting = [*ast.iter_child_nodes(node)][::-1]
     while waiting:
         syntax = waiting.pop()
@@ -369,6 +369,6 @@ def _at(place: Place, nodes: Iterable[ast.AST | None]) -> Iterator[tuple[ast.AST
 
 
 def _caught(handler: ast.ExceptHandler) -> list[str]:
-    """Returns the names of what a handler catches; an empty one for everything."""
+    """Returns the names of the exceptions of a handler; an empty one for all."""
     kinds = handler.type.elts if isinstance(handler.type, ast.Tuple) else [handler.type]
     return ["" if kind is None else last_name(kind) for kind in kinds]

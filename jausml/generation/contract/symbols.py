@@ -230,7 +230,7 @@ class Modules:
         return names
 
     def ancestors(self, cls: Class) -> list[Class | type | None]:
-        """Returns a class and those that it derives from; None for one that is not known."""
+        """Returns a class and its base classes; None for an unknown one."""
         classes: list[Class | type | None] = []
         self._ancestors(cls, classes)
         return classes
@@ -348,7 +348,7 @@ def _set_by_methods(node: ast.ClassDef) -> Iterator[str]:
 
 
 def _is_dynamic(node: ast.ClassDef) -> bool:
-    """Tells whether a class may have attributes that its text does not name."""
+    """Tells whether a class may have attributes that its text does not show."""
     known = ("dataclass", "final", "total_ordering", "unique")
     if node.keywords or not all(
         is_decorated_by(expression, *known) for expression in node.decorator_list

@@ -33,7 +33,7 @@ _DEPTH = 20
 
 @dataclass(frozen=True)
 class Object:
-    """An object of a class; of the classes after it alone, where `super()` gave it."""
+    """An object of a class; with `is_super`, of the classes after it, as of `super()`."""
 
     of: Class
     is_super: bool = False
@@ -178,7 +178,7 @@ class Types:
         return UNKNOWN
 
     def _annotated(self, function: Function) -> Type:
-        """Returns the type of the result of a function, as its annotation has it."""
+        """Returns the type of the result of a function, by its annotation."""
         # A call of it gives something to await.
         if function.node.returns is None or isinstance(function.node, ast.AsyncFunctionDef):
             return UNKNOWN
@@ -323,7 +323,7 @@ class Names:
 
 
 def _probed(start: Scope, end: Scope) -> set[str]:
-    """Returns the names of which nothing is certain, from one scope to one around it."""
+    """Returns the names that are only probed, from one scope to one around it."""
     probed: set[str] = set()
     scope: Scope | None = start
     while scope is not None:

@@ -38,7 +38,7 @@ class Signature:
     takes_any_name: bool = False
 
     def problem(self, call: ast.Call) -> tuple[str, ast.keyword | None]:
-        """Says why a call does not fit, and which keyword is the reason; empty when it fits."""
+        """Returns why a call does not fit, and the keyword that is wrong; empty when it fits."""
         is_open = any(isinstance(expression, ast.Starred) for expression in call.args)
         names = [keyword.arg for keyword in call.keywords if keyword.arg is not None]
         is_open_by_name = len(names) != len(call.keywords)
@@ -155,7 +155,7 @@ def misfits(file: File, around: Surroundings) -> list[Finding]:
 
 
 class _Reader:
-    """Looks at one node where it stands."""
+    """Reader of one node in its scope."""
 
     def __init__(
         self, file: File, names: Names, around: Surroundings, imports: Imports, place: Place
@@ -223,7 +223,7 @@ class _Reader:
         ]
 
     def _is_lost(self, node: ast.Attribute, owner: Class | Object, cls: Class) -> bool:
-        """Tells whether an attribute is certainly none that a class or its objects have."""
+        """Tells whether an attribute certainly does not exist in a class or its objects."""
         name, is_super = node.attr, isinstance(owner, Object) and owner.is_super
         if name.startswith("_") or (is_super and self._is_uncalled(name)):
             return False
@@ -245,7 +245,7 @@ class _Reader:
         )
 
     def _is_uncalled(self, name: str) -> bool:
-        """Tells whether this is in a method of the name that nothing calls, as is told already."""
+        """Tells whether the node is in a method that nothing calls, which has a finding already."""
         method = self._place.scope.function
         return name in self._around.uncalled and name == getattr(method and method.node, "name", "")
 

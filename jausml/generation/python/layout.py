@@ -335,7 +335,7 @@ def _inside(parts: Sequence[Part], indent: str, after: str = "", before: str = "
 
 
 def _operand(parts: tuple[Part, ...]) -> tuple[str, tuple[Part, ...]]:
-    """Returns the operator that parts begin with, and what it is applied to."""
+    """Returns the operator at the beginning of parts, and its operand."""
     return ("", parts) if _is_string(parts[0]) else (flat(parts[:1]) + " ", parts[1:])
 
 

@@ -195,7 +195,7 @@ class _Piece(NamedTuple):
     names: str
 
     def under(self, words: Mapping[str, str], hidden: str) -> _Piece:
-        """Returns the piece with words, strings and codes for what stands in for them."""
+        """Returns the piece with words, strings and codes instead of their stand-ins."""
         parts, letters = list(self.parts), StringIO(hidden)
         # The layout may have joined strings.
         parts[1::2] = [letters.read(len(stand_in)) for stand_in in self.parts[1::2]]
@@ -203,7 +203,7 @@ class _Piece(NamedTuple):
 
 
 class Modules:
-    """The modules of one run, which share what was worked on."""
+    """The modules of one run, which share pieces."""
 
     def __init__(self) -> None:
         self._pieces: dict[str, _Piece] = {}
@@ -211,7 +211,7 @@ class Modules:
     def finished(
         self, text: str, imports: Imports | None = None, words: Collection[str] = ()
     ) -> str:
-        """Returns a module as it is to stand in its file.
+        """Returns a module as its file has it.
 
         Args:
             text: The module, each statement on a line; with imports, without import statements,
@@ -286,7 +286,7 @@ def _with_words(text: str, words: Mapping[str, str]) -> str:
 
 
 def _without_words(text: str, words: Collection[str]) -> tuple[dict[str, str], str]:
-    """Returns words that a text is about by what stands in for them, and the text without them."""
+    """Returns the words of a text by their stand-ins, and the text with these."""
     known: dict[str, str] = {}
     if not words or any(letter in text for letter in _STAND_INS):
         return known, text

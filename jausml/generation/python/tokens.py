@@ -34,7 +34,7 @@ class Token:
 
 @dataclass(frozen=True)
 class Bracket:
-    """A pair of brackets and what stands between them.
+    """A pair of brackets with their contents.
 
     Attributes:
         trails: Whether it belongs to what stands before it, as those of calls and indices do.
@@ -120,7 +120,7 @@ def _commas(parts: Sequence[Part]) -> bool:
 
 
 def _joined(text: str) -> Iterator[tokenize.TokenInfo]:
-    """Yields the tokens that are text; an f-string is one token, whatever the version says."""
+    """Yields the tokens of a text; an f-string is one token in any version of Python."""
     lines = text.split("\n")
     start, depth = (0, 0), 0
     try:
@@ -169,7 +169,7 @@ def _parts(tokens: Sequence[tokenize.TokenInfo], index: int) -> tuple[list[Part]
 
 
 def _is_spaced(tokens: Sequence[tokenize.TokenInfo], index: int) -> bool:
-    """Tells whether a space stands before a token when the statement is on one line."""
+    """Tells whether a space comes before a token when the statement is on one line."""
     if not index:
         return False
     before, token = tokens[index - 1], tokens[index]
@@ -185,7 +185,7 @@ def is_word(part: Part, *texts: str) -> bool:
 
 
 def ends_operand(part: Part) -> bool:
-    """Tells whether what follows a part is an operator rather than an operand or a sign."""
+    """Tells whether an operator follows a part, rather than an operand or a sign."""
     if isinstance(part, Bracket) or part.is_string:
         return True
     is_name = part.text.isidentifier() and not keyword.iskeyword(part.text)

@@ -79,7 +79,7 @@ class TokenCursor:
         return token
 
     def take(self, *texts: str) -> str:
-        """Takes the next token when it is one of some signs and words; returns it or nothing."""
+        """Takes the next token when it is one of some signs and words; else returns empty text."""
         token = self.token
         text = token.text.lower() if self._language.ignores_case else token.text
         if token.kind not in {"sign", "name"} or text not in texts:
@@ -88,7 +88,7 @@ class TokenCursor:
         return text
 
     def expect(self, text: str, why: str) -> None:
-        """Takes a sign that has to follow; `why` is what is wrong where it does not."""
+        """Takes a sign that has to follow; `why` is the error where it does not."""
         if not self.take(text):
             raise self.error(f"{why}: '{text}' is missing")
 

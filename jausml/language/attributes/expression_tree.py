@@ -95,7 +95,7 @@ def variables(expression: Expression) -> tuple[str, ...]:
 
 
 def opposite(condition: Expression) -> Expression:
-    """Returns the condition that holds where another one does not, as short as it can be said."""
+    """Returns the condition that holds where another one does not, in its shortest form."""
     match condition:
         case Operation(sign="not", operands=(only,)):
             return only

@@ -228,7 +228,7 @@ def evaluate(expression: Expression, values: Mapping[str, float]) -> float:
 
 
 def interval(expression: Expression, intervals: Mapping[str, Interval]) -> Interval | None:
-    """Returns least and greatest value that an expression may have; None when it never has one.
+    """Returns the least and greatest value of an expression; None when it never has one.
 
     The result is never narrower than the truth, but may be wider: a variable that stands in several
     places counts there as several.

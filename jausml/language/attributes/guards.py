@@ -101,7 +101,7 @@ def conditions(guard: Guard | None) -> Iterator[str]:
 
 
 def alternatives(guard: Guard, *, holds: bool = True) -> list[Alternative] | None:
-    """Returns a guard without parentheses: it holds when all of one alternative is as it says.
+    """Returns a guard without parentheses: it holds where one alternative does.
 
     `!(a || b) && (c || d)` are the alternatives `!a && !b && c` and `!a && !b && d`.
 

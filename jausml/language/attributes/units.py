@@ -73,7 +73,7 @@ def parse_unit(text: str) -> Unit:
 
 
 def conversion_between(source: Unit, target: Unit) -> tuple[float, float]:
-    """Returns factor and offset that turn values of one unit into those of the other.
+    """Returns the factor and offset from values of one unit to those of another.
 
     Raises:
         ValueError: The units measure different things.

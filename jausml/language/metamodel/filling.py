@@ -67,7 +67,7 @@ def set_values(obj: Any, table: FeatureTable, values: Iterable[Any]) -> None:
 
 
 def fill(obj: Any, table: FeatureTable, values: Sequence[Any]) -> None:
-    """Gives an attribute its values, of which there may be none."""
+    """Sets the values of an attribute, of which there may be none."""
     if table.many:
         set_values(obj, table, values)
     elif values:
@@ -116,12 +116,12 @@ def link(obj: Any, table: FeatureTable, target: Any) -> None:
 
 
 def point(obj: Any, table: FeatureTable, target: Any) -> None:
-    """Has a detached element refer to an element that is not to know of it."""
+    """Sets a reference of a detached element, without the opposite."""
     _store(obj, table, target)
 
 
 def hang(obj: Any, owner: Any, table: FeatureTable) -> None:
-    """Gives a detached element an owner that is not to know of it."""
+    """Sets the owner of a detached element, which does not get it as a part."""
     state = obj.__dict__
     state["_container"] = owner
     state["_containment_feature"] = table.feature
@@ -201,12 +201,12 @@ def contents(obj: Any, table: FeatureTable) -> Sequence[Any]:
 
 
 def is_set(obj: Any, table: FeatureTable) -> bool:
-    """Tells whether a feature was given a value, be it the default."""
+    """Tells whether a feature was set, also to its default."""
     return table.name in obj.__dict__ and table.feature in obj._isset
 
 
 def unset(obj: Any, table: FeatureTable) -> None:
-    """Has a feature that holds its default not be given a value."""
+    """Marks a feature with its default as not set."""
     obj.__dict__.pop(table.name, None)
     obj._isset.pop(table.feature, None)
 
@@ -238,7 +238,7 @@ class _Default:
 
 
 def _set_attribute(obj: Any, name: str, value: Any) -> None:
-    """Sets what pyecore or somebody else sets of an element, checked and told as by pyecore."""
+    """Sets an attribute as pyecore does, checked and with notification."""
     known = _known(obj, name)
     if isinstance(known, _Default):
         holder = EValue(obj, known.feature)
@@ -306,7 +306,7 @@ class _Many(_Access):
 
 
 def hasten(table: FeatureTable) -> None:
-    """Gives the class that declares a feature quick access to it.
+    """Adds quick access to a feature to its class.
 
     Of one with an opposite pyecore's setters expect the holder that its own access makes; what is
     derived is computed.

@@ -191,7 +191,7 @@ def _with_subpackages(epackage: Any) -> Iterator[Any]:
 
 
 def _resolve_proxies(packages: Iterable[PackageTable]) -> None:
-    """Replaces what is left of pyecore's proxies by what they stand for.
+    """Replaces remaining proxies of pyecore by their targets.
 
     A type that another .ecore declares stays an EProxy forever, and every later type check
     would pay for it.

@@ -84,7 +84,7 @@ class Diagnostic:
 
 @dataclass(frozen=True, slots=True)
 class RuleInfo:
-    """A rule: a title of a few words, why it exists and what to do, and its severity."""
+    """A rule: title, reason and cure, and severity."""
 
     title: str
     explanation: str

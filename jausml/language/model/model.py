@@ -182,7 +182,7 @@ class Model:
     def location(
         self, obj: EObject | None, feature: str | None = None, position: int = 0
     ) -> Location:
-        """Returns where an element, or the value of one of its features, is written.
+        """Returns the location of an element, or of the value of one of its features.
 
         Args:
             obj: An element. One that was not read is placed where its nearest owner stands.
@@ -284,7 +284,7 @@ _PATH = "trial.xmi"
 
 
 def made_model(metamodels: Metamodels, root: EObject, *inner: EObject) -> Model:
-    """Returns a model of one document that nobody wrote."""
+    """Returns a model of one document without a file."""
     document = Document(Path(_PATH), _PATH, is_library=False, is_input=True)
     model = Model([document], metamodels)
     top = _node(root, None)

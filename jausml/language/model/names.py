@@ -53,7 +53,7 @@ class NameFinder:
         self._indices: dict[Document, dict[str, list[EObject]]] = {}
 
     def forget(self, document: Document) -> None:
-        """Has the names of a document looked up anew, since it was given further elements."""
+        """Forgets the names of a document, which got further elements."""
         self._indices.pop(document, None)
 
     def find(
@@ -93,7 +93,7 @@ class NameFinder:
         return [element for elements in groups for element in elements if _matches(element, text)]
 
     def label(self, element: EObject) -> str:
-        """Returns how messages name an element that is one of several: its names and its file."""
+        """Returns the words for an element that is one of several: its names and its file."""
         document = self._model.document_of(element)
         file_name = document.path.name if document is not None else ""
         return f"{qualified_name(element)} ({file_name})"
@@ -340,7 +340,7 @@ def _last_step(name: str) -> str:
 
 
 def _whole_of(text: str) -> str:
-    """Returns the name of the service or action whose part a name may mean, else nothing."""
+    """Returns the name of the service or action whose part a name may mean, else an empty text."""
     whole, _, part = text.rpartition(".")
     return whole if part in _PARTS else ""
 

@@ -38,7 +38,7 @@ class Fault(ReadFault):
 
 @dataclass(frozen=True, slots=True)
 class ImportedDocument:
-    """A document whose names another one uses: its URI, and where that is said."""
+    """The URI of a document whose names another one uses, and the place of its import."""
 
     uri: str
     line: int
@@ -90,7 +90,7 @@ class Written(Protocol):
         """The documents that it imports."""
 
     def declare(self, known: Known) -> tuple[Sequence[Node], Sequence[Fault]]:
-        """Returns further root nodes: of what is used as if it were known, and is not.
+        """Returns further root nodes, of used elements that are not known.
 
         It is called once, when all documents are built and before references are resolved.
         """
@@ -99,7 +99,7 @@ class Written(Protocol):
         """Returns why the document may know no element of a name."""
 
     def check(self) -> Sequence[Fault]:
-        """Settles what the document leaves open, and returns what is wrong with its elements.
+        """Completes open features of the document, and returns the faults of its elements.
 
         It is called once, when all references are resolved.
         """

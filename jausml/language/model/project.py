@@ -35,7 +35,7 @@ def project_folder(path: Path) -> Path | None:
 
 
 def made_project(folder: Path) -> Path | None:
-    """Returns the project around a folder that `jausml init` made: what nobody has to name.
+    """Returns the project of `jausml init` around a folder, which needs no name.
 
     A checkout alone may hold models of all kinds, which do not belong together.
     """
@@ -180,7 +180,7 @@ def shown(path: str | Path) -> str:
 
 
 def _refuse_links(folder: str, files: Sequence[str]) -> None:
-    """Refuses files of a walk that are links out of the project: nobody has named them."""
+    """Refuses files of a walk that are links out of the project, as no user named them."""
     links = [path for path in files if os.path.islink(path)]  # noqa: PTH114 - as above
     root = Path(os.path.realpath(find_project_root([Path(folder) / "any"]))) if links else None
     for link in links:

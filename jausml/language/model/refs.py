@@ -164,7 +164,7 @@ def ref_of(obj: EObject | None, model: Model, root: Path) -> Ref:
 
 
 def fragment_of(obj: EObject, document: Document, model: Model) -> str:
-    """Returns the fragment that finds an element again: its id if that is usable, else its path."""
+    """Returns the fragment that finds an element again: its id if usable, else its path."""
     identifier = model.identifier(obj)
     if identifier and _REFERABLE.fullmatch(identifier):
         node = document.ids.get(identifier)
@@ -231,7 +231,7 @@ class Keys:
         return f"{file_of(document, self._model.documents[0].path.parent)}#"
 
     def _name(self, owner: EObject) -> None:
-        """Finds how all that an element owns is named, itself and before what it owns.
+        """Finds the keys of the parts of an element, and the texts before the keys of their parts.
 
         Itself it shares its name with elements of other classes: the class tells them apart.
         """

@@ -195,7 +195,7 @@ def projects_around(path: Path) -> dict[str, Path]:
 
 
 def projects_in(folder: Path) -> dict[str, Path]:
-    """Returns the projects among the folders of a folder, and itself when it is one, by name.
+    """Returns the projects among the folders of a folder, and the folder itself, by name.
 
     A name is that which the file says; it may differ from that of the folder.
     """

@@ -25,7 +25,7 @@ def host_of(system: System, element: jaus.Component | ros.Node) -> Host | None:
 
 
 def endpoint_of(system: System, component: jaus.Component) -> tuple[str, int] | None:
-    """Returns the host and port at which a component is reached, None where nobody says it."""
+    """Returns the host and port of a component, None where they are not stated."""
     host = host_of(system, component)
     if host is not None:
         return str(host.interface), int(host.port)

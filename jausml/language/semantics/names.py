@@ -86,7 +86,7 @@ def taken(name: str) -> str:
 
 
 def urn_fault(urn: str) -> str:
-    """Says why a text cannot be the URN of a service (RFC 8141; AS5710), empty if it can."""
+    """Returns why a text cannot be the URN of a service (RFC 8141; AS5710), empty if it can."""
     if len(urn) > _LONGEST_URN:
         return f"is longer than {_LONGEST_URN} characters"
     return "" if _URN.fullmatch(urn) else "is no URN"

@@ -69,7 +69,7 @@ def excesses(types: Iterable[ros.MessageType]) -> Iterator[Excess]:
 def _inner_first(
     start: ros.MessageType, known: dict[ros.MessageType, Extent | None]
 ) -> Iterator[ros.MessageType]:
-    """Yields types that are not known yet, what they use before them; a cycle has no beginning."""
+    """Yields new types, inner ones first; a cycle has no first."""
     pending = [(start, True)]
     entered: set[ros.MessageType] = set()
     while pending:
@@ -223,7 +223,7 @@ def _fields(message: ros.MessageType, section: Section, package: str) -> Iterato
 
 
 def _renamed(here: dict[str, ros.Field], there: dict[str, str]) -> dict[str, str]:
-    """Returns new names by old ones: of fields that stand at one place and have one type."""
+    """Returns new names by old ones: of fields with the same place and type."""
     if len(here) != len(there):
         return {}
     pairs = zip(here.items(), there.items(), strict=True)

@@ -189,7 +189,7 @@ class _Raised:
 
 
 class _Answers:
-    """The answers to calls, which hold to its end: nothing that they read changes meanwhile."""
+    """The answers to calls, which stay valid: the model does not change meanwhile."""
 
     def __init__(self) -> None:
         self._known: dict[_Call, Any] = {}
@@ -226,7 +226,7 @@ _ANSWERS: ContextVar[_Answers | None] = ContextVar("answers", default=None)
 
 @contextmanager
 def remembering() -> Iterator[None]:
-    """Has what is asked within it remembered until its end, in this thread alone."""
+    """Remembers answers until the end of the block, in this thread alone."""
     token = _ANSWERS.set(_Answers())
     try:
         yield
@@ -235,7 +235,7 @@ def remembering() -> Iterator[None]:
 
 
 def remembered(function: Callable[[AskedT], AnswerT]) -> Callable[[AskedT], AnswerT]:
-    """Has a function remember its answers while there is `remembering`."""
+    """Lets a function remember its answers within `remembering`."""
 
     @wraps(function)
     def answer(asked: AskedT) -> AnswerT:

@@ -269,7 +269,7 @@ def is_bare(element: Element) -> bool:
 
 
 def is_map(items: Iterable[Item]) -> bool:
-    """Tells whether a block is that of an attribute map by what stands in it."""
+    """Tells whether a block is that of an attribute map, by its items."""
     return any(isinstance(item, End | Direction) for item in items)
 
 
@@ -286,7 +286,7 @@ _ESCAPED_END = re.compile(r"\*\\(\\*)/")
 
 
 def is_documentation(comment: str) -> bool:
-    """Tells whether a comment documents what stands behind it."""
+    """Tells whether a comment documents the item behind it."""
     is_marked = comment.startswith("/**") and comment[3] not in "*/"
     return is_marked and bool(documentation_text(comment))
 

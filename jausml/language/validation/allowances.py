@@ -43,7 +43,7 @@ class _Allowance:
     refused: int = 0
 
     def is_about(self, diagnostic: Diagnostic) -> bool:
-        """Tells whether a finding is of the rule, and at the element or what it owns."""
+        """Tells whether a finding is of the rule, and at the element or a part of it."""
         path = diagnostic.element
         return (
             diagnostic.rule == self.rule
@@ -58,7 +58,7 @@ def settled(
     rules: Collection[str],
     today: date | None = None,
 ) -> tuple[list[Diagnostic], list[SetAside]]:
-    """Returns the findings that count, those about allowances among them, and the others."""
+    """Returns the findings that count, with those about allowances, and the allowed ones."""
     documents = [document for document in model.documents if _may_allow(document)]
     if not documents:
         return list(diagnostics), []

@@ -35,7 +35,7 @@ class RuleError(Exception):
 
 
 class SupersededError(Exception):
-    """Nobody wants to know any more what is found: what was read has changed since."""
+    """A judgement whose model has changed since: it is no longer wanted."""
 
 
 def check(
@@ -82,7 +82,7 @@ class _Judging:
                     checks.append((rule, part.check))
 
     def of(self, element: EObject) -> Iterable[tuple[Scope, _Checks]]:
-        """Returns the rules that judge an element, by what of it they judge."""
+        """Returns the rules that judge an element, by their scope."""
         return self._groups[element.eClass].items()
 
 
@@ -166,7 +166,7 @@ _IN_TEXT = ", in text "
 
 
 def _spelt(hint: str, document: Document | None) -> str:
-    """Returns a hint as its file is written: rules state attributes as XMI has them."""
+    """Returns a hint in the notation of its file: rules state attributes as XMI has them."""
     general, _, in_text = hint.partition(_IN_TEXT)
     if document is None or document.is_xml:
         return general

@@ -21,7 +21,7 @@ AnyConnection: TypeAlias = "jaus.ServiceConnection | bridge.Connection"
 
 
 def provider_name(provider: Provider) -> str:
-    """Returns how messages name who provides services: a component, or what a search finds."""
+    """Returns the name of a provider for messages: a component, or the services of a search."""
     if isinstance(provider, jaus.PeerSearch):
         services = " and ".join(str(service.name) for service in provider.services)
         return f"what the search for {services} finds"

@@ -78,7 +78,7 @@ class Scope:
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """A function of a rule, and what it judges."""
+    """A function of a rule, and its scope."""
 
     check: RuleFunction
     scope: Scope
@@ -118,7 +118,7 @@ class Rule:
     def also(
         self, kinds: Kinds, needs: Iterable[str] | None = None
     ) -> Callable[[RuleFunction], RuleFunction]:
-        """Makes a function one more of the rule, for elements of other classes."""
+        """Adds a function to the rule, for elements of other classes."""
 
         def add(check: RuleFunction) -> RuleFunction:
             self.parts.append(_part(check, kinds, needs))

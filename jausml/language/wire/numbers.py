@@ -32,7 +32,7 @@ class LayoutError(ValueError):
 
 
 class LimitError(LayoutError):
-    """A message definition that has a layout, but one beyond what machines should work on."""
+    """A message definition with a layout beyond the limits of this toolchain."""
 
 
 def merged(ranges: Iterable[tuple[int, int]]) -> Ranges:
@@ -251,7 +251,7 @@ class Scaled:
 
     @property
     def ratio(self) -> tuple[float, int]:
-        """The step as dividend and divisor, for those who print it as a division."""
+        """The step as dividend and divisor, for code with a division."""
         return self.upper - self.lower, self.type.upper
 
     @cached_property

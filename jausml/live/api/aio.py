@@ -171,7 +171,7 @@ class AsyncComponent:
             await asyncio.to_thread(release)
 
     async def _had(self, work: Callable[[], R], undo: Callable[[R], object]) -> R:
-        """Returns what a thread has got; who is cancelled meanwhile has none of it.
+        """Returns the result of a thread, which is undone if the caller is cancelled meanwhile.
 
         Args:
             undo: Gives it back, on a thread.
@@ -210,7 +210,7 @@ class AsyncComponent:
         self._inner.obey(name, soon if callable(take) else take)
 
     def _call(self, take: Callable[[Received], Any], received: Received) -> None:
-        """Calls what takes a message; a task is kept until it is over."""
+        """Calls a handler of messages; a task is kept until it is over."""
         if iscoroutinefunction(take):
             task = asyncio.ensure_future(take(received))
             self._tasks.add(task)

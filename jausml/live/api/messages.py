@@ -208,7 +208,7 @@ class Declarations:
         return entry
 
     def prepare(self, operator: Operator) -> None:
-        """Has an operator do what was declared, before anybody can ask it."""
+        """Lets an operator answer and obey as declared, before any other component can ask it."""
         for query, (report, give) in self._answers.items():
             operator.provide(query, report, give)
         for entry, take in self._obeyed.items():

@@ -39,7 +39,7 @@ class Catalogue:
     """
 
     def __init__(self) -> None:
-        """Knows nothing; who makes it lists what there is."""
+        """Begins empty; subclasses add services and messages."""
         self.services: dict[tuple[str, str], ServiceEntry] = {}
         self._codes: dict[str, list[int]] = {}
 
@@ -82,7 +82,7 @@ class Catalogue:
     def _of_service(
         self, entries: Sequence[MessageEntry], service: str
     ) -> tuple[MessageEntry, ...]:
-        """Returns the entries that a service defines, else those that it inherits."""
+        """Returns the entries that a service defines itself, else inherited ones."""
         service_entries: list[MessageEntry] = []
         for candidate in self.find_services(service):
             for ancestor in candidate.lineage:
@@ -119,7 +119,7 @@ class Catalogue:
         return left[0]
 
     def named(self, name_or_code: str | int) -> tuple[MessageEntry, ...]:
-        """Returns all messages of a name or code, none when nobody defines it."""
+        """Returns all messages of a name or code, none for an unknown one."""
         if isinstance(name_or_code, int):
             return self._with_code(name_or_code)
         codes = self._codes.get(name_or_code)

@@ -202,7 +202,7 @@ def _units(alternative: wire.Alternative) -> set[str]:
 
 
 def _indexed(value: Any, by_unit: Mapping[str, int]) -> Any:
-    """Returns a value with the index that its unit tells; any other as it is."""
+    """Returns a value with the index of its unit; other values as they are."""
     if isinstance(value, dict) and len(value) == 1:
         ((unit, number),) = value.items()
         if unit not in (*by_unit, "index", "value"):

@@ -177,7 +177,7 @@ class DefinedMessage(MessageEntry):
 
     @property
     def _owned(self) -> list[tuple[DefinedCatalogue, jaus.Service]]:
-        """The services that define it, each with what lists it."""
+        """The services that define it, each with its catalogue."""
         catalogue = self._catalogue
         owners = () if catalogue is None else catalogue.owners_of(self._definition)
         return [(catalogue, owner) for owner in owners if catalogue is not None]
@@ -189,7 +189,7 @@ class DefinedMessage(MessageEntry):
 
     @cached_property
     def is_for_controller(self) -> bool:
-        """Whether a service of it has its commands obeyed from the controller alone."""
+        """Whether a service of it obeys its commands from the controller alone."""
         return any(obeys_controller_alone(self._definition, owner) for _, owner in self._owned)
 
     @cached_property
@@ -204,7 +204,7 @@ class DefinedMessage(MessageEntry):
 
     @cached_property
     def exchange(self) -> tuple[MessageEntry, MessageEntry] | None:
-        """The query and the report that tell what it has set."""
+        """The query and the report of the value that it sets."""
         for catalogue, owner in self._owned:
             answer = told_after(self._definition, owner)
             if answer is not None:

@@ -180,7 +180,7 @@ class MessageEntry:
 
     @property
     def is_rejection(self) -> bool:
-        """Whether it says as an answer that what was asked for is not done."""
+        """Whether it rejects a request."""
         return self.name.startswith("Reject")
 
     @property
@@ -200,7 +200,7 @@ class MessageEntry:
 
     @cached_property
     def exchange(self) -> tuple[MessageEntry, MessageEntry] | None:
-        """The query and the report that tell what it has set; None without any."""
+        """The query and the report of the value that it sets; None without them."""
         raise NotImplementedError
 
     @cached_property
@@ -357,7 +357,7 @@ def _first(path: str) -> str:
 
 
 def _from_ends(kind: wire.Kind, fields: dict[str, Any]) -> dict[str, Any]:
-    """Returns fields by whole paths, where a path began further in and one place has its name."""
+    """Returns fields by whole paths, where a path left out its beginning and is unique."""
     places: dict[str, list[str]] = {}
     for name, path in _named_inside(kind, ""):
         places.setdefault(name, []).append(path)
@@ -371,7 +371,7 @@ def _from_ends(kind: wire.Kind, fields: dict[str, Any]) -> dict[str, Any]:
 
 
 def _named_inside(kind: wire.Kind, before: str) -> Iterator[tuple[str, str]]:
-    """Yields the names of what records and bit fields hold, with the paths before them."""
+    """Yields the names in records and bit fields, with the paths before them."""
     if isinstance(kind, wire.BitField):
         yield from ((group.name, before) for group in kind.groups)
     if isinstance(kind, wire.Record):

@@ -95,7 +95,7 @@ def did_you_mean(suggestions: Sequence[str]) -> str:
 
 
 def similar(name: str, known: Iterable[str], limit: int = 3) -> list[str]:
-    """Returns the known names that resemble one or begin with it, without regard to case."""
+    """Returns the known names that are similar to one or begin with it, without regard to case."""
     by_folded = {candidate.casefold(): candidate for candidate in sorted(known)}
     folded = name.casefold()[:200]
     keys = get_close_matches(folded, by_folded, n=limit, cutoff=0.8)

@@ -21,7 +21,7 @@ Numbers = tuple[int, ...]
 
 @dataclass(frozen=True)
 class FrozenService:
-    """A service (`inherits`: the place of the one that it extends)."""
+    """A service (`inherits`: the index of the inherited one)."""
 
     names: Mapping[str, str]
     inputs: Numbers

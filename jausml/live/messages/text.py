@@ -295,7 +295,7 @@ def sample(kind: wire.Kind) -> Any:
 
 
 def example(entry: MessageEntry) -> dict[str, Any]:
-    """Returns legal fields of a message that show what it may hold.
+    """Returns legal fields of a message, as an example.
 
     As `sample`, but with optional members, an element in each list, and values by their names.
     """
@@ -305,7 +305,7 @@ def example(entry: MessageEntry) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class _Sampler:
-    """Makes values of one manner."""
+    """Maker of values for fields."""
 
     is_full: bool
 

@@ -203,7 +203,7 @@ def _named(name: str, ranges: wire.Ranges, names: Mapping[int, str]) -> int:
 
 
 def no_words(_name: str) -> str:
-    """Returns nothing, where it goes without saying what may stand in a field."""
+    """Returns an empty text, for fields whose legal values are clear."""
     return ""
 
 
@@ -258,7 +258,7 @@ def shown(value: Any) -> str:
 
 
 def listed(words: Sequence[str], most: int | None = MOST_SHOWN) -> str:
-    """Returns words with commas between them; what is left out of too many leaves dots."""
+    """Returns words with commas between them, and dots for those beyond a limit."""
     return ", ".join(words[:most]) + (", ..." if most is not None and len(words) > most else "")
 
 

@@ -25,7 +25,7 @@ class Guarding:
     def __init__(
         self, operator: Operator, lease: float, word: str, spoke: Callable[[], None]
     ) -> None:
-        """Starts it; nothing moves yet.
+        """Starts the guardian, without a moving component.
 
         Args:
             lease: Seconds without this process after which all that is controlled is stopped.
@@ -74,7 +74,7 @@ class Guarding:
             return ", ".join(filter(None, (self._ward.failure, missing)))
 
     def close(self) -> None:
-        """Ends it: all stops were said."""
+        """Ends the guardian, after all stops were sent."""
         with self._lock:
             self._ward.release()
             self._ward.close()

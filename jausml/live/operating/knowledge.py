@@ -83,7 +83,7 @@ class Learning:
         )
 
     def first(self) -> Knowledge:
-        """Waits for what is known at the start (`ReadingError`: there is nothing)."""
+        """Waits for the first knowledge (`ReadingError`: there is none)."""
         knowledge = self._next()
         if knowledge is None:
             raise ReadingError(f"{_READING} ended with code {self._process.wait()}")

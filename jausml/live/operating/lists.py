@@ -36,7 +36,7 @@ class Lists:
         drawn: Drawn,
         gate: AbstractContextManager[None],
     ) -> None:
-        """Replaces the list of a component; one that it executes ends with that.
+        """Replaces the list of a component, which ends the execution of the former one.
 
         Args:
             gate: Is held while it begins, and may refuse it.
@@ -63,7 +63,7 @@ class Lists:
             raise Refused(f"{target} has another list than the one that is drawn; send it first")
 
     def end(self, name: str, target: JausAddress) -> None:
-        """Has a component stand and forget its list: together they leave nothing that could go on.
+        """Stops a component and deletes its list: together they leave nothing to go on with.
 
         The speed alone may be followed by an ExecuteList that was lost and comes again.
         """

@@ -91,7 +91,7 @@ def untaken_of(model: Model) -> dict[str, frozenset[str]]:
 
 
 def _receivers(owner: bridge.Bridge, connection: bridge.Connection) -> Iterator[str]:
-    """Yields the JAUS ids of those who take the commands of a connection."""
+    """Yields the JAUS ids of the receivers of the commands of a connection."""
     if connection.map is None or connection.map.message is None:
         return
     if not stops.carries_commands(connection):

@@ -57,7 +57,7 @@ class Seat:
     urgent = ("renew", "stop", "stick.end")
 
     def __init__(self, unit: OperatorUnit, subscribers: Subscribers, number: int) -> None:
-        """Begins as one that looks."""
+        """Begins without the right to command."""
         self._unit = unit
         self._subscribers = subscribers
         self._number = number
@@ -109,7 +109,7 @@ class Seat:
 
     @contextmanager
     def subscribed(self, listener: Callable[[str], None]) -> Iterator[None]:
-        """Tells a listener what happens as long as the context lasts; then the page is gone."""
+        """Reports events to a listener as long as the context lasts; then the page is gone."""
         try:
             with self._subscribers.subscribed(listener):
                 yield
@@ -281,7 +281,7 @@ class Seat:
     def _execute_list(
         self, before: int, component: str, message: str, elements: Drawn, speed: float, first: int
     ) -> dict[str, Any]:
-        """Has a component execute what is drawn, which must be what it has."""
+        """Starts the execution of a drawn list, which must be that of the component."""
         self._unit.lists.check(self._commanded(component), message, elements)
         begin = time.time()
         fields: dict[str, object] = {"Speed": speed, "ElementUID": first}

@@ -55,12 +55,12 @@ class UnitSockets(Sockets):
 
 
 class OperatorSite(Site):
-    """The operator unit with a page, and a seat for each who opens it."""
+    """The operator unit with its page, and a seat for each opened page."""
 
     def __init__(
         self, knowledge: Knowledge, learning: Learning, network: Network, powers: Powers | None
     ) -> None:
-        """Begins with nobody (`ValueError`: a declared stop is none)."""
+        """Begins without a page (`ValueError`: a declared stop is not valid)."""
         super().__init__(PAGE)
         self.learning = learning
         self._subscribers = Subscribers()
@@ -70,7 +70,7 @@ class OperatorSite(Site):
 
     @property
     def commanding_address(self) -> str:
-        """The address of those who may command too; empty where nobody may."""
+        """The address of pages that may command; empty where none may."""
         powers = self.unit.powers
         return f"{self.address}&command={powers.token.text}" if powers is not None else ""
 

@@ -29,7 +29,7 @@ class Lease:
     """A permission for some seconds from each renewal; a thread of its own ends it."""
 
     def __init__(self, seconds: float, expired: Callable[[], None]) -> None:
-        """Begins it (`expired`: is called once, on that thread, without a renewal in time)."""
+        """Begins the lease (`expired`: is called once, on that thread, if no renewal came)."""
         self.seconds = seconds
         self._expired = expired
         self._due = steady() + seconds
@@ -38,7 +38,7 @@ class Lease:
         Thread(target=self._run, name="lease", daemon=True).start()
 
     def renew(self) -> bool:
-        """Renews it; False when it is over, or due to end."""
+        """Renews the lease; False when it is over, or due to end."""
         with self._news:
             now = steady()
             if self._is_over or now >= self._due:
@@ -47,7 +47,7 @@ class Lease:
             return True
 
     def end(self) -> None:
-        """Ends it, without `expired`."""
+        """Ends the lease, without `expired`."""
         with self._news:
             self._is_over = True
             self._news.notify()

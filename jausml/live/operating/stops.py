@@ -83,7 +83,7 @@ def told_stop(text: str, catalogue: Catalogue) -> DeclaredStop:
 
 
 class Stops:
-    """The stops of one start: what is edited later changes no stop."""
+    """The stops of one start: later edits do not change them."""
 
     def __init__(
         self, of_model: Mapping[tuple[str, str], Declarations], stated_stops: Iterable[DeclaredStop]
@@ -117,7 +117,7 @@ class Stops:
 
 
 def _completed(stop: DeclaredStop, entry: MessageEntry) -> DeclaredStop:
-    """Returns a stop of a model with all fields: those it leaves out are 0, as in a bridge."""
+    """Returns a stop of a model with all fields: missing ones are 0, as in a bridge."""
     if stop.timeout < SHORTEST:
         raise Refused(f"{stop.timeout:g} s of {stop.source} is shorter than {SHORTEST} s")
     fields = sample(entry.record)

@@ -109,7 +109,7 @@ class OperatorUnit:
     # ---- life -------------------------------------------------------------------------------
 
     def start(self) -> None:
-        """Begins, once; what cannot be heard is told as part of the state."""
+        """Starts once; a network that cannot be used is a part of the state."""
         self._system.start()
 
     def learn(self, knowledge: Knowledge) -> None:
@@ -118,7 +118,7 @@ class OperatorUnit:
         self._notify("operate.learnt", {})
 
     def stop(self) -> None:
-        """Ends it: a stick is stopped, control released."""
+        """Ends the unit: a stick is stopped, control released."""
         self._system.stop()
 
     def _leave_all(self) -> None:
@@ -137,7 +137,7 @@ class OperatorUnit:
         return self._system.operator
 
     def _guard(self) -> None:
-        """Tells the guardian, which begins with the first component, what is controlled now."""
+        """Reports the controlled components to the guardian, which starts with the first one."""
         operator, powers = self._system.running, self.powers
         if operator is None or powers is None:
             return
@@ -192,7 +192,7 @@ class OperatorUnit:
         }  # fmt: skip
 
     def _tell(self, state: SystemState) -> None:
-        """Tells the state when it has changed, and once in `WORD`, with the ages of what is in it.
+        """Reports the state when it has changed, and once in `WORD`, with the ages of its parts.
 
         It is how pages know that this process goes on.
         """
@@ -270,7 +270,7 @@ class OperatorUnit:
         self._guard()
 
     def require_commander(self, page: int) -> None:
-        """Sees to it that a page commands."""
+        """Raises Refused for a page that does not command."""
         commander = self._commander
         if commander is None:
             raise Refused("nobody commands; take control first")
@@ -303,7 +303,7 @@ class OperatorUnit:
                 self._commander = None
 
     def decide(self, target: JausAddress, number: int, decision: HandoffDecision) -> str:
-        """Tells a component what a person decided of a request; returns who had asked."""
+        """Sends a person's decision on a request; returns the component that asked."""
         with self._turn:
             if decision is HandoffDecision.GRANTED:
                 self.sticks.end(GIVEN_UP, target)
@@ -325,7 +325,7 @@ class OperatorUnit:
         Thread(target=self._follow, args=(target, news)).start()
 
     def _follow(self, target: JausAddress, news: str) -> None:
-        """Ends the stick of what is controlled no more, and tells the guardian what still is."""
+        """Ends the stick of a component that is lost, and reports the others to the guardian."""
         operator = self._system.running
         if operator is not None and not operator.controls(target):
             self.sticks.end(f"{target} {news}", target)

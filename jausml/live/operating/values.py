@@ -104,7 +104,7 @@ class Values:
                 subscription.cancel()
 
     def unwatch(self, component: str, report: str, page: int) -> None:
-        """Watches a report no more for a page; the last one ends it."""
+        """Ends the watch of a report by a page; the last one ends the subscription."""
         with self._lock:
             known = self._watched.get((component, report))
             if known is None:

@@ -109,7 +109,7 @@ class WatchedSystem(RunningSystem):
         self._acts[str(target)] = time.monotonic()
 
     def has_acted(self, target: object) -> bool:
-        """Tells whether we did something to a component just now."""
+        """Tells whether we stopped or released a component just now."""
         return time.monotonic() - self._acts.get(str(target), float("-inf")) < _OWN_ACT
 
     def _look(self) -> None:
@@ -135,7 +135,7 @@ class WatchedSystem(RunningSystem):
 
     @staticmethod
     def _cause(state: SystemState, connection: ConnectionState) -> str:
-        """Returns the component that a connection depends on: one that is gone, else its bridge."""
+        """Returns the cause for a connection: a component that is gone, else its bridge."""
         peers = connection.declaration.peers if connection.declaration is not None else ()
         for address in (connection.jaus_id, *peers):
             component = state.components.get(address)
@@ -146,7 +146,7 @@ class WatchedSystem(RunningSystem):
     def _judge(
         self, key: str, subject: str, address: str, level: Level, reason: str, *, is_gone: bool
     ) -> None:
-        """Takes another level of a component or connection (`address`: what it comes from)."""
+        """Notes another level of a component or connection (`address`: that of its cause)."""
         before = self._levels.get(key)
         self._levels[key] = level
         if before is None:

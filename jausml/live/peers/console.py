@@ -64,7 +64,7 @@ def _message_names(operator: Operator, target: JausAddress | None, command: str)
 
 
 def _inputs(operator: Operator, target: JausAddress | None) -> Iterator[MessageEntry]:
-    """Yields the messages that a component takes; all there are where it has not said it."""
+    """Yields the messages that a component takes; all known ones where it has not listed them."""
     provided = () if target is None else operator.survey.services(target)
     labels = set(map(label_of, provided))
     for service in operator.catalogue.services.values():
@@ -116,7 +116,7 @@ class ConsoleCommand:
 
     @property
     def takes_id(self) -> bool:
-        """Whether its first word may name the component that it is for."""
+        """Whether its first word may be the id of a component."""
         return "ID" in self.usage
 
 
@@ -201,7 +201,7 @@ class Console:
         )
 
     def execute(self, word: str, rest: str) -> None:
-        """Carries out one command; what goes wrong is told and counted."""
+        """Carries out one command; errors are shown and counted."""
         command = self.commands.get(word)
         try:
             if command is None:

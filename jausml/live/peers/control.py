@@ -79,7 +79,7 @@ class Hold:
             self._confirmed = self.sent
 
     def expect_standby(self) -> None:
-        """Takes for granted from now on that the component leaves Ready: we tell it to."""
+        """Notes that the component leaves Ready by our command."""
         self.was_ready = False
 
     def wait_for_loss(self, seconds: float) -> bool:
@@ -88,7 +88,7 @@ class Hold:
             return self._news.wait_for(lambda: self.is_lost, max(0.0, seconds))
 
     def lose(self) -> None:
-        """Notes that the component is lost; what it has not confirmed since is in doubt."""
+        """Notes that the component is lost; messages since its last confirmation are in doubt."""
         with self._news:
             self.is_lost = True
             self.doubtful += self.sent - self._confirmed
@@ -165,7 +165,7 @@ class Handoffs:
             self.on_news(f"nobody asks for control of {target} any more")
 
     def decide(self, target: JausAddress, number: int, decision: HandoffDecision) -> HandoffRequest:
-        """Tells a component what was decided, and returns the request.
+        """Sends a decision to a component, and returns the request.
 
         Raises:
             JausError: The request has ended.

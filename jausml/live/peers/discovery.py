@@ -158,14 +158,14 @@ class Survey:
         return known
 
     def forget(self, address: JausAddress) -> None:
-        """Forgets what was heard of a component, in whose place another one may be now."""
+        """Forgets a component, whose place another one may have now."""
         with self._component.loop.lock:
             subsystem = self._subsystems.get(address.subsystem)
             if subsystem is not None:
                 subsystem.components.pop(address, None)
 
     def ask(self, destination: JausAddress) -> None:
-        """Asks one component, or everybody of a wildcard, who it is and what it provides."""
+        """Asks one component, or all of a wildcard, for identification and services."""
         for scope in (Scope.SUBSYSTEM, Scope.COMPONENT):
             self._component.send(QueryIdentification(query_type=scope), destination)
         self._component.send(query_services(), destination)

@@ -139,7 +139,7 @@ def full_query(query: MessageEntry, report: MessageEntry) -> dict[str, Any]:
 
 
 def presence_holder(fields: Any) -> dict[str, Any] | None:
-    """Returns the object of a query's fields that holds its presence vector, if it has one."""
+    """Returns the object with the presence vector of a query, if there is one."""
     if not isinstance(fields, dict):
         return None
     if isinstance(fields.get(PRESENCE_VECTOR), int):

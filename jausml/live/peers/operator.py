@@ -84,7 +84,7 @@ class Operator(AnsweringClient, WatchingClient, ListingClient):
     def control(
         self, target: JausAddress, authority: int, on_change: Callable[[str], None] | None = None
     ) -> Hold:
-        """Takes control and keeps it until `release`."""
+        """Requests control and keeps it until `release`."""
         self._forget(target)
         hold = Hold(target, on_change)
         with self._component.loop.lock:  # what it says at once is of a hold that is known
@@ -108,7 +108,7 @@ class Operator(AnsweringClient, WatchingClient, ListingClient):
         explanation: str,
         on_change: Callable[[str], None] | None = None,
     ) -> Hold:
-        """Asks whoever controls a component for control, and keeps it once it is granted.
+        """Requests a handoff from the controller of a component, and keeps control once granted.
 
         Raises:
             NoAnswer: The component does not answer.
@@ -124,7 +124,7 @@ class Operator(AnsweringClient, WatchingClient, ListingClient):
         return self.control(target, authority, on_change)
 
     def decide_handoff(self, target: JausAddress, number: int, decision: HandoffDecision) -> str:
-        """Tells a component what was decided of a request; who grants controls it no more.
+        """Sends a decision on a request; who grants it loses control.
 
         Returns:
             Who had asked.
@@ -182,7 +182,7 @@ class Operator(AnsweringClient, WatchingClient, ListingClient):
     def clear(
         self, target: JausAddress, gate: AbstractContextManager[None] | None = None
     ) -> Status | None:
-        """Ends an emergency that we have set (`Refused`: it lasts: somebody else has set it)."""
+        """Clears an emergency of ours (`Refused`: it lasts: another component has set one)."""
         after = [status for status in Status if status is not Status.EMERGENCY]
         message = core_messages.ClearEmergency(emergency_code=_STOP)
         return self.change(target, message, *after, gate=gate)
@@ -197,7 +197,7 @@ class Operator(AnsweringClient, WatchingClient, ListingClient):
         self._component.send(message, target, acknowledge=acknowledge)
 
     def answered(self, target: JausAddress, message: Message) -> None:
-        """Takes an answer to a message as good as its acknowledgement."""
+        """Treats an answer to a message as its acknowledgement."""
         self._component.transport.answered(self.own, target, message.encode())
 
     def awaiting(
@@ -261,7 +261,7 @@ class Operator(AnsweringClient, WatchingClient, ListingClient):
         return not provided or _ACCESS_CONTROL in provided
 
     def why_ignored(self, target: JausAddress) -> str:
-        """Returns why a component may not do what we command, in words; empty if nobody knows."""
+        """Returns the known reason why a component may not obey, in words; empty without one."""
         try:
             return self._in_the_way(target)
         except NoAnswer:
@@ -283,7 +283,7 @@ class Operator(AnsweringClient, WatchingClient, ListingClient):
 
     @property
     def holds(self) -> tuple[Hold, ...]:
-        """The components whose control was given to us, whatever became of it since."""
+        """The components whose control was granted to us, whatever happened since."""
         return tuple(self._holds.values())
 
     def release(self, target: JausAddress) -> bool:
@@ -362,7 +362,7 @@ def running_operator(
 
 
 class _Listening(JausComponent):
-    """A component that notes all that comes, also what no service of it takes."""
+    """A component that notes all messages, also those of no service of it."""
 
     def __init__(self, heard: Heard, transport: Transport, *arguments: Any, **others: Any) -> None:
         self._heard = heard

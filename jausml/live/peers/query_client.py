@@ -70,7 +70,7 @@ class QueryClient:
         self._half_silent: set[JausAddress] = set()
 
     def lives(self) -> dict[JausAddress, int]:
-        """Returns how often each peer began its numbers anew: as often it was another process."""
+        """Returns how often each peer began its numbers anew, as a new process does."""
         component = self._component
         peers = component.transport.traffic(component.address)
         return {peer.peer: peer.account.restarts for peer in peers}
@@ -108,7 +108,7 @@ class QueryClient:
             )
 
     def meet(self, target: JausAddress) -> tuple[ServiceIdentity, ...]:
-        """Asks a component for its services and its state as bridges do, to learn what it is like.
+        """Asks a component for services and state as bridges do, to learn its quirks.
 
         Its state is asked for with acknowledgement, which does no harm and shows how it
         acknowledges. Control is not requested, and no event created.
@@ -235,7 +235,7 @@ class QueryClient:
         )
 
     def on_report(self, report_class: type[M], take: Callable[[M, JausAddress], None]) -> None:
-        """Has each report of a class taken, asked for or not, with its sender."""
+        """Calls a function for each report of a class, requested or not, with its sender."""
         self._component.on_message(report_class, take)
 
     def senders(self) -> tuple[JausAddress, ...]:

@@ -116,7 +116,7 @@ def request(
     timeout: float | None = None,
     gate: AbstractContextManager[None] | None = None,
 ) -> Outcome:
-    """Sends a command and returns what came back: its confirmation, or the report of what it sets.
+    """Sends a command and returns its confirmation, or the report of the value that it sets.
 
     A command that has neither is followed by QueryStatus: its answer comes after a rejection. A
     query is answered by its report, as with `Operator.query`.
@@ -214,7 +214,7 @@ def _members(entry: MessageEntry) -> Iterator[Any]:
 
 
 def _request_id(fields: Any) -> Any:
-    """Returns the number by which an answer belongs to its command, None without one."""
+    """Returns the number that an answer has in common with its command, None without one."""
     if not isinstance(fields, dict):
         return None
     if "RequestID" in fields:
@@ -249,7 +249,7 @@ def _report(
     end: float,
     gate: AbstractContextManager[None],
 ) -> Outcome:
-    """Sends a command and returns the first report that shows what it sets."""
+    """Sends a command and returns the first report with the value that it sets."""
     query, report = _exchange(operator, target, entry)
     message = operator.message(entry, fields)
     sent = entry.decode(message.encode())

@@ -80,7 +80,7 @@ class WatchingClient(QueryClient):
         rate: float | None,
         on_report: Callable[[bytes], None],
     ) -> EventSubscription:
-        """Subscribes to a report by an event, to take it as it arrives, undecoded."""
+        """Subscribes to a report by an event, and passes it on undecoded."""
         query, report = exchange
         subscription = self._component.subscribe(
             target,
@@ -150,7 +150,7 @@ class AnsweringClient(QueryClient):
         self._component.provide(message_class(query), report_class, provided)
 
     def report_changed(self, report: MessageEntry) -> None:
-        """Sends a report to who wants it at every change."""
+        """Sends a report to subscribers of every change."""
         self._component.report_changed(message_class(report))
 
     def obey(
@@ -179,7 +179,7 @@ _LONGEST = 5.0
 
 
 class ListingClient(QueryClient):
-    """Changes the lists of those whom we control, one change of each at a time."""
+    """Client that changes lists of controlled components, one at a time of each."""
 
     def __init__(self, *others: Any) -> None:
         super().__init__(*others)
@@ -233,7 +233,7 @@ class ListingClient(QueryClient):
             ends.put("it was stopped meanwhile")
 
     def has_list(self, target: JausAddress, payloads: Sequence[bytes]) -> bool:
-        """Tells whether the list of a component is what `set_list` makes of messages."""
+        """Tells whether the list of a component is the one that `set_list` makes of messages."""
         wanted = _elements(payloads)
         count = self.ask(target, QueryElementCount(), ReportElementCount).element_count
         if count != len(wanted):

@@ -222,7 +222,7 @@ def _files_of(path: str) -> _Files:
 
 
 def _stated_files(folder: Path) -> _Files:
-    """Returns the files of a bag as its metadata tells them.
+    """Returns the files of a bag by its metadata.
 
     Topics are read from the files: what the metadata says of them may have been edited.
     """
@@ -254,7 +254,7 @@ def _unpacked(path: Path, folder: Path) -> Path:
 
 
 def _unpacked_message(message: RosMessage, path: Path) -> RosMessage:
-    """Returns a message of a bag whose messages are compressed one by one."""
+    """Returns a message of a bag with messages that are compressed one by one."""
     try:
         data = unpacked(message.data, "zstd")
     except DamageError as error:

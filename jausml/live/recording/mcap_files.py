@@ -29,7 +29,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class TrafficFilter:
-    """Patterns, in which `*` stands for anything; nothing selects all."""
+    """Patterns, in which `*` stands for any text; without one, all is selected."""
 
     topics: tuple[str, ...] = ()
     excluded: tuple[str, ...] = ()
@@ -112,7 +112,7 @@ class RecordingError(Exception):
 
 
 def need_library() -> None:
-    """Does nothing where MCAP files can be written."""
+    """Raises RecordingError where MCAP files cannot be written."""
     try:
         import mcap.writer  # noqa: F401, PLC0415 - an extra: jausml[record]
     except ImportError as error:
@@ -144,11 +144,11 @@ class McapFile:
         self.close()
 
     def close(self) -> None:
-        """Ends the file; without that, tools read it slowly or not at all."""
+        """Writes the end of the file; without it, tools read it slowly or not at all."""
         self._writer.finish()  # type: ignore[no-untyped-call]
 
     def flush(self) -> None:
-        """Ends a chunk, so that all that was written can be read whatever happens next.
+        """Ends a chunk, so that all messages so far can be read whatever happens next.
 
         An end without a summary stands behind it, until more is written: all readers open a file
         whose recorder was killed, and there is room for it on a disk that is full.

@@ -134,7 +134,7 @@ class _Contents:
     """The contents of a file."""
 
     def __init__(self, stream: BinaryIO) -> None:
-        """Reads its summary, as far as it has one that fits its checksum."""
+        """Reads the summary, if it has one with the right checksum."""
         self.statistics: Statistics | None = None
         self._stream, self._size = stream, stream.seek(0, io.SEEK_END)
         self._chunks: list[ChunkIndex] = []
@@ -230,7 +230,7 @@ class _Contents:
             self._take(opcode, at, content)
 
     def _guarded(self, messages: Iterator[Found]) -> Iterator[Found]:
-        """Yields messages; what cannot be read of them is noted."""
+        """Yields messages; notes those that cannot be read."""
         try:
             yield from messages
         except DamageError as error:
@@ -365,7 +365,7 @@ class _Contents:
             self.statistics = read(records.Statistics)
 
     def _message(self, content: bytes, at: int) -> Iterator[Found]:
-        """Yields a message, none where nothing describes its channel."""
+        """Yields a message, none for a channel without a description."""
         from mcap.records import Message  # noqa: PLC0415 - an extra
 
         if len(content) < _MESSAGE.size:

@@ -22,7 +22,7 @@ JAUS_TOPICS = "/jaus/"
 
 
 class PlayedRecording:
-    """An MCAP file and the messages in it, by seconds since its beginning.
+    """An MCAP file and its messages, by seconds since its beginning.
 
     Attributes:
         fault: What of the file cannot be read; empty for a whole one.

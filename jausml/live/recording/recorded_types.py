@@ -22,10 +22,10 @@ _MOST_SHOWN = 400
 
 
 class RecordedTypes:
-    """Tells of the types of recorded messages whether they are those of a model."""
+    """Comparison of the types of recorded messages with those of a model."""
 
     def __init__(self, types: Mapping[str, ros.MessageType]) -> None:
-        """Has compared nothing yet.
+        """Begins without a comparison.
 
         Args:
             types: The type of each topic that is compared.

@@ -74,7 +74,7 @@ class FilePair:
         return sum(self._whole)
 
     def flush(self) -> None:
-        """Gives the system what was written, in whole records."""
+        """Passes the written bytes to the system, in whole records."""
         self.file.flush()
         self._streams[1].flush()
         self._whole = [stream.tell() for stream in self._streams]
@@ -85,7 +85,7 @@ class FilePair:
             os.fsync(stream.fileno())
 
     def close(self) -> None:
-        """Ends both files, and waits until the disk has them."""
+        """Ends both files, and waits until they are on the disk."""
         with self._written:
             self.file.close()
             for stream in self._streams:
@@ -129,7 +129,7 @@ class RecordingFiles:
         self._forget()
 
     def turn(self) -> bool:
-        """Begins new files when it is time; returns whether it was."""
+        """Begins new files if a limit is reached; returns whether it was."""
         limits, current = self._limits, self.current
         is_full = limits.size is not None and current.size >= limits.size
         is_over = limits.duration is not None
@@ -250,7 +250,7 @@ class Recorder:
         selection: TrafficFilter,
         offers: Mapping[str, Mapping[str, str]] | None = None,
     ) -> None:
-        """Has recorded nothing yet.
+        """Begins without a message.
 
         Args:
             offers: What is noted of the publishers of topics, as far as they are known by then.
@@ -272,7 +272,7 @@ class Recorder:
 
     @contextmanager
     def kept(self, period: float, begun: Callable[[], None]) -> Iterator[None]:
-        """Gives the disk what has come, again and again, and ends the files."""
+        """Writes to the disk again and again, and ends the files after the block."""
         ended = Event()
         keeper = Thread(target=self._keep, args=(period, ended, begun), daemon=True)
         keeper.start()
@@ -286,7 +286,7 @@ class Recorder:
                 self._parts.current.give_up()
 
     def take_frame(self, frame: CapturedFrame, datagram: Datagram | None) -> None:
-        """Writes a frame, and what it says.
+        """Writes a frame, and its messages.
 
         Args:
             datagram: The datagram that it completes; None for a part of one.
@@ -314,7 +314,7 @@ class Recorder:
             self.topics[topic] += 1
 
     def _write(self, do: Callable[..., None], *arguments: Any) -> None:
-        """Does something with the files, alone; what they do not take any more is counted."""
+        """Writes to the files, alone; counts the messages that they can no longer take."""
         with self._lock:
             if self.fault is not None:
                 self.lost += 1
@@ -342,7 +342,7 @@ class Recorder:
             begun()
 
     def _definition(self, topic: str, kind: str) -> str:
-        """Returns the definition of the type of a topic, empty where nobody has one."""
+        """Returns the definition of the type of a topic, empty where it is not known."""
         key = (topic, kind)
         if key not in self._known:
             definition = installed_definition(kind, self._installation)

@@ -96,7 +96,7 @@ class RosTopics:
     """
 
     def __init__(self, selection: TrafficFilter) -> None:
-        """Does nothing before `open`."""
+        """Listens from `open` on."""
         self.lost: Counter[str] = Counter()
         self.early: Counter[str] = Counter()
         self.heard: dict[str, Any] = {}
@@ -121,7 +121,7 @@ class RosTopics:
         self._opened = time.monotonic()
 
     def begin(self, wanted: Collection[str] | None, take: Take) -> None:
-        """Begins to look for publishers; returns when what those publish comes that there are."""
+        """Starts to search for publishers; returns once the present ones are subscribed to."""
         if wanted is not None:
             self.wanted = frozenset(filter(self._selection.wants_topic, wanted))
         self._take = take
@@ -134,7 +134,7 @@ class RosTopics:
         return sorted((self.wanted or frozenset()) - set(self.heard) - set(self.missing))
 
     def repeat_latched(self) -> None:
-        """Has the latest messages of latched topics come again, from those who publish them.
+        """Lets publishers of latched topics send their latest messages again.
 
         So they stand in each of several files. Callable from any thread.
         """

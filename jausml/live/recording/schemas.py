@@ -195,7 +195,7 @@ def _text(installation: Installation, package: str, kind: str, own: str) -> str:
 
 
 def _part(text: str, package: str, without_fields: str = "") -> Part:
-    """Returns a definition and what is in it; and where it has no fields, another text."""
+    """Returns a definition and the types in it; for one without fields, another text."""
     fields = [field for part in parse_definition(text, "msg").sections for field in part.fields]
     inner = [
         f"{field.type.package or package}/{field.type.name}"

@@ -38,7 +38,7 @@ class ReplayPace:
     """
 
     def __init__(self, speed: float, most_each_second: float, stop: Event) -> None:
-        """Has passed nothing yet.
+        """Begins at the start of the recording.
 
         Args:
             most_each_second: How many messages pass at most; what comes faster is late.
@@ -119,7 +119,7 @@ def speakers_of(model: Model, *, allow_commands: bool) -> Speakers:
 
 
 def _quieted(owner: bridge.Bridge, *, allow_commands: bool) -> list[str]:
-    """Leaves a bridge what speaks to JAUS; returns what does so unasked."""
+    """Removes the parts of a bridge without JAUS; returns those that send unasked."""
     editable: Any = owner  # its collections are those of pyecore
     editable.serviceConnections.clear()
     editable.actionConnections.clear()
@@ -181,7 +181,7 @@ class WireReplay:
         self.close()
 
     def close(self) -> None:
-        """Stops what is commanded, releases it, and leaves the network."""
+        """Stops and releases commanded components, and leaves the network."""
         try:
             if self._worker.is_alive:
                 self.connections = self._ask({})

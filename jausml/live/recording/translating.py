@@ -172,7 +172,7 @@ def _plan(route: Route) -> dict[str, Any]:
 
 
 def _plan_of_join(translated: TranslatedJoin) -> dict[str, Any]:
-    """Returns a join for the worker: as bridges tell of it, and as the translation takes it."""
+    """Returns a join for the worker: its names for bridges and for the translation."""
     join = translated.join
     return {
         "name": str(join.name),
@@ -325,7 +325,7 @@ class CaptureReplay:
     def __init__(
         self, translator: Translator, file: McapFile, jaus: JausWriter | None = None
     ) -> None:
-        """Has read nothing yet."""
+        """Begins without a message."""
         self.captured = CapturedMessages()
         self.topics: Counter[str] = Counter()
         self.sources: dict[str, set[str]] = {}

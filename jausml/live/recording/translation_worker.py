@@ -42,7 +42,7 @@ class LatestReports:
         self._latest: dict[int, tuple[int, bytes]] = {}
 
     def keep(self, subsystem: int, at: int, data: bytes) -> None:
-        """Takes a report of a subsystem, or of anybody when the model names who sends it."""
+        """Keeps a report of a subsystem, or of any one when the model names its sender."""
         self._latest[self._key(subsystem)] = at, data
 
     def fresh(self, subsystem: int, at: int) -> typing.Any:
@@ -138,7 +138,7 @@ class Work:
 
 
 def _counts(connection: typing.Any) -> dict[str, int]:
-    """Returns how often values did not fit their field, by what was done about it."""
+    """Returns the numbers of values that did not fit their field, by policy."""
     counts = connection.statistics.out_of_range
     return {f"{field}: {policy}": number for (policy, field), number in counts.items()}
 

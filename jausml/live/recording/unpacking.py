@@ -18,7 +18,7 @@ _LARGEST_RATIO = 1000
 
 
 class DamageError(Exception):
-    """A part of a recording that cannot be read; the text says what it is, and where."""
+    """A part of a recording that cannot be read; the text has the reason and the place."""
 
 
 def unpacked(data: bytes, compression: str, most: int = MOST_UNPACKED) -> bytes:

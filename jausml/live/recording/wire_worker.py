@@ -57,7 +57,7 @@ class OpenBridges:
         return {}
 
     def _publish(self, topic: str, kind: str, data: str) -> str:
-        """Publishes a message; returns why it could not be, empty when it was."""
+        """Publishes a message; returns the reason where that fails, else an empty text."""
         with self._graph.loop.lock:
             try:
                 self._graph.publish(topic, kind, bytes.fromhex(data), _OFFERED)

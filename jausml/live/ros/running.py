@@ -61,7 +61,7 @@ class RunningGraph:
     nodes: tuple[str, ...] = ()
 
     def __bool__(self) -> bool:
-        """Tells whether anything runs."""
+        """Tells whether there is any topic, service or action."""
         return bool(self.topics or self.services or self.actions)
 
 

@@ -296,7 +296,7 @@ class Answering:
     def __init__(
         self, methods: Mapping[str, Method], refusal_of: Callable[[Exception], RpcError | None]
     ) -> None:
-        """Has begun nothing.
+        """Begins without a request.
 
         Args:
             refusal_of: Returns what a page is told of an error of a method; None for a fault.
@@ -306,7 +306,7 @@ class Answering:
         self._changes = ThreadPoolExecutor(1, "change")
 
     async def answer(self, request: Request, *context: object) -> object:
-        """Returns the result of a request (`context`: what its function takes before that)."""
+        """Returns the result of a request (`context`: the first arguments of its function)."""
         method = self._methods.get(request.method)
         if method is None:
             raise RpcError(METHOD_NOT_FOUND, f"there is no method {request.method[:80]!r}")
@@ -324,10 +324,10 @@ class Answering:
             raise refused from error
 
     async def in_turn(self, work: Callable[[], ResultT]) -> ResultT:
-        """Does something when all that was asked for before and changes something is done."""
+        """Runs a function when all earlier requests that change something are done."""
         return await asyncio.get_running_loop().run_in_executor(self._changes, work)
 
     def close(self) -> None:
-        """Begins nothing more; what was begun is done."""
+        """Stops new requests; those under way are completed."""
         self._threads.shutdown(wait=False, cancel_futures=True)
         self._changes.shutdown(wait=False, cancel_futures=True)

@@ -42,7 +42,7 @@ class Token:
         self.text = secrets.token_urlsafe(32)
 
     def fits(self, candidate: str) -> bool:
-        """Tells whether it is what was given; takes as long whichever letter differs."""
+        """Tells whether a text is the token; the time does not depend on the differing letter."""
         return hmac.compare_digest(self.text.encode(), candidate.encode("utf-8", "replace"))
 
 
@@ -92,7 +92,7 @@ def _is_address(name: str) -> bool:
 
 
 class Guard:
-    """Lets pass what was asked of this server, and by its own page where it is a socket."""
+    """Guard of the server: lets requests for it pass, and sockets of its own page."""
 
     def __init__(self, app: ASGIApp, served: Served) -> None:
         self._app = app
@@ -136,7 +136,7 @@ def _with_headers(send: Send) -> Send:
 
 
 async def _deny(response: PlainTextResponse, scope: Scope, receive: Receive, send: Send) -> None:
-    """Refuses a socket with an answer of HTTP, where the server can, else by closing it."""
+    """Refuses a socket with an answer of HTTP, where the server can; else closes it."""
     if "websocket.http.response" in scope.get("extensions", {}):
         await response(scope, receive, _with_headers(send))
     else:

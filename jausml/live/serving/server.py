@@ -41,7 +41,7 @@ def require_page(page: Path) -> None:
 
 
 class Site:
-    """A page that is served with its sockets, to whoever has the token of its address.
+    """A page with its sockets, for browsers that have the token of its address.
 
     Attributes:
         authority: Host and port of the address; empty before it is served.
@@ -55,7 +55,7 @@ class Site:
 
     @property
     def address(self) -> str:
-        """The address to open; the token stands where browsers send it to nobody."""
+        """The address to open; the token is in a part that browsers do not send."""
         return f"http://{self.authority}/#token={self.token.text}"
 
     @property

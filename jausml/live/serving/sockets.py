@@ -67,7 +67,7 @@ async def greeted(socket: WebSocket, token: Token) -> Request | None:
 
 
 async def received(socket: WebSocket) -> AsyncIterator[str | None]:
-    """Yields the messages of a socket until it is closed; None for one that is no text."""
+    """Yields the messages of a socket until it is closed; None for one without text."""
     with suppress(WebSocketDisconnect):
         while (message := await socket.receive())["type"] != "websocket.disconnect":
             yield message.get("text")
@@ -85,7 +85,7 @@ class Asked(Protocol):
         """Methods that are answered however many requests wait."""
 
     def subscribed(self, listener: Callable[[str], None]) -> AbstractContextManager[None]:
-        """Tells a listener what happens as long as the context lasts."""
+        """Reports events to a listener as long as the context lasts."""
 
     @property
     def pace(self) -> float:
@@ -113,7 +113,7 @@ class Pace:
 
 
 class PageSocket:
-    """One page and what it asks."""
+    """A page and its requests."""
 
     def __init__(self, socket: WebSocket, session: Asked) -> None:
         self._socket = socket
@@ -203,7 +203,7 @@ class Outgoing:
             self._unsent.put_nowait(text)
 
     async def send_all(self) -> None:
-        """Sends what there is to tell until the page goes, or takes nothing any more."""
+        """Sends messages until the page leaves, or takes none any more."""
         with suppress(WebSocketDisconnect, RuntimeError):
             while not self._unsent.full():
                 await self._socket.send_text(await self._unsent.get())

@@ -20,7 +20,7 @@ class Subscribers:
 
     @contextmanager
     def subscribed(self, listener: Callable[[str], None]) -> Iterator[None]:
-        """Tells a listener what happens as long as the context lasts.
+        """Reports events to a listener as long as the context lasts.
 
         `listener`: takes messages, from any thread.
         """
@@ -36,7 +36,7 @@ class Subscribers:
                 self.left()
 
     def notify(self, method: str, params: object) -> None:
-        """Tells all of them."""
+        """Sends a notification to all listeners."""
         message = rpc.notification(method, params)
         with self._lock:
             listeners = list(self._listeners)

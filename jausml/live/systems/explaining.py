@@ -73,7 +73,7 @@ class Explanation:
 def explained(
     system: RecordedSystem, model: Model | None, key: tuple[str, str], at: float
 ) -> Explanation:
-    """Returns why a connection did not pass on what it dropped last, up to a time.
+    """Returns the reason of the last drop of a connection, up to a time.
 
     Args:
         system: The recording.
@@ -164,7 +164,7 @@ def _states(state: SystemState, connection: ConnectionState, at: float) -> Itera
 
 
 def _bridge(state: SystemState, connection: ConnectionState) -> Iterator[str]:
-    """Yields how the bridge was, as it told itself or as others heard it."""
+    """Yields the state of the bridge, as it reported it or as others heard it."""
     bridge_state = state.connections.get((connection.bridge, BRIDGE))
     component = state.components.get(connection.jaus_id)
     if bridge_state is not None and component is not None:  # who may have said something since

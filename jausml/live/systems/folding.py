@@ -216,7 +216,7 @@ def fold_model(
     components: Mapping[str, str],
     now: float,
 ) -> SystemState:
-    """Returns the state after its model changed; what was heard stays."""
+    """Returns the state after a change of its model, with all that was heard."""
     fresh = expected(declarations, components, now)
     heard = [connection for connection in state.connections.values() if connection.told is not None]
     declared = {connection.key: _declaration(fresh, connection) for connection in heard}
@@ -302,7 +302,7 @@ def fold_answer(state: SystemState, answer: ComponentAnswer, now: float) -> Syst
 
 
 def fold_time(state: SystemState, now: float) -> SystemState:
-    """Returns the state at a time: who says nothing for long is not heard any more."""
+    """Returns the state at a time: long silent parts are no longer heard."""
     now = max(now, state.now)
     connections = {}
     for key, connection in state.connections.items():
@@ -366,7 +366,7 @@ def _judged(state: SystemState, connection: ConnectionState, *, is_gone: bool) -
 
 
 def _gone(component: ComponentState, level: Level) -> ComponentState:
-    """Returns a component that answers no more: what it told of itself holds no longer."""
+    """Returns a component that no longer answers, without the state that it reported."""
     if component.is_gone and not component.state:
         return replace(component, level=level)
     was = f"; was in {component.state}" if component.state else ""

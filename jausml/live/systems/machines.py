@@ -21,7 +21,7 @@ class StateTime:
 
 @dataclass(frozen=True, slots=True)
 class MachineState:
-    """A machine, named by its component: nothing of it need be known to a model.
+    """A machine, named by its component; the model need not know it.
 
     Attributes:
         service: URN of the service that has it.

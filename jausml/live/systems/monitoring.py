@@ -57,7 +57,7 @@ _UNANSWERED = 3
 
 
 class JausObserver:
-    """Asks in a thread of its own; what comes unasked is noted too."""
+    """Observer that asks components on a thread of its own, and notes other messages too."""
 
     def __init__(
         self,
@@ -125,7 +125,7 @@ class JausObserver:
             self._ask_machines(address)
 
     def _ask_machines(self, address: JausAddress) -> None:
-        """Asks where machines are: who provides the service, and nobody else.
+        """Asks for the states of machines, of components with that service alone.
 
         Who gives an event of them is asked seldom, in case that one of it was lost.
         """
@@ -214,14 +214,14 @@ class JausObserver:
             self._take(ComponentAnswer(str(sender), **fields))
 
     def _forget_replaced(self) -> None:
-        """Forgets who was replaced without being missed, as the numbers of its packets tell."""
+        """Forgets components that were replaced unseen, by the numbers of their packets."""
         for address, number in self._operator.lives().items():
             if number > self._lives.get(address, 0):
                 self._forget(address)
             self._lives[address] = number
 
     def _forget(self, address: JausAddress) -> None:
-        """Forgets what one provides that was gone: it may be another one now, and is asked."""
+        """Forgets a component that was gone: another one may have its place, and is asked anew."""
         self._unfollow(address)
         self._answers.pop(address, None)
         self._operator.survey.forget(address)

@@ -72,7 +72,7 @@ class Mark:
 
 @dataclass
 class _Block:
-    """Facts one after the other, and the state before them; None where it was let go."""
+    """Consecutive facts, and the state before them; None where it was dropped."""
 
     time: float
     facts: bytes
@@ -139,7 +139,7 @@ class RecordedSystem:
             yield from self._facts(index)
 
     def keep(self, facts: list[Fact], before: SystemState) -> None:
-        """Keeps what was told next, and the state before it."""
+        """Keeps the next facts, and the state before them."""
         packed = zlib.compress(pickle.dumps(facts), 1)
         self._blocks.append(_Block(facts[0].time, packed, before))
         kept = [block for block in self._blocks if block.before is not None]
@@ -176,7 +176,7 @@ class Indexing:
     """Reads a recording piece by piece, in whatever process."""
 
     def __init__(self, path: str) -> None:
-        """Has read nothing of an MCAP file yet."""
+        """Begins without a message of the file."""
         self._steps = _indexing(path)
 
     def __call__(self, count: int) -> float | RecordedSystem:

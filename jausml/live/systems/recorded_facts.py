@@ -91,7 +91,7 @@ class Listener:
     """
 
     def __init__(self, recording: PlayedRecording) -> None:
-        """Has heard nothing yet."""
+        """Begins without a message."""
         self.unreadable = 0
         self.hears_ros = self.hears_jaus = False
         self._recording = recording
@@ -130,7 +130,7 @@ class Listener:
             yield Fact(time, answer=ComponentAnswer(source, **fields))
 
     def _unanswered(self, time: float, asked: str, question: tuple[str, str]) -> Iterator[Fact]:
-        """Tells of who is asked the same again, and has said nothing since."""
+        """Yields the fact that a component gets the same question again, without an answer."""
         waiting = self._asked.setdefault(asked, set())
         if question in waiting:
             yield Fact(time, answer=ComponentAnswer(asked, source=AnswerSource.NOBODY))

@@ -26,7 +26,7 @@ _REMEDY = "End it, or let it share the port"
 
 
 class RunningSystem:
-    """One running system, from `start` to `stop`; what cannot be heard is part of its state."""
+    """A running system, from `start` to `stop`; its state names sources that fail."""
 
     def __init__(
         self,
@@ -58,7 +58,7 @@ class RunningSystem:
                 self._thread.start()
 
     def stop(self) -> None:
-        """Ends it: nobody is asked any more, and nothing subscribed to."""
+        """Ends all questions and subscriptions."""
         with self._beginning:
             has_begun = self._thread.ident is not None
         self._end.set()

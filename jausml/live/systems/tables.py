@@ -39,7 +39,7 @@ def shown_name(connection: ConnectionState) -> str:
 
 
 def state_text(connection: ConnectionState) -> str:
-    """Returns the state of a connection as its bridge calls it, or else how well it goes."""
+    """Returns the state of a connection by its bridge, or else its level."""
     return cell(connection.phase) or connection.level.value
 
 

@@ -149,7 +149,7 @@ class SystemView(App[None]):
         self.set_interval(self._interval, self.look)
 
     def on_unmount(self) -> None:
-        """Ends what was begun for the panel."""
+        """Ends the listeners of the panel."""
         self._inspection.close()
 
     # ---- what is shown ----------------------------------------------------------------------

@@ -89,7 +89,7 @@ def read_frames(stream: BinaryIO) -> Iterator[CapturedFrame]:
 
 
 def is_capture(beginning: bytes) -> bool:
-    """Tells whether a file begins as a capture does, or as a compressed one."""
+    """Tells whether a file begins as a capture, or as a compressed file."""
     is_plain = beginning in _PCAP or beginning == _SECTION_HEADER.to_bytes(4, "big")
     return is_plain or beginning.startswith(_GZIP)
 

@@ -45,7 +45,7 @@ _FILTER = (
 
 
 class InterfaceCapture:
-    """Sees what passes an interface, that of others included, and takes no part in it."""
+    """Capture of all frames of an interface, also of other hosts, without taking part."""
 
     def __init__(self, interface: str) -> None:
         try:
@@ -100,7 +100,7 @@ class InterfaceCapture:
 
 
 def _attach_filter(sock: socket.socket) -> None:
-    """Has the system pass on what may be JUDP alone: ROS too speaks over UDP, and much."""
+    """Lets the system pass on frames that may be JUDP alone: ROS has much UDP too."""
     code = b"".join(struct.pack("HBBI", *instruction) for instruction in _FILTER)
     kept = ctypes.create_string_buffer(code, len(code))
     program = struct.pack("HL", len(_FILTER), ctypes.addressof(kept))

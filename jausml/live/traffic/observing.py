@@ -71,7 +71,7 @@ class Observation:
         return bool(self.error) and not self.is_fragment
 
     def to_json(self) -> dict[str, Any]:
-        """Returns header, payload, and the decoded message, what is wrong, or what is awaited."""
+        """Returns header, payload, and the decoded message, the fault, or the awaited part."""
         fields: dict[str, Any] = {}
         datagram, packet = self.datagram, self.packet
         if datagram.source is not None:
@@ -138,7 +138,7 @@ class Observer:
         self._reassembly = Reassembly(_REASSEMBLY_TIMEOUT, _REASSEMBLY_LIMIT, _Reasons())
 
     def observe(self, datagram: Datagram) -> Iterator[Observation]:
-        """Yields the messages of a datagram; one that cannot be read yields what is wrong."""
+        """Yields the messages of a datagram; for one that cannot be read, the fault."""
         if datagram.source is not None and datagram.data.startswith(FRAME):
             self.host_frames += 1
             return
@@ -179,7 +179,7 @@ class Observer:
 
 
 def ends_of(datagram: Datagram) -> set[str]:
-    """Returns the JAUS ids of who sends, and who is sent, the messages that can be read."""
+    """Returns the JAUS ids of senders and receivers of the messages that can be read."""
     packets = parse_datagram(datagram.data, _Reasons())
     return {str(end) for packet in packets for end in (packet.source, packet.destination)}
 

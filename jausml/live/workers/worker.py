@@ -65,7 +65,7 @@ def bridge_of_maps(
     connections: Mapping[str, tuple[bridge.AttributeMap, bool]],
     like: Iterable[Element] = (),
 ) -> Model:
-    """Makes a system with a bridge of connections by maps, whatever else their model holds.
+    """Makes a system with a bridge of connections by maps.
 
     Args:
         like: Connections whose policies and quantities count; of several, those of the first.

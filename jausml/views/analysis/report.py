@@ -312,7 +312,7 @@ def seconds_of(
 def seconds_of_message(
     connection: bridge.Connection, streams: list[Stream], ros_size: Size
 ) -> float:
-    """Returns how long one message of a connection keeps the loop of its bridge busy."""
+    """Returns the time for which one message of a connection keeps its bridge busy."""
     topics = sum(topic.join is None for topic in connection.topics)
     packets = max((stream.packets for stream in streams), default=1)
     return MESSAGE + (topics + packets) * PACKET + ros_size.expected * BYTE
@@ -320,7 +320,7 @@ def seconds_of_message(
 
 @dataclass(frozen=True)
 class CallReport:
-    """A connection with a ROS service or a ROS action; nobody knows its rate and load.
+    """A connection with a ROS service or a ROS action, of unknown rate and load.
 
     `kind`: `service` or `action`. `messages`: names of the JAUS messages that are exchanged; for an
     action those of the list driver, and what an element of a list holds.

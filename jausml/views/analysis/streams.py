@@ -49,7 +49,7 @@ class Stream:
 
     @property
     def is_acknowledged(self) -> bool:
-        """Whether its packets are acknowledged; those of a message of many are in any case."""
+        """Whether its packets are acknowledged, as those of a message of many are in any case."""
         return self.wants_acknowledgement or self.packets > runtime_constants().at_once
 
     @property
@@ -81,7 +81,7 @@ def is_single(connection: bridge.Connection) -> bool:
 
 
 def keeps_control(connection: bridge.Connection) -> bool:
-    """Tells whether a connection makes its bridge keep control of its peers."""
+    """Tells whether a bridge keeps control of its peers for a connection."""
     if is_to_ros(connection) or not is_single(connection) or not connection.control:
         return False
     service = connection.map.message.eContainer()
@@ -140,7 +140,7 @@ def acknowledgements(packets: float) -> Wire:
 
 
 def _step(payload: int, fragment_size: int) -> int:
-    """Returns the payload of one packet, as the runtime chooses it."""
+    """Returns the payload of one packet by the rule of the runtime."""
     constants = runtime_constants()
     if payload <= fragment_size:
         return fragment_size
@@ -178,7 +178,7 @@ class Request:
 
     @property
     def named_provider(self) -> Provider | None:
-        """Whoever is asked first; None when the model names nobody."""
+        """The provider that is asked first; None when the model names none."""
         if self.joined is not None:
             return next(iter(self.joined.peers), None)
         if isinstance(self.connection, bridge.Connection):

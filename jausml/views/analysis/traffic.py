@@ -138,7 +138,7 @@ class _Streams:
         yield from self._renewals(provider, first, is_periodic=bool(rates))
 
     def _unrequested(self, owner: bridge.Bridge, connection: bridge.Connection) -> Iterator[Stream]:
-        """Yields the streams to one client that nobody has modelled."""
+        """Yields the streams to one client that is not in the model."""
         size = self._message_size(connection)
         name, exchange = str(connection.map.message.name), connection.exchange.name
         rate = float(connection.rate or owner.frequency)
@@ -218,7 +218,7 @@ class _Streams:
     def _received(
         self, receiver: bridge.Bridge, connection: bridge.Connection, sent: list[Stream]
     ) -> list[tuple[bridge.Connection, Stream]]:
-        """Adds a connection to the streams that it takes; returns those that nobody modelled."""
+        """Adds a connection to the streams that it takes; returns those without a sender."""
         name, known = str(connection.map.message.name), set()
         for stream in sent:
             is_peer = not connection.peers or stream.sender in connection.peers
@@ -243,7 +243,7 @@ class _Streams:
         ]
 
     def _changes_of(self, source: Asking) -> float:
-        """Returns how often a source makes its connection send something by itself."""
+        """Returns the rate at which a source makes its connection send."""
         rate = self._assumptions.rate_of(source)
         if not isinstance(source, bridge.Connection) or is_to_ros(source):
             return rate

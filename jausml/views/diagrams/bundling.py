@@ -15,7 +15,7 @@ FRAME = "!frame"
 
 
 def bundled(graph: Graph) -> Graph:
-    """Returns a graph that can be read: as it is, or bundled where it has too many edges.
+    """Returns a readable graph: as it is, or bundled where it has too many edges.
 
     What two frames have in common is told in the boxes, not by edges across.
     """
@@ -123,7 +123,7 @@ def is_crowded(graph: Graph) -> bool:
 
 
 def framed(graph: Graph) -> Graph:
-    """Returns a graph with a frame around each bridge and what exchanges most with it.
+    """Returns a graph with a frame around each bridge and its closest partners.
 
     It is for a page that is edited, where what is not shown could not be changed.
 

@@ -26,7 +26,7 @@ _LINES = ("line", "lines")
 
 
 def is_large(graph: Graph) -> bool:
-    """Tells whether a graph has so much in its frames that they are shown closed at first."""
+    """Tells whether a graph is so large that its frames are closed at first."""
     return len(graph.nodes) > MOST_SHOWN and bool(graph.groups)
 
 
@@ -89,7 +89,7 @@ class _Inside:
 
 
 def _insides(graph: Graph, homes: dict[str, str]) -> dict[str, _Inside]:
-    """Returns by closed frame what is in it, in the order in which the frames stand."""
+    """Returns the contents of closed frames, in the order of the frames."""
     insides: dict[str, _Inside] = defaultdict(lambda: _Inside(Counter(), []))
     seen: dict[str, set[str]] = defaultdict(set)
     for node in graph.nodes:

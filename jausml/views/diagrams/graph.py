@@ -125,7 +125,7 @@ class End:
 
 @dataclass(frozen=True)
 class Edge(_Described):
-    """A line from where something comes to where it goes.
+    """A line from a source to a target.
 
     `kind`: `message`, `topic`, `call`, `control`, `to_ros`, `to_jaus`, `inherits`, `answers` or
     `transition`.
@@ -162,7 +162,7 @@ class Graph:
 
     @property
     def compares(self) -> bool:
-        """Whether it shows what became of its parts."""
+        """Whether it shows changes of its parts."""
         states = [node.state for node in self.nodes]
         states += [port.state for node in self.nodes for port in node.ports]
         states += [group.state for group in self.groups]

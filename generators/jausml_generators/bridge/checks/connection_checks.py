@@ -82,13 +82,13 @@ def _untouched(ends: Ends) -> Iterator[str]:
 
 
 def _as_made(ends: Ends, path: str) -> list[str]:
-    """The assertions that a target has at a path what one as it is made has."""
+    """Returns the assertions that a target has its initial value at a path."""
     place = ends.target.place(path)
     return [*has_place(place), equals(place.code, ends.default(path))]
 
 
 def _is_alternative(message: Message, path: str) -> bool:
-    """Whether a path leads to one of several values of a field, which may have another one."""
+    """Tells whether a path is one of several alternatives of a field."""
     return isinstance(message, JausMessage) and message.field(path).index is not None
 
 
@@ -180,7 +180,7 @@ def _kept(
 
 
 def safe_values(ends: Ends) -> Iterator[Check]:
-    """Yields the check that a connection sends what the model says when its source is lost.
+    """Yields the check of the value that a connection sends when its source is lost.
 
     The whole message is compared: what the model leaves out stays as it is made.
     """
@@ -211,7 +211,7 @@ def _values(ends: Ends) -> dict[str, Scalar]:
 
 
 def _value(assignment: bridge.Assignment, place: Place) -> Scalar:
-    """The constant; what the clock says, or what no text stands for, is taken as it is."""
+    """Returns the constant; for the clock or a value without text, the actual value."""
     taken = Code(place.code)
     if not isinstance(assignment, bridge.ConstantAssignment):
         return taken
@@ -287,7 +287,7 @@ def _joined_inputs(ends: Ends, vector: bridge.TestVector) -> tuple[list[str], li
 
 
 def _tolerance(ends: Ends, expected: bridge.VectorValue, value: Scalar) -> float:
-    """The stated one, but no less than rounding on the wire; else half a step of JAUS fields."""
+    """Returns the stated tolerance, but at least the rounding on the wire."""
     if isinstance(value, str | bytes):
         return 0.0
     place = ends.target.place(expected.path.strip())

@@ -177,11 +177,11 @@ class Ends:
         return self.target.around(path) <= self._surroundings
 
     def is_alone(self, path: str) -> bool:
-        """Whether one assignment at most writes to a target path, or to what is in it."""
+        """Tells whether at most one assignment writes to a target path, or within it."""
         return self.written.overlapping(path) <= 1
 
     def default(self, path: str) -> str:
-        """Returns Python for what a target as it is made has at a path."""
+        """Returns Python for the initial value of a target at a path."""
         new_target = "expected" if self.target.around(path) else f"{self.view.target_name}()"
         return self.target.place(path).code.replace("target", new_target, 1)
 
@@ -251,7 +251,7 @@ class Ends:
         ]
 
     def _needed(self, join: AnyJoin) -> dict[str, Scalar]:
-        """Returns values of what a joined report has to hold, so that nothing is refused."""
+        """Returns values that a joined report needs, so that no message is refused."""
         values: dict[str, Scalar] = {}
         for assignment in self.assignments:
             is_needed = isinstance(assignment, bridge.FieldAssignment) and (
@@ -280,7 +280,7 @@ _STEP = re.compile(r"[.\[]")
 
 
 class Paths:
-    """Some paths, which are asked how many of them overlap with another one."""
+    """Paths, with the number of those that overlap with another one."""
 
     def __init__(self, paths: Iterable[str]) -> None:
         self._at = Counter(paths)
@@ -290,7 +290,7 @@ class Paths:
                 self._within[around] += times
 
     def overlapping(self, path: str) -> int:
-        """Returns how many of the paths lead to a path, to what is in it, or to what it is in."""
+        """Returns the number of paths that are equal to one, within it, or around it."""
         outer = sum(self._at[around] for around in _around(path))
         return outer + self._at[path] + self._within[path]
 

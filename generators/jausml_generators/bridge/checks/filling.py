@@ -151,7 +151,7 @@ class JausMessage:
         )
 
     def unknown(self, path: str) -> str:
-        """Returns nothing: what has no value is left out."""
+        """Returns an empty text: a field without a value is left out."""
         del path
         return ""
 
@@ -218,7 +218,7 @@ class Marker:
     places: Mapping[str, Place]
 
     def holds(self, values: Mapping[str, Scalar | None]) -> bool:
-        """Tells whether it says in a message of some values, by path, that there is none."""
+        """Tells whether the marker holds for the values of a message, by path."""
         numbers = {name: self._number(values, place.path) for name, place in self.places.items()}
         return is_said(self.condition, numbers)
 
@@ -275,7 +275,7 @@ class RosMessage:
         return "" if field is None else unknown(field) or ""
 
     def is_told_unset(self, path: str) -> bool:
-        """Tells whether something at a path says that it has no value where nothing sets it."""
+        """Tells whether a part at a path has a marker for no value where no assignment sets it."""
         end = self.field(path)
         if end.field is None or end.is_array or "[" in path:
             return False
@@ -302,7 +302,7 @@ class RosMessage:
         ]
 
     def around(self, path: str) -> set[places.Place]:
-        """Returns the elements of sequences on the way to a path, and those before them."""
+        """Returns the elements of sequences on the way to a path, and those before each."""
         elements = self.field(path).elements
         return {place for end, _ in elements for place in _up_to(end.place.at(end.than))}
 
@@ -365,7 +365,7 @@ def _path(place: places.Place) -> str:
 
 
 def _up_to(place: places.Place) -> list[places.Place]:
-    """A place, and those of the elements before it where it is an element itself."""
+    """Returns a place, and those of the elements before it where it is an element itself."""
     last = place.steps[-1]
     if isinstance(last, str):
         return [place]
@@ -415,7 +415,7 @@ def has_value(place: Place, value: Scalar, tolerance: float = 0.0) -> list[str]:
 
 
 def is_absent(place: Place) -> list[str]:
-    """Returns the assertion that an optional attribute is left out, or what it stands in."""
+    """Returns the assertion that an optional attribute, or one around it, is left out."""
     around = _around(place)
     if not around:
         return [holds(f"{place.code} is None")]
@@ -428,7 +428,7 @@ def is_there(place: Place) -> list[str]:
 
 
 def has_place(place: Place) -> list[str]:
-    """Returns the assertions that what an attribute stands in is there, be it left out or not."""
+    """Returns the assertions that the containers of an attribute exist."""
     return [holds(expression) for expression in _around(place)]
 
 

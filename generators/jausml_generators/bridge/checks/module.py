@@ -144,7 +144,7 @@ class TestModule:
 
     @staticmethod
     def _translation(ends: Ends) -> tuple[Sample | None, list[Check]]:
-        """Returns a source message, if one is known to pass, and what is said of the values."""
+        """Returns a source message, if one is known to pass, and the checks of its values."""
         checks = list(vectors(ends))
         sample = sample_of(ends)
         if sample is not None:

@@ -107,7 +107,7 @@ class _Sampler:
             raise _NoSampleError
 
     def _give(self, path: str) -> None:
-        """Gives a source its value, once."""
+        """Sets the value of a source, once."""
         if path in self._sample.values:
             return
         place = self._only_once(self._ends.source.place(path))
@@ -326,7 +326,7 @@ def _is_limited(target: filling.Place) -> bool:
 def _source_value(
     ends: Ends, chain: Chain, source: filling.Place, beyond: float
 ) -> filling.Scalar | None:
-    """The value of the source that leads beyond an end; None when it cannot have it."""
+    """Returns the value of the source that leads beyond an end; None when it has none."""
     wanted = chain.back(beyond)
     if not math.isfinite(wanted):
         return None

@@ -117,7 +117,7 @@ class LookUp:
 
 @dataclass(frozen=True)
 class Limit:
-    """A value within its target; what is not is counted, cut off or refused.
+    """A value limited to its target; others are counted, cut off or refused.
 
     Attributes:
         policy: What becomes of values that do not fit: `clamp`, `drop_field`, `drop_message` or

@@ -25,14 +25,14 @@ from jausml.language.semantics.subject import remembered
 # Compared by identity: two variables may have the same hint.
 @dataclass(frozen=True, eq=False)
 class Local:
-    """A variable of a translation; printers name it where it is given its value."""
+    """A variable of a translation; printers name it at its assignment."""
 
     hint: str
 
 
 @dataclass(frozen=True)
 class Place:
-    """A variable, or what stands in it.
+    """A variable, or a part of it.
 
     Attributes:
         root: The variable: a parameter by its name, or a local one.
@@ -56,7 +56,7 @@ class Place:
         return "_".join(words)
 
     def is_within(self, other: Place) -> bool:
-        """Whether it is another place, or stands in it."""
+        """Whether it is another place, or a part of it."""
         count = len(other.steps)
         return self.root == other.root and self.steps[:count] == other.steps
 
@@ -146,7 +146,7 @@ class HasValue:
 
 @dataclass(frozen=True)
 class Named:
-    """No condition, but a variable for what those before it have found."""
+    """No condition, but a variable for the value that the conditions before it have found."""
 
     local: Local
     place: Place

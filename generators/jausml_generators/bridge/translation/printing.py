@@ -168,7 +168,7 @@ class _Printer:
         )
 
     def _single(self, step: Each) -> str | None:
-        """The element as one expression; None where it takes statements."""
+        """Returns the element as one expression; None where it takes statements."""
         if len(step.steps) != 1 or step.new is not None:
             return None
         (only,) = step.steps
@@ -250,7 +250,7 @@ class _Printer:
     # -- expressions -----------------------------------------------------------------------------
 
     def text(self, value: Expression) -> str:  # noqa: C901 - one for each kind
-        """Returns an expression; what it needs before becomes statements."""
+        """Returns an expression; values that it needs first become statements."""
         match value:
             case Constant():
                 return literal(value)

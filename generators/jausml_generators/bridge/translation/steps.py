@@ -89,7 +89,7 @@ class Octets:
 
 @dataclass(frozen=True)
 class Each:
-    """Makes the elements of a list from those of another.
+    """The elements of a list, made from those of another.
 
     Attributes:
         new: An element without values; None where the steps make it.
@@ -115,7 +115,7 @@ Step: TypeAlias = Let | Write | Keep | Append | Require | Choose | WhereKept | E
 
 
 def gives(steps: tuple[Step, ...], place: Place) -> bool:
-    """Tells whether steps give a place a value whatever holds."""
+    """Tells whether steps set a place under all conditions."""
     return any(isinstance(step, Write) and step.place == place for step in steps)
 
 

@@ -105,7 +105,7 @@ class NestedTranslation:
 
 @dataclass
 class Surroundings:
-    """Collects what the translations of one class use of it.
+    """The parts of a class that its translations use.
 
     Attributes:
         type_name: Returns the name of the class of a ROS type, which the module then imports.
@@ -208,7 +208,7 @@ class Surroundings:
         return values
 
     def _quantity_key(self, quantity: bridge.Quantity) -> tuple[str, float, str]:
-        """Returns name, value and unit: what is the same in all of them is one attribute."""
+        """Returns name, value and unit: quantities that are equal in them are one attribute."""
         replacement = self.overrides.get(quantity.name, quantity)
         value = value_of(quantity, self.overrides)
         return str(quantity.name), value, str(quantity.units or replacement.units or "")

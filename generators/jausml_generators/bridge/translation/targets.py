@@ -149,7 +149,7 @@ class RosTarget:
         return "" if end.is_array or end.field is None else unknown(end.field) or ""
 
     def unset(self, taken: Iterable[str]) -> Iterator[str]:
-        """Yields the paths of what says that it has no value where no path that is taken leads."""
+        """Yields the paths with a marker for no value that no assignment sets."""
         if self.start.type is not None:
             yield from marked_paths(self.start.type, {parse_path(path) for path in taken})
 
@@ -283,7 +283,7 @@ class JausTarget:
 
     @staticmethod
     def _alternative(body: Body, end: JausField, value: Expression) -> Expression:
-        """A value as the alternative of a variable field; nothing where it was dropped."""
+        """Returns a value as an alternative of a variable field; none where it was dropped."""
         index = number(int(end.index or 0))
         if not (isinstance(value, Limit) and value.drops_field):
             return New(end.class_name, (index, value))
@@ -298,17 +298,17 @@ class JausTarget:
         return Value(expression, limits=end.limits)
 
     def unknown(self, path: str) -> str:
-        """Returns nothing: what has no value is left out."""
+        """Returns an empty text: a field without a value is left out."""
         del path
         return ""
 
     def unset(self, taken: Iterable[str]) -> Iterable[str]:
-        """Returns nothing: what is not set is not there."""
+        """Returns no paths: a field that is not set is left out."""
         del taken
         return ()
 
     def unlimited(self, path: str) -> Iterable[HasValue]:
-        """Returns nothing: JAUS says by no number that it has none."""
+        """Returns no conditions: JAUS has no number for no limit."""
         del path
         return ()
 
@@ -342,7 +342,7 @@ class JausTarget:
         return JausTarget(self.message, replace(many.start, root=root))
 
     def carrier(self, path: str, payload: Expression, policy: Policy) -> Expression:
-        """Returns an encoded message as the field that carries it takes it."""
+        """Returns an encoded message as a value of the field that carries it."""
         end = self.field(path)
         if end.kind == FORMAT:
             return New(end.class_name, (number(0), payload))

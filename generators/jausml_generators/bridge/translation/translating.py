@@ -99,7 +99,7 @@ _Printed = tuple[tuple[str, ...], "Compiled | None"]
 
 
 class SharedTranslations:
-    """The translations of one bridge by what makes them the same but for names."""
+    """The translations of one bridge, by a key of those that differ in names alone."""
 
     def __init__(self, uses: Surroundings) -> None:
         self._uses = uses
@@ -209,7 +209,7 @@ _TAKEN_ATTRIBUTES = names_in(
 
 @dataclass(frozen=True)
 class TranslatedJoin:
-    """A joined message as a parameter: in Python, `name` is not always what the model calls it."""
+    """A joined message as a parameter: in Python, `name` may differ from the model's."""
 
     join: bridge.Join | bridge.ReportJoin
     name: str
@@ -388,7 +388,7 @@ def _joins(connection: bridge.Connection, uses: Surroundings) -> tuple[Translate
 
 
 def _returned(lines: Sequence[str]) -> tuple[str, ...]:
-    """Returns statements that make `target` as ones that return it, unnamed if nothing is set."""
+    """Returns statements that set `target` as ones that return it."""
     *before, last = lines
     value = last.removeprefix("target = ")
     return (*lines, "return target") if value == last else (*before, f"return {value}")

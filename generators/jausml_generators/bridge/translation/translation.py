@@ -127,7 +127,7 @@ def _is_frame(path: str, kind: str) -> bool:
 
 @dataclass(frozen=True)
 class Translation(ABC):
-    """Assignments of one map in one direction, or of one list in it."""
+    """Assignments of a map in one direction, or of a list in it."""
 
     body: Body
     surroundings: Surroundings
@@ -314,7 +314,7 @@ class Translation(ABC):
         return replace(value, expression=Authored(expression, named_operands), is_computed=True)
 
     def _store_absent(self, assignment: bridge.FieldAssignment, policy: str) -> None:
-        """Gives the targets what they have unless the sources are there."""
+        """Sets the targets to their values for absent sources."""
         for path in paths_of(assignment.target):
             if policy == "useDefault":
                 self._store_constant(path, assignment.defaultValue or "")
@@ -386,7 +386,7 @@ class Translation(ABC):
             self._refuse_unlimited(path, value.policy)
 
     def _refuse_unlimited(self, path: str, policy: Policy) -> None:
-        """Adds the refusal of a value by which the target would say that nothing limits it."""
+        """Adds the refusal of a value that would mark the quantity as unlimited in the target."""
         word = {"clamp": "not_clampable"}.get(policy.name, policy.name)
         for has_value in self.target.unlimited(path):
             texts = (path, "the value would say that nothing limits it", word)

@@ -88,7 +88,7 @@ class Policy:
 
     @property
     def of_identifiers(self) -> Policy:
-        """The policy of integers that measure nothing: the next one means something else."""
+        """The policy of integers that are no measures: a near number has another meaning."""
         return replace(self, name=self.identifiers) if self.identifiers else self
 
     def limit(self, how: str, value: Expression, path: str, bounds: Sequence[float] = ()) -> Limit:

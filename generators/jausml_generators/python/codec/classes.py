@@ -250,7 +250,7 @@ class ContainerClass:
 
     @property
     def octet(self) -> str:
-        """How the runtime is told that it is one octet on the wire; empty where it is not."""
+        """The argument that makes it one octet on the wire; empty where it is not."""
         if self.presence_size or len(self.members) != 1:
             return ""
         (only,) = self.members

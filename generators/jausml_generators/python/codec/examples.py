@@ -23,7 +23,7 @@ _LONGEST_EXAMPLE = 16_384  # bytes
 
 
 def examples(messages: Iterable[MessageView]) -> tuple[str, ...]:
-    """Returns tuples of class name and bytes, without those that nobody could read in a test."""
+    """Returns tuples of class name and bytes, without those that are too long for a test."""
     pairs = ((view.class_name, example_bytes(view)) for view in messages)
     return tuple(_example(*example) for example in pairs if len(example[1]) <= _LONGEST_EXAMPLE)
 

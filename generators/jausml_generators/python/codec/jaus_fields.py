@@ -255,7 +255,7 @@ class _Walk:
         self._at = option
 
     def _flat(self, indices: list[int]) -> list[int]:
-        """The indices of the dimensions of an array as the one of its list."""
+        """Returns the indices of an array as the one of its list."""
         if not isinstance(self._at, ArrayValue) or len(indices) != len(self._at.dimensions):
             return indices
         flat = 0
@@ -291,13 +291,13 @@ class _Walk:
             self._at, self._is_made = at, True
 
     def _make(self) -> None:
-        """Notes that what stands at the present place must be there before what is in it."""
+        """Notes that the value at the present place must be made before its parts."""
         if not self._is_made and isinstance(self._at, Bits | PartValue):
             self._containers.append((self._place, New(self._at.python_type)))
             self._is_made = True
 
     def _make_last(self) -> None:
-        """Notes that the element at the end must be there before it gets its value."""
+        """Notes that the element at the end must be made before it gets its value."""
         steps = self._place.steps
         if not (steps and isinstance(steps[-1], int)) or self._is_made:
             return

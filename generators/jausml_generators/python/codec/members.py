@@ -21,7 +21,7 @@ class Part(Protocol):
 
     @property
     def jaus_name(self) -> str:
-        """Name in the model of what it is the class of."""
+        """Name of its model element."""
 
     @property
     def min_size(self) -> int:
@@ -29,7 +29,7 @@ class Part(Protocol):
 
     @property
     def octet(self) -> str:
-        """How the runtime is told that it is one octet on the wire; empty where it is not."""
+        """The argument that makes it one octet on the wire; empty where it is not."""
 
 
 @dataclass(frozen=True)
@@ -109,7 +109,7 @@ class ListValue:
 
     @property
     def is_of_octets(self) -> bool:
-        """Whether its elements are records of one octet, which are gone over at once."""
+        """Whether its elements are records of one octet, which are read at once."""
         return isinstance(self.element, PartValue) and bool(self.element.part.octet)
 
     @property
@@ -223,7 +223,7 @@ class Member:
 
     @property
     def result(self) -> str:
-        """The value, as Python text, when its bytes were read into a local of its name."""
+        """The value, as Python text, from the bytes in a local of its name."""
         if self.value.kind == "fixed" and not self.is_optional:
             return self.value.unpack(self.attribute)  # type: ignore[union-attr]
         return self.attribute
@@ -255,7 +255,7 @@ class Member:
 
 @dataclass(frozen=True)
 class Run:
-    """Members of fixed size one after the other, packed by one struct."""
+    """Consecutive members of fixed size, packed by one struct."""
 
     kind: ClassVar[str] = "run"
     struct: str

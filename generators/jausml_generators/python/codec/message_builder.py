@@ -118,7 +118,7 @@ class MessageBuilder:
         paragraphs: tuple[str, ...] = (),
         tag: int | None = None,
     ) -> ContainerClass:
-        """Builds a class of members: those of a record or sequence, or the one field itself."""
+        """Builds a class of members: those of a record or sequence, or the only field."""
         path = self._scope.path(name)
         presence: wire.IntegerType | None = None
         known_bits = 0

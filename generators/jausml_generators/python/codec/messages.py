@@ -164,7 +164,7 @@ class MessagesModule:
 
 
 class MessageScope:
-    """The inside of one message class while it is built.
+    """The inside of a message class while it is built.
 
     Attributes:
         known: What was built already, by what makes it equal to another.

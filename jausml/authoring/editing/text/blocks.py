@@ -42,7 +42,7 @@ _BY_ARROW = frozenset({"target", "source", "value"})
 
 
 class Blocks:
-    """Makes the blocks of one text; its planner says what changes.
+    """Maker of the blocks of one text, by the changes of its planner.
 
     Attributes:
         changed: Features of each element that have new values; False for one without values now.
@@ -97,7 +97,7 @@ class Blocks:
         return list_of(pieces)
 
     def _kept(self, items: Iterable[tree.Item]) -> list[Piece]:
-        """Returns the pieces of a list, with what changes in them."""
+        """Returns the pieces of a list, with their changes."""
         pieces = []
         heading: list[str] = []
         for piece in pieces_of(items):
@@ -178,7 +178,7 @@ class Blocks:
     def _assignment(
         self, part: tree.Assignment | tree.Ignored, copy: ElementCopy
     ) -> tree.Item | None:
-        """Returns an arrow as it will be, None where it must be written otherwise."""
+        """Returns the arrow after the changes, None where it must be written in another form."""
         new, changed = self._writer.arrow(copy), self.changed.get(copy, {})
         if isinstance(part, tree.Ignored):
             return replace(part, target=new.target) if isinstance(new, tree.Ignored) else None
@@ -207,7 +207,7 @@ class Blocks:
         return any(isinstance(self.part(conversion), tree.Element) for conversion in owned)
 
     def _pairs(self, part: tree.Table | tree.Vector, copy: ElementCopy) -> tree.Item | None:
-        """Returns a table or a vector as it will be, None where it must be written otherwise."""
+        """Returns a table or a vector after the changes, None where it needs another form."""
         around = self.part(cast("ElementCopy", copy.owner))
         new, changed = self._writer.item(copy, around), self.changed.get(copy, {})
         if type(new) is not type(part):
@@ -333,7 +333,7 @@ class Blocks:
         self._insert_by_rank(pieces, piece, owner, rank(owner.table, copy.feature))
 
     def _piece_for(self, copy: ElementCopy, owner: ElementCopy) -> Piece:
-        """Returns an element as it is written in an owner, with the comments that it has."""
+        """Returns an element as it is written in an owner, with its comments."""
         around, part = self.part(owner), self.part(copy)
         if around is None and owner not in self.implied:
             raise self.refusal(owner)
@@ -350,7 +350,7 @@ class Blocks:
     def _insert_by_rank(
         self, pieces: list[Piece], piece: Piece, owner: ElementCopy, wanted: int
     ) -> None:
-        """Inserts a piece behind the last one that does not come after it by the metamodel."""
+        """Inserts a piece behind the last one of an earlier feature by the metamodel."""
         owned = {
             id(self.part(child)): child.feature
             for children in owner.owned.values()
@@ -393,7 +393,7 @@ def _is_of(item: tree.Item, name: str, table: ClassTable) -> bool:
 def _keeps_its_words(
     piece: Piece, copy: ElementCopy, owner: ElementCopy, around: Part | None
 ) -> bool:
-    """Tells whether a moved element can keep the words that it was written with."""
+    """Tells whether a moved element can keep its former words."""
     if isinstance(piece.item, tree.Feature):
         return piece.item.name.text == copy.feature
     if isinstance(piece.item, tree.Element):

@@ -38,7 +38,7 @@ class ItemWriter:
         self.elements.special[MAP] = self.maps.items
 
     def detached_element(self, copy: ElementCopy, *, is_whole: bool = True) -> EObject:
-        """Returns a detached element as it will be; its owner is an element of the model."""
+        """Returns a detached element after the changes; its owner is an element of the model."""
         element = detached(copy, self.find, is_whole=is_whole)
         if copy.owner is not None:
             # Names are looked up from the owner, but the owner must not learn of the element.
@@ -122,7 +122,7 @@ def detached(
 
 
 def settle_new(new_element: EObject, copy: ElementCopy) -> None:
-    """Gives new connections the way that follows from all else, where a command leaves it open.
+    """Sets the inferred features of new connections, where a command leaves them open.
 
     So the text leaves it open too.
     """

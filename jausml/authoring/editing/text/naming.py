@@ -52,7 +52,7 @@ class Naming(DocumentNames):
         return self.href(target) if home is None else Href(self._foreign(target, home))
 
     def meant(self, text: str, owner: EObject, feature: FeatureTable) -> EObject | None:
-        """Returns the element that a name means now, None unless it is one."""
+        """Returns the element that a name means now, None for no or several ones."""
         candidates: list[EObject] = []
         if feature.target is not None:
             candidates = self._finder.find(text, feature.target, self._document, owner)
@@ -83,7 +83,7 @@ class Naming(DocumentNames):
         return True
 
     def _is_misleading(self) -> bool:
-        """Tells whether the last import makes a name mean something else than it does.
+        """Tells whether the last import changes the meaning of a name.
 
         Two versions of a service may be named in one edit, so names that it gave count too.
         """

@@ -73,7 +73,7 @@ def _values(item: Feature) -> Iterator[Piece]:
 
 
 def piece_of(part: Item, items: Iterable[Item]) -> Piece | None:
-    """Returns the piece of an element, without the heading that stays before what follows it."""
+    """Returns the piece of an element, without a heading that stays before the next one."""
     pieces = list(pieces_of(items))
     for piece in pieces:
         if piece.part is part:
@@ -131,7 +131,7 @@ def _can_join(last: Feature, item: Feature) -> bool:
 
 
 def set_apart(before: Sequence[Item], item: Item) -> None:
-    """Sets a new item apart from what is before it as its like are."""
+    """Sets a new item apart from the one before, as items of its kind are."""
     if len(before) > 1 and type(before[-1]) is type(item):
         item.spaced = before[-1].spaced
     elif before:
@@ -157,7 +157,7 @@ def comments_in(item: Item) -> Iterator[str]:
 
 
 def in_place_of(old: Item, new: Item) -> Item:
-    """Returns a new item with the comments of an old one, in it too, and set apart like it."""
+    """Returns a new item with the comments and the empty line of an old one."""
     said = Counter(comments_in(new))
     # A new element may have no place for them within it, so they go before it.
     lost = list((Counter(comments_in(old)) - said).elements())

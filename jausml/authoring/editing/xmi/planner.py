@@ -73,7 +73,7 @@ def _printed(commands: Sequence[ElementCommand], context: Context) -> bytes:
 
 
 class _Touch:
-    """Finds out whether commands concern a file at all; if not, it stays as it is laid out."""
+    """Finder of commands that concern a file; without one, the file stays as it is laid out."""
 
     def __init__(self, context: Context) -> None:
         self._context = context
@@ -114,7 +114,7 @@ class _Touch:
 
 
 class _Printer(DocumentPrinter[Target]):
-    """Prints one file from the working copy, with the comments that it has."""
+    """Printer of one file from the working copy, with its comments."""
 
     def __init__(self, commands: Sequence[ElementCommand], context: Context) -> None:
         super().__init__(context.model.metamodels)
@@ -190,7 +190,7 @@ class _Printer(DocumentPrinter[Target]):
         return attributes
 
     def _located(self, text: str) -> str:
-        """Tells Eclipse where the metamodel of a new namespace is, if the file says it of others.
+        """Returns the schema locations, with that of a new namespace if the file has others.
 
         It lies beside theirs; without its place Eclipse opens the file no longer.
         """
@@ -344,7 +344,7 @@ class _Printer(DocumentPrinter[Target]):
         return f"{'xmi' if is_xmi(space) else prefix}:" if prefix else ""
 
     def _followed(self, word: str) -> str:
-        """Returns a reference as it is to be written; one that leads nowhere stays as it is."""
+        """Returns a reference as it is to be written; a dangling one stays as it is."""
         uri, mark, fragment = word.partition("#")
         target = self._names.target(uri, fragment) if mark else self._names.target("", word)
         if target is None:

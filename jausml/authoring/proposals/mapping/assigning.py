@@ -181,7 +181,7 @@ def _policies(target: Member) -> tuple[Mapping[str, str], ...]:
 
 
 def _may_be_turned(source: Member, target: Member) -> bool:
-    """Tells whether a number may have the other sign there: its axes are unknown, not its names."""
+    """Tells whether a number may have the other sign at its target: the axes are unknown."""
     are_named = compared(source.attribute, target.attribute) is not None
     are_known = axis_of(source.attribute) is not None and axis_of(target.attribute) is not None
     return not (are_named or are_known)
@@ -207,7 +207,7 @@ def _judged(
     target: Member,
     drafts: Sequence[_Draft],
 ) -> list[Judged]:
-    """Has drafts judged where they would stand, in a list if their members lie in one."""
+    """Judges drafts in their places, within a list if their members are in one."""
     feature = _TO_ROS if source.is_jaus else _TO_JAUS
     children = [
         _in_list(draft, source, target, feature) if source.outer else draft.child(feature)
@@ -234,7 +234,7 @@ def _drafts(map_: bridge.AttributeMap, source: Member, target: Member) -> Iterat
 
 
 def _chains(source: Member, target: Member) -> Iterator[tuple[Conversion, ...]]:
-    """Yields the chains that take what the source is, and yield one value.
+    """Yields the chains of conversions from the kind of the source to one value.
 
     What is known of the unit of both ends shall not be lost on the way.
     """
@@ -254,7 +254,7 @@ def _chains(source: Member, target: Member) -> Iterator[tuple[Conversion, ...]]:
 
 
 def _may_follow(first: Conversion, second: Conversion) -> bool:
-    """Tells whether two conversions in a row may mean something: a sign, and something else."""
+    """Tells whether two conversions in a row may have a meaning: a sign, and another one."""
     if (first is NEGATION) is (second is NEGATION):
         return False
     fitting = second.takes(list(first.outputs))
@@ -262,7 +262,7 @@ def _may_follow(first: Conversion, second: Conversion) -> bool:
 
 
 def _is_last_choice(conversion: Conversion) -> bool:
-    """Tells whether a conversion makes another quantity or order of what would fit without it."""
+    """Tells whether a conversion changes a quantity or order that would fit without it."""
     units = conversion.units
     if units in (UnitEffect.SQUARE, UnitEffect.ROOT):
         return True
@@ -284,7 +284,7 @@ def _with_siblings(
 
 
 def _along(map_: bridge.AttributeMap, one: Member, axes: Sequence[str]) -> tuple[str, ...]:
-    """Returns the members beside one that are the angles about some axes; none if one lacks."""
+    """Returns the angles about some axes beside a member; none if one is missing."""
     before, dot, _ = one.inner.rpartition(".")
     place = outer_scope(map_, to_ros=one.is_jaus).find_source(before or ".")
     names = [
@@ -384,6 +384,6 @@ def partners(scope: Scope, map_: bridge.AttributeMap, source: Member) -> list[tu
 
 
 def _may_become(source: Member, target: Member) -> bool:
-    """Tells whether the units of two members do not stand against it."""
+    """Tells whether the units of two members allow an assignment."""
     own, other = (attribute_measure(end.attribute) for end in (source, target))
     return own is None or other is None or own.unit.is_compatible(other.unit)

@@ -118,7 +118,7 @@ class Begun:
 
 
 def begin_map(scope: Scope, owner: bridge.Bridge, wish: Wish) -> Begun:
-    """Returns a new map with all that follows from its ends and from what the author says.
+    """Returns a new map with the assignments that follow from its ends and the author's wish.
 
     `AnswerError`: what the author says is forbidden by a rule, or names nothing.
     """

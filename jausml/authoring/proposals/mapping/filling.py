@@ -109,7 +109,7 @@ def propose_assignments(
 def _only_pair(
     map_: bridge.AttributeMap, sources: Sequence[Member], targets: Sequence[Member], *, to_ros: bool
 ) -> list[tuple[Member, Member]]:
-    """Returns the members of ends that have one each, of which nothing is filled."""
+    """Returns the members of ends that have one each, both without an assignment."""
     # What a call does is said by its service, and its only field may be another thing.
     if map_.type is not None and isinstance(map_.type.eContainer(), ros.ServiceType):
         return []
@@ -194,7 +194,7 @@ def targets_of(child: Child) -> Iterator[_Path]:
 
 
 def is_filled(path: str, filled: Iterable[_Path]) -> bool:
-    """Tells whether a member, something around it or something in it is filled."""
+    """Tells whether a member, one around it or one in it is filled."""
     member_path = parse_path(path)
     return any(
         filled_path[: len(member_path)] == member_path

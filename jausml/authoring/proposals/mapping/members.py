@@ -208,7 +208,7 @@ def _is_same(one: _Known, other: _Known) -> bool:
 
 
 def _is_plain(one: _Known, other: _Known) -> bool:
-    """Tells whether a name says nothing that unit, axis and the path of the other do not say."""
+    """Tells whether a name adds no word to the unit, axis and path of the other."""
     return _PLAIN.issuperset(set(one.name) - other.path)
 
 
@@ -219,7 +219,7 @@ def _is_measured_alike(one: _Known, other: _Known) -> bool:
 
 
 def _towards(axis: Axis) -> tuple[str, bool]:
-    """Returns where an axis points, whatever its sign, and whether it is turned about."""
+    """Returns the direction of an axis, whatever its sign, and whether it is of an angle."""
     return direction(axis)[0], axis.is_angle
 
 

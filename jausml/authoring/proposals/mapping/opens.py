@@ -213,7 +213,7 @@ def _widest(steps: Sequence[str], taken: Sequence[tuple[str, ...]]) -> str:
 
 
 def _header(map_: bridge.AttributeMap) -> Iterator[Child]:
-    """Yields the time and the frames of a ROS message, as far as nothing fills them."""
+    """Yields the time and the frames of a ROS message that have no assignment."""
     feature = assignments_feature(to_ros=True)
     filled = filled_paths(map_, to_ros=True)
     members = leaves(map_, is_jaus=False)
@@ -229,7 +229,7 @@ def _header(map_: bridge.AttributeMap) -> Iterator[Child]:
 
 
 def stops_by_zeros(map_: bridge.AttributeMap, directions: Collection[bool]) -> list[bool]:
-    """Returns the directions of a command in which zeros may be what stops it.
+    """Returns the directions of a command in which zeros may be the stop.
 
     That they do is for a person to say: what receives them may be at rest by other numbers.
     """
@@ -239,7 +239,7 @@ def stops_by_zeros(map_: bridge.AttributeMap, directions: Collection[bool]) -> l
 
 
 def zeros(assignments: Sequence[Child], *, to_ros: bool) -> Child:
-    """Returns a stop of zeros. A ROS message has them by itself, one of JAUS is given them."""
+    """Returns a stop of zeros: a ROS message has them already, one of JAUS needs them stated."""
     values = () if to_ros else tuple(_zeros(assignments))
     return Child(STOPS[to_ros], "bridge.Stop", {}, values)
 

@@ -50,7 +50,7 @@ class Tabled:
 
 
 def tabled(map_: bridge.AttributeMap, assignments: Iterable[Child]) -> Tabled:
-    """Has a table map what both ends of an assignment name alike and number otherwise.
+    """Adds a table where both ends of an assignment have equal names with other numbers.
 
     `assignments`: those that are to be. What lies in lists, or has conversions, stays as it is.
     """
@@ -303,7 +303,7 @@ def _refer_to_tables(metamodels: Metamodels, whole: Any, child: Child, assignmen
 
 
 def _copied(metamodels: Metamodels, element: EObject) -> EObject:
-    """Returns an element like another one, with all that it owns; what it refers to is the same."""
+    """Returns a copy of an element with all its parts; its references stay the same."""
     table = metamodels.class_of(element)
     duplicate: EObject = new_object(table)
     for name, feature in table.features.items():
@@ -322,7 +322,7 @@ def _copied(metamodels: Metamodels, element: EObject) -> EObject:
 
 
 def made_of(metamodels: Metamodels, child: Child) -> EObject:
-    """Makes an element of what a command would add; references are left out."""
+    """Returns the element of an addition; references are left out."""
     table = metamodels.classes[child.kind]
     element: EObject = new_object(table)
     for name, texts in child.values.items():

@@ -70,7 +70,7 @@ def _is_deviation(member: Member) -> bool:
 
 
 def _diagonals(map_: bridge.AttributeMap, member: Member) -> Iterator[_Diagonal]:
-    """Yields the diagonals of a matrix of covariances; none of anything else."""
+    """Yields the diagonals of a matrix of covariances; none of other members."""
     is_matrix = member.attribute.kind == NUMBERS and member.path.endswith(_COVARIANCE)
     if member.outer or not is_matrix:
         return

@@ -68,7 +68,7 @@ def _has_zero(attribute: Attribute) -> bool:
 
 
 def silence(finding: Found) -> Iterator[QuickFix]:
-    """Gives a safe value a time after which it is sent, longer than the period of messages."""
+    """Sets the silence timeout of a safe value, longer than the period of messages."""
     rate = _rate(finding.element)
     seconds = max(1.0, round(_PERIODS / rate, 3)) if rate else 1.0
     yield finding.set(f"after {seconds:g} s of silence", "silenceTimeout", f"{seconds:g}")
@@ -88,7 +88,7 @@ def freshness(finding: Found) -> Iterator[QuickFix]:
 
 
 def control(finding: Found) -> Iterator[QuickFix]:
-    """Does without control of what cannot be controlled."""
+    """Removes the control of a message that needs none."""
     if 'control="false"' in finding.hint or "control: false" in finding.hint:
         yield finding.set("send without control", "control", "false")
 
@@ -114,7 +114,7 @@ def service(finding: Found) -> Iterator[QuickFix]:
 
 
 def peer(finding: Found) -> Iterator[QuickFix]:
-    """Names the one component that has the message, or searches for its service."""
+    """Names the only component with the message, or searches for its service."""
     message, connection = _message(finding), finding.element
     if message is None or connection.peers or connection.search is not None:
         return
@@ -135,7 +135,7 @@ def peer(finding: Found) -> Iterator[QuickFix]:
 
 
 def published_twice(finding: Found) -> Iterator[QuickFix]:
-    """Takes away the topic or the connection that says it a second time."""
+    """Removes the topic or the connection that repeats a publisher."""
     noun = "topic" if isinstance(finding.element, bridge.Topic) else "connection"
     yield QuickFix(f"take this {noun} away", (Remove(finding.ref),))
 

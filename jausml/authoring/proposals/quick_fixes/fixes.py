@@ -47,7 +47,7 @@ def address(finding: Found) -> Iterator[QuickFix]:
 
 
 def name(finding: Found) -> Iterator[QuickFix]:
-    """Gives an element a name that code can have and nobody else has."""
+    """Renames an element to a name that code can have and that is free."""
     own = name_of(finding.element)
     wanted = _NOT_LETTERS.sub("_", own).strip("_")
     if not wanted or not wanted[0].isalpha():
@@ -134,7 +134,7 @@ def placed_twice(finding: Found) -> Iterator[QuickFix]:
 
 
 def meant_element(finding: Found) -> Iterator[QuickFix]:
-    """Refers to the element that has the name that was meant, where only one has it."""
+    """Refers to the element with the intended name, where only one has it."""
     feature = finding.table.features.get(finding.feature)
     if feature is None or not feature.is_reference:
         return

@@ -90,7 +90,7 @@ Fixer: TypeAlias = Callable[[Found], Iterator[QuickFix]]
 
 
 def unset(finding: Found) -> Iterator[QuickFix]:
-    """Leaves out what a feature states, so that its default holds."""
+    """Unsets a feature, so that its default holds."""
     feature = finding.table.features.get(finding.feature)
     if feature is None or (feature.can_be_missing and feature.lower > 0):
         return
@@ -103,7 +103,7 @@ def unset(finding: Found) -> Iterator[QuickFix]:
 
 
 def unset_where(is_meant: Callable[[Found], bool]) -> Fixer:
-    """Leaves out what a feature states, of those findings of a rule that call for it."""
+    """Unsets a feature, for those findings of a rule that call for it."""
     return lambda finding: unset(finding) if is_meant(finding) else iter(())
 
 
@@ -113,7 +113,7 @@ def removed(label: str) -> Fixer:
 
 
 def renamed_as_meant(finding: Found) -> Iterator[QuickFix]:
-    """Puts what was meant in the place of the text of a feature, or of the wrong part of it."""
+    """Replaces the text of a feature, or its wrong part, by the intended one."""
     feature = finding.table.features.get(finding.feature)
     if feature is None or feature.is_reference:
         return

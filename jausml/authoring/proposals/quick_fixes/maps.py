@@ -141,7 +141,7 @@ def header(finding: Found) -> Iterator[QuickFix]:
 
 
 def repeated(finding: Found) -> Iterator[QuickFix]:
-    """Takes away what stands there a second time."""
+    """Removes a repetition."""
     if finding.message.endswith("is assigned already"):
         yield QuickFix("take this assignment away", (Remove(finding.ref),))
 
@@ -165,7 +165,7 @@ def table_entry(finding: Found) -> Iterator[QuickFix]:
 
 
 def unused_join(finding: Found) -> Iterator[QuickFix]:
-    """Takes away a join that nothing is taken of, or gives one a topic."""
+    """Removes a join that no assignment uses, or gives one a topic."""
     if finding.message.startswith("no assignment takes anything of"):
         feeding = (
             topic
@@ -195,7 +195,7 @@ def stale_join(finding: Found) -> Iterator[QuickFix]:
 
 
 def quantity(finding: Found) -> Iterator[QuickFix]:
-    """Gives a quantity the unit or the name of the one that it overrides."""
+    """Sets the unit or the name of a quantity to that of the overridden one."""
     if finding.hint.startswith("state it in "):
         unit = finding.hint.removeprefix("state it in ")
         yield finding.set(f"state it in {unit}", "units", unit)

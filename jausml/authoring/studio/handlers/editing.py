@@ -31,7 +31,7 @@ _ADDRESS = "address"
 
 @dataclass(frozen=True)
 class Dropped:
-    """Where something was dropped: a view of a file, and the corner of its new box in pixels."""
+    """The place of a drop: a view of a file, and the corner of the new box in pixels."""
 
     file: str
     view: str
@@ -91,7 +91,7 @@ def _carried_out(
 
 
 def _told(context: StudioContext, entry: Entry) -> dict[str, Any]:
-    """Tells pages what was done, and returns what it has made."""
+    """Reports an entry to pages, and returns its new elements."""
     if entry.changes:
         context.changed()
     return {"revision": context.project.revision, "created": entry.created}
@@ -190,7 +190,7 @@ def _plan(
 
 
 def _obstacle(context: StudioContext, verdict: Verdict) -> str:
-    """Returns why no code may be made whatever was found, empty when it may."""
+    """Returns why no code may be made, whatever was found; empty when it may."""
     return verdict.fault or context.freshness(verdict).why
 
 

@@ -17,7 +17,7 @@ def _files(context: StudioContext) -> dict[str, Any]:
 
 
 def _open(context: StudioContext, recording: str) -> dict[str, Any]:
-    """Returns how much of a recording has been read, and what it holds once all has."""
+    """Returns the share of a recording that has been read, and its contents once all has."""
     file = context.recordings.opened(recording)
     system = file.system
     if system is None:
@@ -43,7 +43,7 @@ def _state(context: StudioContext, recording: str, file: str, at: float) -> dict
 def _why(
     context: StudioContext, recording: str, file: str, bridge: str, connection: str, at: float
 ) -> Explanation:
-    """Returns why a connection did not pass on what it dropped last."""
+    """Returns the reason why a connection dropped its last message."""
     system = context.recordings.system(recording)
     return explained(system, context.project.model(file).model, (bridge, connection), at)
 

@@ -138,7 +138,7 @@ def _picture(context: StudioContext, file: str, view: str) -> dict[str, Any]:
 
 
 def _where(context: StudioContext, file: str, view: str, element: str) -> dict[str, Any]:
-    """Returns where the box of an element stands, nothing where the view does not show it."""
+    """Returns the place of the box of an element, None where the view does not show it."""
     return {"place": context.drawings.where(file, view, element)}
 
 
@@ -147,7 +147,7 @@ def _problems_of(context: StudioContext, file: str) -> dict[str, Any]:
 
 
 def problems(context: StudioContext, verdict: Verdict) -> dict[str, Any]:
-    """Returns a verdict as pages know it, worked out once for all of them."""
+    """Returns a verdict as pages get it, made once for all of them."""
     context.viewed_files.add(verdict.file)
     known = context.sent_verdicts.get(verdict.file)
     if known is None or known[0] is not verdict:
@@ -254,7 +254,7 @@ def _outline(
 
 
 def _members(context: StudioContext, file: str, view: str) -> dict[str, Any]:
-    """Returns all members of the ends of a map, of which its view shows those of interest."""
+    """Returns all members of the ends of a map; its view shows a part of them."""
     scope = context.scope_of(file)
     ends = maps.ends(Context(scope.model, view, ()), map_shown(scope, view))
     sides = [{"node": node, "members": list(_rows(members))} for node, members in ends]
@@ -319,7 +319,7 @@ class LiveRequests:
             self._stop()
 
     def leave(self) -> None:
-        """Watches nothing any more; who calls does not wait for it."""
+        """Stops watching; the caller does not wait for it."""
         threading.Thread(target=self.stop, name="leaving", daemon=True).start()
 
     def message(self, connection: str) -> dict[str, Any]:

@@ -29,7 +29,7 @@ _MOST_STEPS = 1000
 def _step(
     context: StudioContext, file: str, view: str, path: tuple[Chosen, ...], said: Mapping[str, bool]
 ) -> dict[str, Any]:
-    """Returns where a path leads, and what can happen there when conditions say something."""
+    """Returns the end of a path, and the possible steps there for some values of conditions."""
     model, machine = _machine(context, file, view, path)
     ids = Context(model, view, ())
     product = machine.product

@@ -126,7 +126,7 @@ def through(
 
 
 def carried(scope: Scope, owner: bridge.Bridge, at_jaus: Spot, direction: str) -> Options:
-    """A bridge carries what a component sends or takes, each ready map on a topic of its own.
+    """Returns options to carry the messages of a component, each ready map on its own topic.
 
     New maps go to topics of nodes, where a message has no ready one.
     """
@@ -170,7 +170,7 @@ def _wanted(component: jaus.Component, message: str, direction: str) -> list[Off
 
 
 def _is_echo(offer: Offer) -> bool:
-    """Tells whether a message reports what was commanded, which few are interested in."""
+    """Tells whether a message reports a former command, which few are interested in."""
     what = name_of(offer.message).removeprefix("Report")
     return any(name_of(message) == f"Set{what}" for message in offer.service.inputs)
 
@@ -325,7 +325,7 @@ def _option(
     commands: Sequence[Command],
     node: EObject | None = None,
 ) -> Option:
-    """Returns a draft as people choose it: what crosses, how, and why it can."""
+    """Returns a draft as an option: the message, the map, and the reason."""
     offer, map_ = draft.offer, draft.map
     how = f"ready map {name_of(map_)}" if map_ is not None else "new map"
     bridged = name_of(owner) if isinstance(owner, bridge.Bridge) else "a new bridge"
@@ -341,7 +341,7 @@ def _option(
 def _is_carried(
     owner: EObject, component: jaus.Component, offer: Offer, at_ros: Spot | None = None
 ) -> bool:
-    """Tells whether a bridge has a connection of these ends already, or of any topic."""
+    """Tells whether a bridge has a connection of these ends, or of the message on any topic."""
     if not isinstance(owner, bridge.Bridge):
         return False
     topic = ""

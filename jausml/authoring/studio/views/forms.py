@@ -86,7 +86,7 @@ class Kind:
 
 @dataclass(frozen=True, slots=True)
 class Child:
-    """An element that another owns; `cells`: what is read and changed of it where it is listed."""
+    """A part of an element; `cells`: its values that a list shows and changes."""
 
     element: str
     label: str
@@ -365,7 +365,7 @@ def choices(scope: Scope, ref: str, feature: str, query: str = "") -> Choices:
 
 
 def _rank(label: str, query: str) -> int:
-    """Returns how well a label fits what was typed, 0 best: its last name counts most."""
+    """Returns the rank of a label for typed text, 0 best: its last name counts most."""
     name = re.split("[/.]", label.partition(" (")[0])[-1]
     if name == query:
         return 0

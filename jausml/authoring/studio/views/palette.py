@@ -61,7 +61,7 @@ class Entry:
     words: str = ""
 
     def rank(self, wanted: Sequence[str]) -> int | None:
-        """Returns how well it fits words, 0 best; None where it does not."""
+        """Returns the rank of the entry for some words, 0 best; None where it does not fit."""
         if not all(word in self.words for word in wanted):
             return None
         label = self.label.lower()
@@ -198,7 +198,7 @@ def _services(services: Iterable[jaus.Service]) -> Iterator[Entry]:
 
 
 def _ordered(services: Sequence[jaus.Service]) -> list[jaus.Service]:
-    """Returns services as people look for them: what moves first, core services last.
+    """Returns services in the order of search: those that move first, core services last.
 
     Every component has those. Older versions stand behind all that is present.
     """

@@ -43,7 +43,7 @@ class TextPlaces:
         self._written, self._starts = written, _line_starts(self.text)
 
     def element(self, node: Node) -> tuple[int, int] | None:
-        """Returns where an element begins and ends, None where it follows from something else."""
+        """Returns the start and end of an element, None for an implied one."""
         source = self._written.source_of(node)
         if source is None:
             return None
@@ -60,7 +60,7 @@ class XmlPlaces:
         self.text = self._data.decode(self._encoding, "replace")
 
     def element(self, node: Node) -> tuple[int, int]:
-        """Returns where an element begins, and where it ends with its end tag."""
+        """Returns the start of an element, and its end behind the end tag."""
         start, end = (self._character(offset) for offset in (node.offset, self._ends[node.offset]))
         return start, self.text.index(">", end) + 1 if self.text.startswith("</", end) else end
 

@@ -104,7 +104,7 @@ def plan(report: Report, out: Path, *, force: bool = False) -> Planned:
 
 
 def diff(report: Report, out: Path, path: str, *, force: bool = False) -> str:
-    """Returns the patch of one file, empty where nothing would change."""
+    """Returns the patch of one file, empty for no change."""
     actions = [
         action for action in _checked(report, out, force=force).plan.actions if action.path == path
     ]

@@ -60,7 +60,7 @@ def join(scope: Scope, source: tuple[str, str], target: tuple[str, str]) -> Opti
 
 
 def inherit(scope: Scope, heir: jaus.Service, base: jaus.Service) -> Options:
-    """Returns how a service comes to inherit another one, in the place of what it inherits."""
+    """Returns the change by which a service inherits another one instead of the present one."""
     if heir.inherits is base:
         return Options(refusal=f"{name_of(heir)} inherits {name_of(base)} already")
     if heir in lineage(base):
@@ -221,7 +221,7 @@ def _path(machine: Machine, box: str) -> str:
 
 
 def _taken(machine: Machine, path: str) -> Iterator[str]:
-    """Yields the triggers that a state has a transition for, whatever its guard."""
+    """Yields the triggers for which a state has a transition, whatever its guard."""
     node = machine.nodes.get(path)
     for state in node.elements if node is not None else ():
         for transition in (*state.transitions, *state.defaults):

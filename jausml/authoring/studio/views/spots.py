@@ -75,7 +75,7 @@ def all_spots(scope: Scope) -> Iterator[Spot]:
 
 
 def map_of(scope: Scope, view: str) -> bridge.AttributeMap | None:
-    """Returns the map that a view shows, None for a view of something else."""
+    """Returns the map of a view, None for another kind of view."""
     kind, _, name = view.partition(":")
     return map_named(scope, name) if kind == "map" else None
 
@@ -138,7 +138,7 @@ class Located:
 
 
 def source(scope: Scope, ref: str) -> Located:
-    """Returns where an element stands; where its owner does if the text has not written it."""
+    """Returns the place of an element; that of its owner for one that the text implies."""
     element = scope.find(ref)
     file, _ = refs.split(ref)
     model = scope.model_of(element)

@@ -62,7 +62,7 @@ class Input:
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """A value that came out; those of JAUS have their unit in them."""
+    """A value of a result; values of JAUS have their unit in them."""
 
     path: str
     value: str
@@ -202,7 +202,7 @@ class Trials:
 def _code(
     scope: Scope, map_: bridge.AttributeMap, users: Sequence[bridge.Connection], *, to_ros: bool
 ) -> tuple[BridgeCode, dict[str, str]]:
-    """Returns the generated code of a direction of a map, as the first who uses it has it.
+    """Returns the generated code of a direction of a map, as its first user has it.
 
     With it come the parameters of its method by the names of joins; that of the message has none.
     """
@@ -236,7 +236,7 @@ def _check_ends(map_: bridge.AttributeMap) -> None:
 def _request(
     map_: bridge.AttributeMap, texts: Mapping[str, str], *, to_ros: bool
 ) -> dict[str, Any]:
-    """Returns the messages that values make: the main one, and those of joins that have values."""
+    """Returns the messages with some values: the main one, and those of joins with values."""
     scope = outer_scope(map_, to_ros=to_ros)
     joins = {
         str(report_join.name): report_join

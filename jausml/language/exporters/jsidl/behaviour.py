@@ -157,7 +157,7 @@ class _Writer:
         return {name: of_body.get(name, event) for name in names} if event else {}
 
     def _kind(self, transition: jaus.Transition, path: str) -> Element:
-        """Returns the kind of a transition with the state that it enters, by its whole path."""
+        """Returns the kind of a transition with the whole path of its target state."""
         kind, target = transition.kind.name, transition.target
         if not target:
             return element(kind)
@@ -178,7 +178,7 @@ class _Writer:
 def _paths(
     states: Iterable[jaus.State], outer: str = ""
 ) -> Iterator[tuple[str, jaus.State | None]]:
-    """Yields the paths of states as they are written, before them those that a name implies."""
+    """Yields the paths of states as they are written, with implied outer states before them."""
     for state in states:
         path = outer
         for name in str(state.name).split("."):
@@ -189,7 +189,7 @@ def _paths(
 
 
 def arguments_of(action: jaus.Action, *, has_sender: bool) -> list[str]:
-    """Returns the arguments of an action: of one that sends, what is sent, and to whom."""
+    """Returns the arguments of an action: of one that sends, the message and the receiver."""
     arguments = list(action.arguments)
     sent = f"'{action.sends.name}'" if action.sends is not None else ""
     if not sent or arguments[:1] == [sent]:

@@ -39,7 +39,7 @@ def text_element(tag: str, text: str | None) -> Element:
 
 
 def explained(node: Element, *explaining: Documented) -> Element:
-    """Gives an element an `interpretation`, if what it stands for is documented."""
+    """Sets the `interpretation` of an element by the documentation of its sources."""
     texts = (folded(explanation.documentation) for explanation in explaining)
     if text := " ".join(filter(None, texts)):
         node.set("interpretation", text)
@@ -160,7 +160,7 @@ def _inside(field: jaus.Field) -> list[Element]:
 
 
 def _tag(field: jaus.Field) -> str:
-    """Returns the tag of a field; of a reference, that of what it leads to in the end."""
+    """Returns the tag of a field; of a reference, that of its final target."""
     prefix = ""
     while isinstance(field, jaus.TypeReference):
         prefix, field = "declared_", field.target

@@ -51,7 +51,7 @@ Facts: TypeAlias = "dict[tuple[str, str], tuple[list[str], Documented]]"
 def differences(
     service: jaus.Service, imported: jaus.Service, metamodels: Metamodels
 ) -> list[Difference]:
-    """Returns in what a service differs from what was imported of its file.
+    """Returns the differences between a service and the import of its file.
 
     Declared types count as what they stand for, and machines by what they do: states by their
     paths, targets by where they lead. Runs of white space are one blank.
@@ -152,7 +152,7 @@ def _note_actions(
 
 
 def _note(facts: Facts, at: str, element: Documented, **values: str | None) -> None:
-    """Notes what an element says; of several states of one path what all of them say."""
+    """Notes the facts of an element; of several states of one path, those of all."""
     for feature, value in {**values, "documentation": element.documentation}.items():
         facts.setdefault((at, feature), ([], element))[0].append(folded(value))
 
@@ -190,7 +190,7 @@ _CODE = {"field_type": "unsigned short integer", "field_units": "one"}
 
 
 def service_element(service: jaus.Service) -> Element:
-    """Returns a service with all that it says of its own; what it inherits is a reference."""
+    """Returns a service with its own contents; the inherited service is a reference."""
     fields = FieldWriter()
     inputs = [_message(message, fields) for message in service.inputs]
     outputs = [_message(output, fields) for output in service.outputs]

@@ -36,7 +36,7 @@ _SENDER = "transportData"
 
 
 class BehaviourBuilder:
-    """Makes the state machines of one service."""
+    """Builder of the state machines of one service."""
 
     def __init__(
         self, names: BehaviourNames, builder: Builder, values: Values, findings: Findings
@@ -48,7 +48,7 @@ class BehaviourBuilder:
         self._guards: dict[str, str] = {}
 
     def machines(self, place: NodePlace) -> list[jaus.StateMachine]:
-        """Makes the machines; none of a stateless behaviour that says nothing.
+        """Makes the machines; none of a stateless behaviour without actions.
 
         AS5684 has no service without a machine, the model has: each message is handled by itself.
         """
@@ -138,7 +138,7 @@ class BehaviourBuilder:
     # -- transitions -----------------------------------------------------------------------------
 
     def _transitions(self, place: NodePlace) -> list[jaus.Transition]:
-        """Makes the transitions directly inside an element, those for all triggers last."""
+        """Makes the transitions directly inside an element, default transitions last."""
         places = (*children(place, "transition"), *children(place, "default_transition"))
         transitions = [self._transition(node) for node in places]
         return [transition for transition in transitions if transition is not None]
@@ -208,7 +208,7 @@ class BehaviourBuilder:
         return {"event": name}
 
     def _is_broken(self, name: str) -> bool:
-        """Tells whether a message or event may be missing because of an error in it."""
+        """Tells whether a message or event may be missing because of an error in its definition."""
         known = name in self._known.events or name in self._known.outputs
         return not known and self._findings.has_errors and self._known.is_declared(name)
 
@@ -263,7 +263,7 @@ class BehaviourBuilder:
                 return
 
     def _guard(self, place: NodePlace) -> tuple[str | None, str | None]:
-        """Returns the guard of a transition, and what is to be said about it."""
+        """Returns the guard of a transition, and a remark on it."""
         guards = children(place, "guard")
         if not guards:
             return None, None
@@ -359,7 +359,7 @@ def _states_below(node: Node) -> Iterator[Node]:
 
 
 def _acts(node: Node) -> bool:
-    """Tells whether anything below an element is done on a trigger, an entry or an exit."""
+    """Tells whether an element has an action on a trigger, an entry or an exit."""
     return any(
         child.tag in (*_STEPS, "transition", "default_transition") or _acts(child)
         for child in node.children
@@ -371,7 +371,7 @@ def _has_actions(state: Node) -> bool:
 
 
 def _transitions_of(state: Node) -> Iterator[Node]:
-    """Yields the transitions that hold in a state, those of its default state too."""
+    """Yields the transitions of a state, those of its default state too."""
     for child in state.children:
         if child.tag in ("transition", "default_transition"):
             yield child

@@ -97,7 +97,7 @@ class FieldBuilder:
         )
 
     def check(self, scope: Scope, place: NodePlace) -> None:
-        """Looks at a declaration that nothing uses, for the sake of what is wrong with it."""
+        """Checks a declaration that is not used."""
         target = self.resolve(Declaration(scope, place))
         tag = target.place.node.tag if target is not None else ""
         if target is not None and tag == "value_set":

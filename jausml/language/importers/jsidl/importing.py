@@ -253,12 +253,12 @@ class _Import:
 
 
 def _is_meant(data: bytes, root: Node | None) -> bool:
-    """Tells whether a file is JSIDL, or was probably meant to be when it cannot be parsed."""
+    """Tells whether a file is JSIDL, or seems to be when it cannot be parsed."""
     return is_jsidl(root) if root is not None else b"urn:jaus:jsidl" in data
 
 
 def _stand_in(place: NodePlace) -> NodePlace:
-    """Returns the place of a set, which has no element of its own, as a root of its document."""
+    """Returns the place of a set without an element of its own, as a root of its document."""
     node = place.node
     position = (node.line, node.column, node.offset)
     stand_in = Node("service_set", [], node.prefixes, None, position)

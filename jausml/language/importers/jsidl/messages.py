@@ -118,7 +118,7 @@ class MessageBuilder:
         return (self._fields.field(body.scope, container) if container else None), said
 
     def _check_header(self, target: Declaration) -> None:
-        """Sees that the header is the message code alone, which is what codecs write.
+        """Checks that the header is the message code alone, as codecs write it.
 
         Published sets refer to headers that they do not declare: each would be the same.
         """

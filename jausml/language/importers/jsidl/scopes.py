@@ -127,7 +127,7 @@ _REFERENCES = tuple(f"{kind}_ref" for kind in _SETS)
 
 @dataclass(eq=False, slots=True)
 class Scope:
-    """A service, a set of types or a set of constants: what names mean inside it.
+    """A service, a set of types or a set of constants, with the names in it.
 
     Attributes:
         outer: The service around a set of its own, else None.
@@ -142,7 +142,7 @@ class Scope:
 
     @property
     def name(self) -> str:
-        """Its name as messages show it."""
+        """Its name for messages."""
         return f"{self.place.node.tag} {show(self.place.node.get('name') or '')}"
 
 
@@ -354,7 +354,7 @@ def pick_version(wanted: str, versions: Iterable[str]) -> str:
 
 
 def matches(wanted: str, version: str) -> bool:
-    """Tells whether a version is one that is asked for; `*` stands for anything."""
+    """Tells whether a version matches a wanted one, in which `*` stands for any text."""
     if "*" not in wanted:
         return wanted == version
     start, *middle, end = wanted.split("*")

@@ -54,7 +54,7 @@ class ImportedService:
 
 
 class ServiceBuilder:
-    """Makes services without what they inherit and without their behaviour."""
+    """Builder of services, without inheritance and behaviour."""
 
     def __init__(
         self, builder: Builder, messages: MessageBuilder, values: Values, findings: Findings

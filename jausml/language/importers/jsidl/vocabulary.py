@@ -310,7 +310,7 @@ class Values:
         self._findings = findings
 
     def text(self, place: NodePlace, name: str) -> str:
-        """Returns an attribute with folded white space, or what is assumed without it."""
+        """Returns an attribute with folded white space, or its assumed value."""
         value = place.node.get(name)
         if value is None:
             return VOCABULARY[place.node.tag].assumed.get(name, "")

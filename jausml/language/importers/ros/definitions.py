@@ -102,7 +102,7 @@ def _packages_at(path: Path) -> Iterator[tuple[Path, list[Path]]]:
 
 
 def _package_folders(path: Path) -> list[Path]:
-    """Returns a folder that holds the folders of a package, else those below it that do."""
+    """Returns a folder with the folders of a package, else those folders below it."""
     if any((path / kind).is_dir() for kind in PARTS):
         return [path]
     folders: list[Path] = []

@@ -23,7 +23,7 @@ _MOST = 500
 
 
 class NotShareableError(Exception):
-    """A model does to the library what others must not see: it needs a library of its own."""
+    """A change of the library by a model that others must not see: it needs its own library."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +48,7 @@ class LibraryCache:
         self._stamps: dict[Path, tuple[int, int]] = {}
 
     def prepare(self, held: Collection[Path]) -> None:
-        """Forgets everything when a file has changed: what refers to it has its elements."""
+        """Forgets all documents when a file has changed, since others refer to its elements."""
         paths = {path for path, _ in self._documents}
         is_current = all(self._stamps[path] == _stamp(path) for path in paths)
         # What an editor holds may differ from the file of which the stamp was taken.

@@ -255,7 +255,7 @@ class _Reading:
         return document
 
     def _load(self, document: Document) -> str | None:
-        """Reads and builds a document; returns why its file cannot be read, else None."""
+        """Reads and builds a document; returns the fault of its file, else None."""
         if self._cache is not None and document.is_shared:
             self._cache.note(document.path)
         try:
@@ -343,7 +343,7 @@ class _Reading:
         return self._open(uri, self._model.documents[0])
 
     def _declare(self) -> None:
-        """Has notations declare what is used and known nowhere, imported documents first."""
+        """Lets notations declare unknown elements, imported documents first."""
         # Imported ones first, or two documents would declare the same name as new.
         for document in in_order_of_import(self._written):
             if document not in self._written or document.lacks_imports:

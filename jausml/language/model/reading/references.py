@@ -132,7 +132,7 @@ class KnownNames:
 
 
 def in_order_of_import(documents: Iterable[Document]) -> list[Document]:
-    """Returns documents and all that they import, each behind those that it imports.
+    """Returns documents and their imports, each behind the imported ones.
 
     Documents that import each other stand in the order in which they are reached.
     """
@@ -323,7 +323,7 @@ class Resolution:
         link(reference.owner, reference.feature, target)
 
     def _check_container(self, reference: Reference, target: EObject) -> None:
-        """The owner of an element follows from its place; writing it again changes nothing."""
+        """Reports a written owner that is not the actual one: the place of an element decides."""
         if reference.owner.eContainer() is not target:
             self._report(
                 "JML207",

@@ -24,7 +24,7 @@ class UnwritableError(ValueError):
 
 
 class DocumentPrinter(Generic[ElementT]):
-    """Lays elements out as EMF saves them. What an element has, and is called, subclasses say."""
+    """Printer of elements as EMF saves them; subclasses have their values and names."""
 
     def __init__(self, metamodels: Metamodels) -> None:
         self.metamodels = metamodels

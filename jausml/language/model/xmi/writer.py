@@ -106,7 +106,7 @@ class _DocumentWriter(DocumentPrinter["EObject"]):
         return "\n".join(['<?xml version="1.0" encoding="UTF-8"?>', *lines, ""])
 
     def _name_fragments(self, root: EObject, path: str) -> None:
-        """Notes how an element and all below it are referred to: by id, else by path."""
+        """Notes the fragments of an element and its parts: id, else path."""
         pending = [(root, path)]
         while pending:
             obj, at = pending.pop()

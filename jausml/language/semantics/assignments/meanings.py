@@ -109,7 +109,7 @@ _LEAST_ENTRIES = 2
 
 
 def by_table(placed: Placed[bridge.FieldAssignment]) -> bool:
-    """Tells whether an assignment looks its value up in a table of several entries."""
+    """Tells whether an assignment uses a table of several entries."""
     return any(len(table.entries) >= _LEAST_ENTRIES for table in _tables(placed))
 
 
@@ -131,7 +131,7 @@ def _is_geodetic(attribute: Attribute) -> bool:
 
 
 def _is_directed(attribute: Attribute) -> bool:
-    """Tells whether a number may be negative, and its sign means a direction."""
+    """Tells whether a number may be negative, with a direction as the meaning of its sign."""
     known, measured = source_range(attribute), attribute_measure(attribute)
     is_temperature = measured is not None and dict(measured.unit.dimension).keys() == {"K"}
     is_free = is_temperature or attribute.kind == BOOL or _is_geodetic(attribute)
@@ -139,7 +139,7 @@ def _is_directed(attribute: Attribute) -> bool:
 
 
 def turns_unseen(placed: Placed[bridge.FieldAssignment]) -> bool:
-    """Tells whether an assignment changes the sign of a number, and no rule follows its axes."""
+    """Tells whether an assignment changes the sign of a number without known axes."""
     sign = 1
     for step in steps_of(placed):
         if step.conversion.frames or step.sign is None:

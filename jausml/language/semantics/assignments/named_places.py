@@ -34,7 +34,7 @@ def named_by(path: str | None) -> int | None:
 
 
 def named_places(map_: bridge.AttributeMap) -> NamedPlaces | None:
-    """Returns how a map calls the elements that it takes by place; None where it names none.
+    """Returns the names of the elements that a map takes by place; None without names.
 
     What it writes with names, it reads by them: the elements of a message may stand in any order.
     """

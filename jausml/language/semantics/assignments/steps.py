@@ -53,7 +53,7 @@ RESULT = "value"
 
 
 def expression_names(placed: Placed[bridge.Assignment], position: int) -> dict[str, int]:
-    """Returns the names of what an expression works on, with their positions among its inputs.
+    """Returns the names of the inputs of an expression, with their positions.
 
     Args:
         position: Which of its conversions the expression is; the first works on the sources, each
@@ -91,22 +91,22 @@ class Step:
         return list(result) if len(self.conversion.outputs) > 1 else [result]
 
     def loses(self, values: Sequence[Any]) -> bool:
-        """Tells whether it takes something of some values away on purpose."""
+        """Tells whether it drops a part of some values on purpose."""
         return self.arguments is not None and self.conversion.loses(*values, *self.arguments)
 
     def ranges(self, known: Sequence[Interval]) -> list[Interval]:
-        """Returns the ranges of what it yields, of those of what it works on."""
+        """Returns the ranges of its results, for the ranges of its inputs."""
         if self.arguments is None:
             return [EVERYTHING]
         return self.conversion.ranges(known, self.arguments)
 
     @property
     def leads_back(self) -> bool:
-        """Whether each number that it yields comes from one number alone."""
+        """Whether each result comes from one number alone."""
         return self.arguments is not None and self.conversion.leads_back(*self.arguments)
 
     def back(self, value: float) -> float:
-        """Returns the number that gives another one, where it leads back."""
+        """Returns the input for a result, where there is only one."""
         arguments = self.arguments or ()
         if not self.conversion.inverse:
             return self.conversion.back(value, *arguments)
@@ -194,14 +194,14 @@ _VALUES = (NUMBER, BOOL, TEXT)
 
 @dataclass(frozen=True, slots=True)
 class ChainFault:
-    """The conversion of a chain that cannot take what it gets."""
+    """The conversion of a chain that cannot take its input."""
 
     conversion: bridge.Conversion
     message: str
 
 
 def knows_unknown(assignment: bridge.FieldAssignment | bridge.ListAssignment) -> bool:
-    """Tells whether the first conversion makes a value of what the marker of a source says."""
+    """Tells whether the first conversion makes a value of the marker of a source."""
     first = next(iter(assignment.conversions), None)
     return first is not None and conversion_of(first).knows_unknown
 
@@ -232,7 +232,7 @@ def fits(value: Attribute, target: Attribute) -> bool:
 
 
 def yields(conversion: bridge.Conversion, kind: str, target: Attribute) -> bool:
-    """Tells whether what a conversion yields goes to a target."""
+    """Tells whether the result of a conversion fits a target."""
     if kind == ANY:
         return True
     if kind == VALUE:

@@ -109,7 +109,7 @@ def result_measure(placed: Placed[bridge.FieldAssignment]) -> Measure | UnitFaul
 
 @remembered
 def units_clash(placed: Placed[bridge.FieldAssignment]) -> bool:
-    """Tells whether an assignment makes one thing of another, so that axes and ranges are lost."""
+    """Tells whether an assignment changes the quantity, so that axes and ranges are lost."""
     result = result_measure(placed)
     if not isinstance(result, Measure):
         # A fault is a clash of units; None says that nothing is known.
@@ -122,7 +122,7 @@ def units_clash(placed: Placed[bridge.FieldAssignment]) -> bool:
 
 
 def attribute_measure(attribute: attributes.Found) -> Measure | None:
-    """Returns the unit of what a path leads to, when it is a number with a known one."""
+    """Returns the unit at the end of a path, when it is a number with a known one."""
     if isinstance(attribute, attributes.Attribute) and attribute.kind in _NUMERIC:
         return measure(attribute.units)
     return None
@@ -209,7 +209,7 @@ _WITHOUT_NUMBERS = (attributes.BOOL, attributes.TEXT, attributes.TIME, attribute
 
 
 def fills_rates_alone(map_: bridge.AttributeMap, *, to_ros: bool) -> bool:
-    """Tells whether each number that a map fills is a rate, so that zeros stop what it commands.
+    """Tells whether each number that a map fills is a rate, so that zeros are its stop.
 
     A map that fills a number of unknown unit, or none, does not.
     """
@@ -223,7 +223,7 @@ def is_rate(unit: Unit) -> bool:
 
 
 def _units(map_: bridge.AttributeMap, *, to_ros: bool) -> Iterator[Unit | None]:
-    """Yields the unit of each number that is filled: that of the target, else of its source.
+    """Yields the unit of each number with an assignment: of the target, else of the source.
 
     Of lists, and of wholes of numbers such as an orientation, it is none.
     """

@@ -153,7 +153,7 @@ class DriverMessages:
 
     @property
     def all(self) -> tuple[jaus.MessageDef, ...]:
-        """Each of them, as the runtime takes them."""
+        """All of them, as the runtime takes them."""
         return (self.execute, self.query, self.report, *self.spooler)
 
 
@@ -192,7 +192,7 @@ def _waypoint_messages(service: jaus.Service) -> DriverMessages | None:
 
 
 def speed_answer(driver: jaus.Service) -> Answer | None:
-    """Returns how a driver tells its speed; None when it knows none, or is not asked."""
+    """Returns the answer with the speed of a driver; None when it has none."""
     messages = driver_messages(driver)
     if messages is None or not knows_speed(messages):
         return None
@@ -217,13 +217,13 @@ def knows_speed(messages: DriverMessages) -> bool:
 
 
 def takes(service: jaus.Service, message: jaus.MessageDef) -> bool:
-    """Tells whether the list of a driver may hold a message; of drivers of one's own any."""
+    """Tells whether the list of a driver may hold a message; drivers outside the standard any."""
     expected = (ELEMENTS | WAYPOINTS).get(str(service.urn))
     return expected is None or code(message) == expected
 
 
 def unanswered(service: jaus.Service, sent: Container[int]) -> list[jaus.MessageDef]:
-    """Returns the queries of a service that get no report; those that it inherits are not asked."""
+    """Returns the queries of a service without a report, inherited ones left out."""
     if str(service.urn) in SERVED_BY_RUNTIME:
         return []
     # A service may send a report for which one that it inherits has the query.
@@ -267,7 +267,7 @@ def sent_reports(owner: bridge.Bridge) -> set[int]:
 
 
 def told_command(connection: bridge.Connection) -> Answer | None:
-    """Returns how a connection of commands tells what it obeys, unless something else answers."""
+    """Returns the answer with the present command of a connection, if no other one has it."""
     answer, owner = command_answer(connection), connection.eContainer()
     if answer is None or owner is None:
         return None

@@ -101,7 +101,7 @@ def possible_exchanges(connection: bridge.Connection) -> tuple[ExchangeOption, .
 
 
 def unstated(connection: bridge.Connection) -> frozenset[str]:
-    """Returns which of `FEATURES` follow from all else, so that text need not state them."""
+    """Returns the names of `FEATURES` that can be inferred, so that text need not state them."""
     actual = {name: getattr(getattr(connection, name), "name", None) for name in FEATURES}
     # As much as possible is left out: both, else the exchange, else the direction.
     for open_features in (FEATURES, FEATURES[1:], FEATURES[:1]):

@@ -33,7 +33,7 @@ class JoinedReport:
 
     @property
     def has_own_peers(self) -> bool:
-        """Whether the connection states for it who sends it."""
+        """Whether the connection states its senders."""
         return self.source is not None and bool(self.source.peers)
 
     @property
@@ -63,7 +63,7 @@ class JoinedReport:
         return self.source.query if self.source is not None else None
 
     def query_of(self, provider: Provider) -> jaus.MessageDef | None:
-        """Returns the query among the inputs of who is asked; None when it takes none."""
+        """Returns the query among the inputs of a provider; None when it takes none."""
         if self.stated_query is not None:
             return find_input(self.stated_query, provider)
         wanted = query_name(self.join.message)

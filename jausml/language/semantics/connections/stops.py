@@ -30,7 +30,7 @@ and in it a vehicle at walking pace goes little more than a metre.
 
 
 def carries_commands(connection: bridge.Connection) -> bool:
-    """Tells whether a connection carries commands, which set something in motion.
+    """Tells whether a connection carries commands that move the vehicle.
 
     An emergency is none: it passes from anybody, in any state, and stands when its source is lost.
     """
@@ -49,7 +49,7 @@ def keeps_last_command(connection: bridge.Connection) -> bool:
 
 
 def hold_reason(connection: bridge.Connection) -> str:
-    """Returns why the last command may stand; empty when nobody says it."""
+    """Returns the reason why the last command may stand; empty without one."""
     message = connection.map.message
     return connection.holdReason or ("" if message.moves else f"{message.name} moves nothing")
 
@@ -60,7 +60,7 @@ def stop_of_map(connection: bridge.Connection) -> bridge.Stop | None:
 
 
 def has_stop(connection: bridge.Connection) -> bool:
-    """Tells whether a connection sends something when its source is lost."""
+    """Tells whether a connection sends a stop when its source is lost."""
     if connection.safeValue:
         return True
     return (
@@ -71,7 +71,7 @@ def has_stop(connection: bridge.Connection) -> bool:
 
 
 def has_stops(owner: bridge.Bridge) -> bool:
-    """Tells whether a bridge commands what a guardian could stop."""
+    """Tells whether a bridge has commands that a guardian could stop."""
     connections = [
         connection
         for connection in owner.bridgeConnections
@@ -185,7 +185,7 @@ def _defaults(attribute_map: bridge.AttributeMap, scope: PathScope) -> dict[str,
 
 
 def _source_units(attribute_map: bridge.AttributeMap, scope: PathScope, path: str) -> str:
-    """Returns the unit of what fills a target, which is that of a target without its own."""
+    """Returns the unit of the source of a target, which is that of a target without its own."""
     filling = [e for e in _filling(attribute_map, scope) if path in target_paths(e.assignment)]
     sources = filling[-1].source_attributes if filling else ()
     return next((source.units for source in sources if source.units), "")

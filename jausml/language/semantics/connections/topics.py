@@ -123,7 +123,7 @@ def reliability(connection: bridge.Connection, topic: bridge.Topic) -> str:
 
 
 def is_latched(profile: ros.QoSProfile | None) -> bool:
-    """Tells whether a profile is one of late subscriptions that get what was published before."""
+    """Tells whether a profile lets late subscriptions get earlier messages."""
     return profile is not None and profile.durability.name == "transient_local"
 
 
@@ -261,7 +261,7 @@ def _way_back(start: Flow, after: dict[Flow, list[Flow]]) -> list[Flow]:
 
 
 def _crosses_jaus(sender: Flow, receiver: Flow) -> bool:
-    """Tells whether a message that one bridge sends enters ROS again at some bridge."""
+    """Tells whether a message of one bridge enters ROS again at another."""
     if sender.is_message:
         to_bridge = receiver.owner in sender.peers and receiver.has_peer(sender.owner)
         # Or the message goes to the very peer that sends the same message.

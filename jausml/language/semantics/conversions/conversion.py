@@ -174,11 +174,11 @@ class Conversion:
         raise NoValueError(self.name)
 
     def leads_back(self, *_arguments: Any) -> bool:
-        """Tells whether each number that it yields comes from one number alone."""
+        """Tells whether each result comes from one number alone."""
         return bool(self.inverse) and self._is_plain
 
     def loses(self, *_given: Any, **_named: Any) -> bool:
-        """Tells whether it takes something of an input away on purpose."""
+        """Tells whether it drops a part of an input on purpose."""
         return False
 
     def sign(self, *_arguments: Any) -> int | None:
@@ -191,7 +191,7 @@ class Conversion:
 
     @property
     def changes_nothing(self) -> bool:
-        """Whether it only states something about the value."""
+        """Whether it only states a fact of the value."""
         return self.units is UnitEffect.STATED
 
     @property
@@ -207,7 +207,7 @@ class Conversion:
 
     @property
     def keeps_size(self) -> bool:
-        """Whether integers that it makes have no more digits than those that it gets."""
+        """Whether integer results have no more digits than the inputs."""
         return self.units is not UnitEffect.SQUARE
 
     @property
@@ -264,7 +264,7 @@ class Conversion:
         return [self.interval(*known, *arguments)]
 
     def takes(self, kinds: Sequence[str]) -> bool:
-        """Tells whether values of some kinds are what it takes."""
+        """Tells whether it takes values of some kinds."""
         if self._takes_several:
             # The truth of a bool counts as 1 in expressions.
             known = [NUMBER if kind == BOOL else kind for kind in kinds]

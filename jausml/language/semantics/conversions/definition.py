@@ -66,7 +66,7 @@ class Definition:
 
     @property
     def parameters(self) -> tuple[str, ...]:
-        """The names of what it takes, in order."""
+        """The names of its inputs, in order."""
         return tuple(self.takes.split(", "))
 
     @cached_property
@@ -120,7 +120,7 @@ class Definition:
         return tuple(evaluate(result, known) for result in self.results)
 
     def bound(self, ranges: Sequence[Interval]) -> Interval:
-        """Returns the range of the only result, of those of what it takes."""
+        """Returns the range of the only result, for the ranges of the inputs."""
         known = dict(zip(self.parameters, ranges, strict=False))
         for name, step in self.steps.items():
             known[name] = interval(step, known) or EMPTY

@@ -160,7 +160,7 @@ class PnmToPixels(Conversion):
 
 
 def _header(file: bytes) -> tuple[list[bytes], bytes]:
-    """The four words of the header, as many as there are, and what follows them."""
+    """Returns the four words of the header, as many as there are, and the bytes behind them."""
     words, word, at = [file[:2]], b"", 2
     while at < len(file) and len(words) < 4:
         if file[at : at + 1] == b"#":

@@ -45,7 +45,7 @@ _MANAGEMENT = f"{CORE}Management"
 
 
 def is_command(message: jaus.MessageDef) -> bool:
-    """Tells whether a message commands who takes it.
+    """Tells whether a message commands its receiver.
 
     Inputs with a code below 2000h do, whether it is said or not: the JSIDL of ExecuteList forgets
     to. Outputs with such a code are answers, e.g. ConfirmControl.
@@ -65,12 +65,12 @@ def is_emergency(message: jaus.MessageDef) -> bool:
 
 
 def is_steering(message: jaus.MessageDef) -> bool:
-    """Tells whether a message is a command of who is in control: one that sets no emergency."""
+    """Tells whether a message is a command of the controller: not of an emergency."""
     return is_command(message) and not is_emergency(message)
 
 
 def is_published(message: jaus.MessageDef) -> bool:
-    """Tells whether a message is one of a service that a standard defines."""
+    """Tells whether a message belongs to a service of a standard."""
     owner = message.eContainer()
     return owner is not None and str(getattr(owner, "urn", "")).startswith(_OF_STANDARDS)
 
@@ -195,7 +195,7 @@ class Answer:
 
 
 def answer_by(service: jaus.Service, report: jaus.MessageDef | None) -> Answer | None:
-    """Returns the answer that a report of a service is; None when nobody can ask for it."""
+    """Returns the answer with a report of a service; None without a query for it."""
     if report is None:
         return None
     query = _of_lineage(service, inputs_by_name, query_name(report))
@@ -203,7 +203,7 @@ def answer_by(service: jaus.Service, report: jaus.MessageDef | None) -> Answer |
 
 
 def answer_alike(service: jaus.Service, message: jaus.MessageDef) -> Answer | None:
-    """Returns how a service tells what was set by a message; None when it is not asked for that.
+    """Returns the answer with the fields of a message that set them; None without one.
 
     The report is laid out as the message is, so that nothing has to be translated.
     """
@@ -218,7 +218,7 @@ def _of_lineage(
     by_name: Callable[[jaus.Service], Mapping[str, jaus.MessageDef]],
     name: str,
 ) -> jaus.MessageDef | None:
-    """Returns the first message of a name of a service, or of those that it inherits."""
+    """Returns the first message of a name in a service and its inherited ones."""
     messages = (by_name(ancestor).get(name) for ancestor in lineage(service))
     return next((message for message in messages if message is not None), None)
 
@@ -229,7 +229,7 @@ def named(name: str, messages: Iterable[jaus.MessageDef]) -> jaus.MessageDef | N
 
 
 def chosen_fields(answer: Answer) -> list[str] | None:
-    """Returns the fields of a query that say which report is wanted, besides what is in it.
+    """Returns the fields of a query that choose the report, besides its contents.
 
     QueryVelocityCommand, for example, names the type of the command.
 
@@ -250,7 +250,7 @@ def chosen_fields(answer: Answer) -> list[str] | None:
 
 
 def told_by_command(message: jaus.MessageDef, services: Iterable[jaus.Service]) -> Answer | None:
-    """Returns how whoever obeys a command tells it when asked; None when that cannot be.
+    """Returns the answer with the last command that a component obeys; None without one.
 
     It can be of what moves something: of a SetLocalPose nobody knows whether it still holds.
     """
@@ -264,7 +264,7 @@ def told_by_command(message: jaus.MessageDef, services: Iterable[jaus.Service]) 
 
 
 def command_answer(connection: bridge.Connection) -> Answer | None:
-    """Returns how a connection tells the command that it carries to ROS; None when it cannot."""
+    """Returns the answer with the command that a connection carries to ROS; None without one."""
     owner, taken = connection.eContainer(), _taken(connection)
     # Of several for one command, for several peers, none knows which came last.
     if owner is None or taken is None or _times_taken(owner)[code(taken)] > 1:
@@ -293,7 +293,7 @@ _ANSWERING = ("Confirm", _REJECTING)
 
 
 def responses(message: jaus.MessageDef, service: jaus.Service) -> list[jaus.MessageDef]:
-    """Returns the messages with which who provides a service answers a command of it.
+    """Returns the messages with which the provider of a service answers a command.
 
     Its machine says them. Most services of the standards have none here: then those that confirm or
     reject what the command is named after, as ConfirmElementRequest does for SetElement.
@@ -307,7 +307,7 @@ def responses(message: jaus.MessageDef, service: jaus.Service) -> list[jaus.Mess
 
 
 def is_rejection(message: jaus.MessageDef) -> bool:
-    """Tells whether an answer says that what was asked for is not done."""
+    """Tells whether an answer rejects the request."""
     return str(message.name).startswith(_REJECTING)
 
 

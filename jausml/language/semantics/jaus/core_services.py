@@ -141,7 +141,7 @@ def with_standard(component: jaus.Component) -> list[jaus.Service]:
 
 
 def is_discovered(component: jaus.Component) -> bool:
-    """Tells whether a component answers those who look for others (AS5710, Discovery)."""
+    """Tells whether a component answers searches (AS5710, Discovery)."""
     return any(service.urn == f"{CORE}Discovery" for service in _closure(with_standard(component)))
 
 

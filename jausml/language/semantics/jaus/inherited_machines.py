@@ -96,7 +96,7 @@ def core_events() -> frozenset[str]:
 
 @cache
 def _core_machines() -> Mapping[str, CoreMachine]:
-    """Returns the machines of the core services by URN, each with what it inherits."""
+    """Returns the machines of the core services by URN, each with its inherited states."""
     machines_by_urn = {}
     for urn, service in newest_services().items():
         states: dict[str, str] = {}
@@ -123,12 +123,12 @@ class StateNode:
 
     @property
     def transitions(self) -> list[jaus.Transition]:
-        """Its transitions, without those that the services of the runtime take."""
+        """Its transitions, without those of messages that the runtime takes."""
         return _own(transition for element in self.elements for transition in element.transitions)
 
     @property
     def defaults(self) -> list[jaus.Transition]:
-        """Its default transitions, without those that the services of the runtime take."""
+        """Its default transitions, without those of messages that the runtime takes."""
         return _own(default for element in self.elements for default in element.defaults)
 
 
@@ -174,7 +174,7 @@ class Machine:
 
     @property
     def service_name(self) -> str:
-        """Name of the service that has it, of several the one that the others inherit."""
+        """Name of the service that has it, of several the inherited one."""
         service = self.elements[0].eContainer()
         return "" if service is None else service.name
 
@@ -188,7 +188,7 @@ class Machine:
             self.enter(path).elements.insert(0, state)
 
     def enter(self, path: str) -> StateNode:
-        """Returns the state of a path, which is there from now on with those that enclose it."""
+        """Returns the state of a path, which is added with the enclosing ones."""
         names = path.split(".")
         for length in range(1, len(names) + 1):
             enclosing = ".".join(names[:length])
@@ -269,7 +269,7 @@ class Machine:
 
 
 def machines_of(services: Iterable[jaus.Service]) -> list[Machine]:
-    """Returns the machines of services, those of one name along inheritance put together.
+    """Returns the machines of services, put together by name along inheritance.
 
     Two services extend the core each for itself, unless one inherits the other.
     """
@@ -291,7 +291,7 @@ def machines_of(services: Iterable[jaus.Service]) -> list[Machine]:
 
 
 def machine_with(element: jaus.StateMachine) -> Machine | None:
-    """Returns a machine put together with those that it extends, but those of the core services.
+    """Returns a machine with those that it extends, but those of the core services.
 
     Returns:
         None where it stands in no service.

@@ -73,7 +73,7 @@ class Behaviour:
         return states
 
     def _innermost(self, path: str) -> list[str]:
-        """Returns the states that entering one leads to: several where not one is initial."""
+        """Returns the innermost states after an entry: several where none is initial."""
         states = []
         pending = [path]
         while pending:

@@ -94,7 +94,7 @@ def with_inherited(services: Iterable[jaus.Service]) -> list[jaus.Service]:
 
 
 def along_inheritance(services: Iterable[jaus.Service]) -> Iterator[tuple[jaus.Service, bool]]:
-    """Visits services and those that they inherit in one walk down the trees of inheritance.
+    """Yields services with their inherited ones, in one walk down the trees of inheritance.
 
     Every service is visited once, so that a walk costs no more than there are services, however
     deep they inherit. Services on a cycle, and their heirs, are left out.

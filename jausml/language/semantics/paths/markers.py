@@ -31,7 +31,7 @@ class Mark:
 
     @property
     def is_unlimited(self) -> bool:
-        """Whether it says that nothing limits the quantity, which is more than no value."""
+        """Whether its meaning is that the quantity has no limit, which is more than no value."""
         return self.marker.meaning.name == UNLIMITED
 
 
@@ -113,7 +113,7 @@ def number_as_made(owner: ros.MessageType, path: str) -> float | None:
 
 
 def is_said(condition: expressions.Expression, values: Mapping[str, float]) -> bool:
-    """Tells whether a marker says of some numbers, by its names for them, that they are none."""
+    """Tells whether a marker holds for some numbers, by its names for them."""
     try:
         return expressions.evaluate(condition, values) != 0.0
     except (expressions.EvaluationError, KeyError):

@@ -194,12 +194,12 @@ def _split(step: str, known: Container[str]) -> tuple[str, list[int]]:
 
 
 def is_sequence(field: ros.Field) -> bool:
-    """Tells whether a field is an array of as many elements as a message gives it."""
+    """Tells whether a field is an array with a number of elements by message."""
     return field.arrayKind.name not in ("single", "fixedArray")
 
 
 def is_bounded(field: ros.Field) -> bool:
-    """Tells whether a field is an array that cannot have more elements than it says."""
+    """Tells whether a field is an array with a largest number of elements."""
     return field.arrayKind.name in ("fixedArray", "boundedSequence")
 
 

@@ -92,7 +92,7 @@ class PathScope:
         return location
 
     def inner(self, assignment: bridge.ListAssignment) -> PathScope | None:
-        """Returns the scope of what a list assignment nests; None when its ends are no lists."""
+        """Returns the scope of nested assignments; None when the ends are no lists."""
         source = self.find_source(source_paths(assignment)[0])
         target = self.find_target(assignment.target.strip())
         if not (is_many(source) and is_many(target)):
@@ -165,7 +165,7 @@ def place(
 def flattened(
     assignments: Iterable[bridge.Assignment], scope: PathScope
 ) -> Iterator[Placed[bridge.Assignment]]:
-    """Yields assignments with those that they nest, each before what it nests.
+    """Yields assignments, nested ones behind their owner.
 
     In the place of one of a whole are those of its members, if source and target correspond.
     """
@@ -184,7 +184,7 @@ def flattened(
 def expanded(
     assignments: Iterable[bridge.Assignment], scope: PathScope
 ) -> Iterator[bridge.Assignment]:
-    """Yields assignments, in the place of those of wholes those of their members."""
+    """Yields assignments; one of wholes is replaced by those of the members."""
     for assignment in assignments:
         parts = None
         with suppress(ShapeError):  # which a rule tells
@@ -284,7 +284,7 @@ def sound_connections(subject: Subject) -> list[bridge.Connection]:
 
 @dataclass(frozen=True)
 class Direction:
-    """One direction of a map, a stop or a safe value: what is filled from what.
+    """One direction of a map, a stop or a safe value, with its assignments.
 
     Attributes:
         owner: The map, its stop, or the connection that has the safe value.
@@ -346,7 +346,7 @@ def directions_of(subject: Subject, owner: Directed) -> tuple[Direction, ...]:
 def direction_of(
     subject: Subject, attribute_map: bridge.AttributeMap, *, to_ros: bool
 ) -> Direction | None:
-    """Returns one direction of a map, which may be one of the library.
+    """Returns one direction of a map, also of the library.
 
     Returns:
         None when an end of the map was not read.
@@ -402,7 +402,7 @@ def _is_complete(assignment: bridge.Assignment) -> bool:
 
 
 def used_maps(attribute_map: bridge.AttributeMap, *, to_ros: bool) -> Iterator[bridge.AttributeMap]:
-    """Yields a map and those that its messages inside messages use, each once."""
+    """Yields a map and those for its messages inside messages, each once."""
     seen: list[bridge.AttributeMap] = []
     waiting = [attribute_map]
     while waiting:

@@ -39,7 +39,7 @@ class ShapeError(ValueError):
 def parts_of(
     assignment: bridge.FieldAssignment, source: FoundPlace, target: FoundPlace
 ) -> list[bridge.Assignment] | None:
-    """Returns the assignments that one of a whole stands for; None for one of a value.
+    """Returns the assignments of the members for one of wholes; None for one of a value.
 
     Args:
         source: The place of its only source.
@@ -72,7 +72,7 @@ def parts_of(
 
 
 def written(element: EObject) -> EObject:
-    """Returns the assignment that was written, for one of its members; else the element itself."""
+    """Returns the written assignment of one of a member; else the element itself."""
     assignment: EObject = element.__dict__.get(_WRITTEN, element)
     return assignment
 
@@ -148,7 +148,7 @@ def _copy(
     paths: Pair,
     owner: bridge.Assignment | None = None,
 ) -> bridge.Assignment:
-    """Returns an assignment of other paths with the policies of one, and with its owner."""
+    """Returns an assignment of other paths, with the policies and the owner of one."""
     tables = load_metamodels()
     table, own = tables.class_of(kind), tables.class_of(assignment)
     copy: bridge.Assignment = new_object(table)

@@ -43,7 +43,7 @@ class OwnService:
 
     @property
     def name(self) -> str:
-        """The name of the service: that which the text says, or else one after the file."""
+        """The name of the service: that of the text, or else one after the file."""
         if self.written is not None and self.written.name is not None:
             return self.written.name.text
         return service_name(self._path)
@@ -145,7 +145,7 @@ class OwnService:
 
 
 def message_feature(written: WrittenEnd) -> str:
-    """Returns whether a new message goes into its service or comes out of it.
+    """Returns the feature of its service that gets a new message: inputs or outputs.
 
     Queries and commands go in, reports come out; another message goes the way of its map: what
     becomes ROS comes out of the service, what is made of ROS goes in.

@@ -208,13 +208,13 @@ class JausFields(MemberBuilder):
     """Builds the fields of new JAUS messages."""
 
     def body(self, message: Node, end: End) -> None:
-        """Gives a message its body: a record of the members of its end."""
+        """Adds the body of a message: a record of the members of its end."""
         record = self.new(message, "body", "jaus.Record", end.span)
         self.nodes.value(record, "name", f"{end.type.text}Rec", end.type.span)
         self._members(record, end.members or [])
 
     def _members(self, record: Node, members: Sequence[Member]) -> None:
-        """Gives a record its fields, and the presence vector that its optional ones need."""
+        """Adds the fields of a record, and the presence vector for optional ones."""
         for member in self.named(members):
             self._field(record, "fields", member, member)
         if members:

@@ -32,7 +32,7 @@ SERVICE = "service"
 
 
 class TextDocument:
-    """The nodes of a text, and what is declared and checked once its surroundings are known."""
+    """The nodes of a text, with the declarations and checks that need its surroundings."""
 
     def __init__(
         self,
@@ -99,7 +99,7 @@ class TextDocument:
         return add_bridge(bridge, ends, self._declarer, known, self._nodes)
 
     def check(self) -> Sequence[Fault]:
-        """Settles what connections leave open; returns what is unclear about them and members."""
+        """Completes the open features of connections; returns their faults and those of members."""
         # An end that declares its message agrees with it, and needs no check.
         ends = [end for end in self._maps.ends if not self._declarer.declares(end.end)]
         check = MemberCheck(self._declarer.types)
@@ -107,7 +107,7 @@ class TextDocument:
         return [*unclear, *infer_exchanges(self._nodes.classes.items())]
 
     def _placed(self, fault: Fault) -> Fault:
-        """Returns a syntax error with the element of which it may hide anything."""
+        """Returns a syntax error with the element of which it may hide a part."""
         around = self._nodes.around(tree.Span(fault.line, fault.column))
         return replace(fault, owner=around, hides=True)
 
@@ -132,7 +132,7 @@ class TextDocument:
 
 
 def _own_service(document: tree.SyntaxTree) -> tree.Element | None:
-    """Returns the one service that a text writes, if its maps may declare messages for it."""
+    """Returns the only service of a text, if its maps may declare messages for it."""
     services = [
         item
         for item in document.items
@@ -156,7 +156,7 @@ _SERVICES, _PEERS = ("provides", "uses"), ("map", "peers", "query")
 
 
 def infer_exchanges(classes: Iterable[tuple[Node, ClassTable]]) -> list[Fault]:
-    """Gives connections what follows from all else; returns what would have several options."""
+    """Sets the inferred features of connections; returns the ambiguous ones as faults."""
     wanted = [
         (node, table)
         for node, table in classes

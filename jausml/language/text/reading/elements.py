@@ -38,7 +38,7 @@ _TYPE = f"{XSI} type"
 
 
 class NodeMaker:
-    """Makes the nodes of one document, and keeps what is found on the way.
+    """Maker of the nodes of one document, with the faults on the way.
 
     Each value of a feature is a child node of its own, so that everything has its place.
     """
@@ -90,15 +90,15 @@ class NodeMaker:
         self._value(owner, feature, span).text = text
 
     def null(self, owner: Node, feature: str, span: Span) -> None:
-        """Gives an attribute of an element no value, although it has a default."""
+        """Sets an attribute to no value, although it has a default."""
         self._value(owner, feature, span).attributes = [f"{XSI} nil", "true"]
 
     def name(self, owner: Node, feature: str, name: str, span: Span) -> None:
-        """Has an element refer to another one by name."""
+        """Adds a reference by name."""
         self._value(owner, feature, span).attributes = [BY_NAME, name]
 
     def href(self, owner: Node, feature: str, href: str, span: Span) -> None:
-        """Has an element refer to another one by file and fragment."""
+        """Adds a reference by file and fragment."""
         self._value(owner, feature, span).attributes = ["href", href]
 
     def fault(
@@ -177,7 +177,7 @@ class ElementReader:
         self.nodes.fault("JML702", word.span, message, hint, owner=owner, hides=True)
 
     def fill(self, node: Node, block: Element, item: Item | None = None) -> None:
-        """Gives an element the name, documentation and contents that its block has.
+        """Sets the name, documentation and contents of an element by its block.
 
         Args:
             item: What the documentation stands before, None for the block itself.
@@ -205,7 +205,7 @@ class ElementReader:
             self.nodes.fault("JML703", item.span, message, _LOST)
 
     def items(self, node: Node, items: Sequence[Item]) -> None:
-        """Gives an element what stands in its block."""
+        """Adds the items of a block to an element."""
         if self._depth >= MAX_DEPTH // 2:
             span = items[0].span if items else Span(node.line, node.column)
             self.nodes.fault("JML008", span, f"blocks are nested more than {MAX_DEPTH // 2} deep")
@@ -234,7 +234,7 @@ class ElementReader:
         self.nodes.fault("JML702", item.span, message, hint, owner=owner)
 
     def element(self, owner: Node, block: Element) -> None:
-        """Gives an element another one that it owns."""
+        """Adds a part to an element."""
         table = self.class_of(block)
         features = self.nodes.classes[owner].features
         is_plain_map = block.keyword is None and is_map(block.items)
@@ -270,7 +270,7 @@ class ElementReader:
         self.fill_map(node, block)
 
     def fill_map(self, node: Node, block: Element) -> None:
-        """Gives a map its name, which may be the only word before its block, and contents."""
+        """Sets the name of a map, which may be the only word before its block, and its contents."""
         if block.keyword is None and block.name is not None:
             self.nodes.value(node, "name", block.name.text, block.name.span)
         self.fill(node, block)
@@ -378,7 +378,7 @@ def literal(value: Name | Number | Text, feature: FeatureTable) -> str:
 
 
 def decimal(number: str) -> str:
-    """Returns a number without hexadecimal digits; one that no type holds stays as it is."""
+    """Returns a number without hexadecimal digits; one beyond all types stays as it is."""
     sign, digits = ("-", number[1:]) if number.startswith("-") else ("", number.lstrip("+"))
     # int() of a very long number takes long, and no type of the metamodels holds one.
     if digits[:2] in ("0x", "0X") and len(digits) <= _MOST_DIGITS:

@@ -105,7 +105,7 @@ def _rule(rule: Any, tables: Any) -> Rule:
 
 
 class Machine:
-    """One run over tokens: what is complete so far, and the states that led here, one more."""
+    """A run over tokens: the complete values so far, and the states, which are one more."""
 
     def __init__(self) -> None:
         self._grammar = grammar()
@@ -113,7 +113,7 @@ class Machine:
         self.states = [self._grammar.first]
 
     def take(self, token: Token) -> bool:
-        """Takes a token; returns False, with what was complete completed, where it cannot come."""
+        """Takes a token; returns False where it cannot come, with complete values completed."""
         table, states, values, type_ = self._grammar.states, self.states, self.values, token.type
         while (action := table[states[-1]].get(type_)) is not None:
             if isinstance(action, int):

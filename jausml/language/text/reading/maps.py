@@ -27,7 +27,7 @@ class WrittenEnd:
 
 
 class MapReader:
-    """Makes the nodes of what only attribute maps have."""
+    """Maker of the nodes that only attribute maps have."""
 
     def __init__(self, elements: ElementReader) -> None:
         self._nodes = elements.nodes

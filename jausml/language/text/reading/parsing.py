@@ -64,7 +64,7 @@ def parse(text: str) -> Parsed:
 
 @lru_cache(maxsize=8)
 def parsed_text(text: str) -> Parsed:
-    """Returns the result of `parse`, once for all who ask for one text; nobody may change it."""
+    """Returns the result of `parse`, the same for all callers; it must not be changed."""
     return parse(text)
 
 
@@ -148,7 +148,7 @@ class _Run:
         return None
 
     def _stands_alone(self, position: int) -> bool:
-        """Tells whether a word in a block has a line of its own, before an element with its own."""
+        """Tells whether a word in a block has its own line, before an element with its own."""
         if self._type(position + 1) != "WORD" or self._type(position + 2) != "WORD":
             return False
         if self._tokens[position].type != "WORD":
@@ -209,7 +209,7 @@ class _Run:
         return position
 
     def _begins_arguments(self, position: int) -> bool:
-        """Tells whether a bracket is that of a conversion, which ends with its line."""
+        """Tells whether a bracket belongs to a conversion, which ends with its line."""
         types = [token.type for token in self._tokens[max(position - 2, 0) : position + 1]]
         return types in (["COLON", "WORD", "LPAR"], ["COMMA", "WORD", "LPAR"])
 
@@ -241,7 +241,7 @@ class _Run:
         return False
 
     def _is_misspelt(self, token: Token) -> bool:
-        """Tells whether a bracket of the wrong kind stands exactly below the line it closes."""
+        """Tells whether a bracket of the wrong kind is exactly below the line that it closes."""
         brackets = self._open_brackets()
         if not brackets or brackets[0].type == _OPENERS[token.type]:
             return False
@@ -275,7 +275,7 @@ class _Run:
         return Token.new_borrow_pos(type_, "", last) if last is not None else Token(type_, "")
 
     def _complete_item(self) -> None:
-        """Completes the last item, if it is whole: that is what a semicolon does."""
+        """Completes the last item, as a semicolon does."""
         if self._accepts("SEMICOLON"):
             self._machine.take(self._token("SEMICOLON"))
 
@@ -300,7 +300,7 @@ class _Run:
         return self._values.pop()
 
     def _close(self) -> None:
-        """Closes the innermost bracket, or drops what it opened if that cannot be closed yet."""
+        """Closes the innermost bracket, or drops its contents if that is not possible yet."""
         closer = _CLOSERS[self._open_brackets()[0].type]
         if self._accepts(closer):
             self._machine.take(self._token(closer))
@@ -318,5 +318,5 @@ class _Run:
 
 
 def _kind(value: Any) -> str:
-    """Returns the type of a token, and nothing for what was made of several."""
+    """Returns the type of a token, and an empty text for other values."""
     return value.type if isinstance(value, Token) else ""

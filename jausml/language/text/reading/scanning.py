@@ -108,7 +108,7 @@ def scan(text: str) -> Scan:
 
 
 def _mend(token: Token, before: Token | None, result: Scan) -> None:
-    """Reports a token that is none, and takes it for what it was meant to be."""
+    """Reports a wrong token, and replaces it by the intended one."""
     span = span_of(token)
     if token.type == "OPEN_COMMENT":
         start = tree.Span(span.line, span.column, span.line, span.column + 2)
@@ -271,7 +271,7 @@ def attach(document: tree.SyntaxTree, comments: Sequence[Token]) -> None:
 
 
 def _ordinary(comment: Token) -> str:
-    """Returns a comment as it is kept: further lines as far in as they stand behind its start."""
+    """Returns a comment with further lines indented as relative to its start."""
     text = str(comment)
     # It would become a documentation comment of the next item when it is read again.
     if text.startswith("/**") and text[3] not in "*/":

@@ -98,7 +98,7 @@ def _items_of(block: _Block | None) -> Items[Any]:
 
 
 class Shaper:
-    """The actions of the grammar: each takes what its rule consists of, tokens and all."""
+    """The actions of the grammar: each takes the parts of its rule, with tokens."""
 
     def start(self, children: list[Any]) -> tree.SyntaxTree:
         return tree.SyntaxTree(children[0])

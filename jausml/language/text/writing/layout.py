@@ -79,7 +79,7 @@ def _bracketed(
 
 
 def _can_share_line(items: Sequence[tree.Item], laid_out: Sequence[list[str]]) -> bool:
-    """Tells whether items can stand on one line: short ones without comments."""
+    """Tells whether items can share a line: short ones without comments."""
     return all(
         isinstance(item, _SHORT) and len(lines) == 1 and not _needs_line(item)
         for item, lines in zip(items, laid_out, strict=True)
@@ -87,7 +87,7 @@ def _can_share_line(items: Sequence[tree.Item], laid_out: Sequence[list[str]]) -
 
 
 def _needs_line(item: tree.Item) -> bool:
-    """Tells whether an item cannot share a line: it has comments, or lacks the name at its end."""
+    """Tells whether an item needs its own line: it has comments, or no name at its end."""
     if isinstance(item, tree.Member) and item.name is None:
         return True
     return bool(item.documentation or item.comments or item.trailing or item.spaced)

@@ -66,7 +66,7 @@ class DocumentNames:
         self._finder = NameFinder(model, self._open_library)
 
     def name(self, owner: EObject, target: EObject, feature: FeatureTable) -> Name | Href:
-        """Returns how to refer to an element: by its shortest name, else by file and fragment."""
+        """Returns the reference to an element: its shortest name, else file and fragment."""
         short_name = self.short_name(owner, target, feature)
         return Name(short_name) if short_name is not None else self.href(target)
 
@@ -256,7 +256,7 @@ STANDING = frozenset(
 
 
 class ElementWriter:
-    """Makes the blocks of one document."""
+    """Writer of the blocks of one document."""
 
     def __init__(self, metamodels: Metamodels, names: DocumentNames) -> None:
         self._metamodels = metamodels
@@ -273,7 +273,7 @@ class ElementWriter:
         return documented(Feature(ROOT, [self._value(obj, with_class=True)]), obj)
 
     def alone(self, obj: EObject) -> Element | Feature:
-        """Returns an element as it may stand in its owner, with all that says what it is."""
+        """Returns an element as it may stand in its owner, with its class and feature stated."""
         owner, feature = obj.eContainer(), obj.eContainmentFeature()
         if owner is None or feature is None:
             return self.root(obj)
@@ -357,7 +357,7 @@ class ElementWriter:
         return documented(item, obj)
 
     def _is_obvious(self, owner: EObject, feature: FeatureTable, table: ClassTable) -> bool:
-        """Tells whether a block of a class goes to a feature of its owner by itself."""
+        """Tells whether the feature of a block follows from its class."""
         return owning_features(self._metamodels.class_of(owner), table) == (feature.name,)
 
     def _value(self, obj: EObject, *, with_class: bool) -> Element:

@@ -19,14 +19,14 @@ _SHORT = {"\n": "\\n", "\t": "\\t", "\r": "\\r", "\\": "\\\\"}
 
 
 def word(text: str) -> str:
-    """Returns a name as it is written: in back quotes where it is no plain word."""
+    """Returns a name in the notation: in back quotes where it is no plain word."""
     # A path may end with an index, a name may not.
     plain = _PATH.fullmatch(text) and not text.endswith("]") and text not in tree.KEYWORDS
     return text if plain else f"`{_escaped(text, '`')}`"
 
 
 def path(text: str) -> str:
-    """Returns a path as it is written; unlike a name it may end with an index."""
+    """Returns a path in the notation; unlike a name it may end with an index."""
     return text if text.endswith("]") and _PATH.fullmatch(text) else word(text)
 
 
@@ -100,7 +100,7 @@ _PROSE = frozenset({"documentation", "holdReason", "units"})
 
 
 def is_number(text: str) -> bool:
-    """Tells whether a text is a number as the language writes it."""
+    """Tells whether a text is a number of the notation."""
     return _NUMBER.fullmatch(text) is not None
 
 
@@ -167,12 +167,12 @@ def head_name(obj: EObject) -> tree.Name | None:
 
 
 def is_comment(text: str | None) -> bool:
-    """Tells whether a documentation comment says exactly a text, and shows all of it."""
+    """Tells whether a documentation comment can hold a text without changes."""
     return text is not None and text.replace("\n", "").isprintable() and can_document(text)
 
 
 def needs_feature(obj: EObject, feature: str) -> bool:
-    """Tells whether a name or documentation is one that only a feature can hold."""
+    """Tells whether only a feature can hold a name or documentation."""
     if feature == "name":
         return not is_name(getattr(obj, "name", None))
     return feature == "documentation" and not is_comment(getattr(obj, "documentation", None))

@@ -92,7 +92,7 @@ class MapWriter:
         yield from (self.vector(vector) for vector in obj.vectors)
 
     def _end(self, obj: bridge.AttributeMap, name: str, target: EObject | None) -> End | None:
-        """Returns the clause of one end, None when it cannot be named."""
+        """Returns the clause of one end, None when it has no name."""
         if target is None:
             return None
         reference = self._names.name(obj, target, self._feature(obj, name))
@@ -102,7 +102,7 @@ class MapWriter:
         return self._metamodels.class_of(obj).features[name]
 
     def table(self, obj: bridge.ValueTable) -> Table | Element:
-        """Returns a table, as a uniform block where its own notation cannot say it."""
+        """Returns a table, as a uniform block where its own notation does not suffice."""
         entries = [table_entry(entry) for entry in obj.entries]
         pairs = [entry for entry in entries if entry is not None]
         if not is_name(obj.name) or not _can_be_documented(obj) or len(pairs) < len(entries):
@@ -110,7 +110,7 @@ class MapWriter:
         return documented(Table(Name(obj.name), pairs), obj)
 
     def vector(self, obj: bridge.TestVector) -> Vector | Element:
-        """Returns a test vector, as a uniform block where its own notation cannot say it."""
+        """Returns a test vector, as a uniform block where its own notation does not suffice."""
         inputs = [vector_entry(vector_value) for vector_value in obj.given]
         expected = [vector_entry(vector_value) for vector_value in obj.expected]
         entries = [entry for entry in [*inputs, *expected] if entry is not None]
@@ -125,7 +125,7 @@ class MapWriter:
     def _directions(
         self, assignments: Sequence[bridge.Assignment], feature: FeatureTable
     ) -> Iterator[Direction | Feature]:
-        """Yields the assignments of one direction in order, blocks where arrows cannot say them."""
+        """Yields the assignments of one direction in order, as blocks where arrows do not do."""
         direction: Direction | None = None
         for assignment in assignments:
             arrow = self.arrow(assignment)
@@ -188,7 +188,7 @@ class MapWriter:
             arrow.items += [self._elements.element(conversion) for conversion in obj.conversions]
 
     def call(self, obj: bridge.Conversion) -> Call | None:
-        """Returns a conversion as a call, None when it has what no call of its kind takes."""
+        """Returns a conversion as a call, None when it has features that its call does not take."""
         table = self._metamodels.class_of(obj)
         feature_names = [
             name
@@ -245,7 +245,7 @@ def table_entry(obj: bridge.TableEntry) -> Entry | None:
 
 
 def vector_entry(obj: bridge.VectorValue) -> VectorEntry | None:
-    """Returns a value of a test vector, None when its notation cannot say it."""
+    """Returns a value of a test vector, None when its notation does not suffice."""
     tolerance = number(obj.tolerance)
     if not _is_path(obj.path or "") or obj.value is None or not isinstance(tolerance, Number):
         return None
@@ -285,7 +285,7 @@ def to_text(roots: Sequence[EObject], model: Model, path: str | os.PathLike[str]
 
 
 def to_clip(elements: Sequence[EObject], model: Model, path: str | os.PathLike[str]) -> str:
-    """Returns elements with all that they own as text, each as it may stand in its owner.
+    """Returns elements with all their parts as text, each as it may stand in its owner.
 
     The arguments and errors are those of `to_text`.
     """
@@ -332,7 +332,7 @@ def _writer(
 
 
 def _parts(root: EObject, elements: ElementWriter, model: Model, path: Path) -> list[BlockItem]:
-    """Returns the items of a root that follows from the file and its contents; else none."""
+    """Returns the items of a root that the file implies; none for other roots."""
     table = model.metamodels.class_of(root)
     names = IMPLIED_PARTS.get(table.qualified_name)
     if names is None or name_of(root) != system_name(path):

@@ -46,7 +46,7 @@ def _command(name: str, diagnostic: Diagnostic) -> str:
 
 
 def _data(text: str) -> str:
-    """Returns text with what ends a command escaped, as the runner decodes it."""
+    """Returns text with the ends of commands escaped, as the runner decodes it."""
     return _inert(text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A"))
 
 

@@ -15,7 +15,7 @@ from jausml.language.validation.rule import Report
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """A test case. Texts may hold anything; what XML cannot hold is escaped.
+    """A test case. Characters that XML cannot hold are escaped.
 
     Attributes:
         failure: Why it failed, on one line; None where it did not.

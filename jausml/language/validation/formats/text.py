@@ -7,7 +7,7 @@ from jausml.language.validation.rule import Ground, Report
 
 
 def render(report: Report) -> str:
-    """Returns the findings, each on one line, with their related places on lines after it."""
+    """Returns the findings, each on one line, with lines for related places after it."""
     return "".join(
         f"{line}\n" for diagnostic in report.diagnostics for line in lines_of(diagnostic)
     )
@@ -31,7 +31,7 @@ def summary(report: Report) -> str:
 
 
 def lines_of(diagnostic: Diagnostic) -> list[str]:
-    """Returns the lines of one finding: its own, and one for each related place."""
+    """Returns the line of a finding, and one for each related place."""
     notes = (f"{note.location}: note: {note.message}" for note in diagnostic.related)
     return [one_line(str(diagnostic)), *map(one_line, notes)]
 

@@ -53,7 +53,7 @@ class Check:
 
 
 def step(function: Callable[Concatenate[Session, P], object]) -> Callable[P, Step]:
-    """Decorates a function of a session, so that it takes its other arguments and returns a step.
+    """Turns a function of a session into one of its other arguments that returns a step.
 
     `answers(1, QueryStatus)` is a step that calls `answers(session, 1, QueryStatus)` when the check
     runs. The first argument of most of them is the number of the client that acts.

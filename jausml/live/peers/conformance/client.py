@@ -124,12 +124,12 @@ class Client:
         self._exchange.put(packet)
 
     def send(self, message: Message, priority: Priority = Priority.STANDARD) -> None:
-        """Sends a message and remembers what it leaves behind."""
+        """Sends a message, and notes how to undo its effect."""
         self._remember(message)
         self.put(self.packet(message.encode(), priority=priority))
 
     def owe(self, kind: type[Message], payload: bytes) -> None:
-        """Remembers what undoes something in the target."""
+        """Notes the message that undoes an effect in the target."""
         self._owes[kind] = payload
 
     def _remember(self, message: Message) -> None:
@@ -152,7 +152,7 @@ class Client:
     # ---- receiving --------------------------------------------------------------------------
 
     def take(self, received: ReceivedMessage) -> None:
-        """Takes a message, and remembers an event that it confirms."""
+        """Takes a message, and notes an event that it confirms."""
         self.inbox.append(received)
         is_confirmation = received.code == core.ConfirmEventRequest.CODE
         if is_confirmation and self._requests.issuperset(received.payload[2:3]):
@@ -241,7 +241,7 @@ class Client:
         self._events.clear()
 
     def undo(self, kind: type[Message]) -> None:
-        """Sends a message that undoes something, if one is owed."""
+        """Sends the message that undoes an effect, if there is one."""
         if kind in self._owes:
             self.put(self.packet(self._owes[kind]))
             del self._owes[kind]  # last, for Ctrl-C may come between

@@ -151,7 +151,7 @@ def _ask(
 def _judge(
     session: Session, query: MessageEntry, answer: bytes | None, reports: tuple[MessageEntry, ...]
 ) -> int:
-    """Decodes a report and returns the presence vector of its first record that has one."""
+    """Decodes a report and returns the first presence vector in it."""
     if answer is None:
         raise CheckFailed(f"{query.name} is not answered")
     code = int.from_bytes(answer[:2], "little")

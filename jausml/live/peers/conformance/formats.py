@@ -62,7 +62,7 @@ def evidence_lines(result: CheckResult) -> Iterator[str]:
 
 
 def summary(report: ConformanceReport) -> str:
-    """Returns one line that says how it went."""
+    """Returns the result in one line."""
     counts = ", ".join(
         f"{report.count(verdict)} {word}"
         for verdict, word in (

@@ -140,7 +140,7 @@ def opened(
     meet: Callable[[Session], bool] | None = None,
     wire: RawEndpoint | None = None,
 ) -> Iterator[Session]:
-    """Finds the target and yields the session with it; undoes what is left behind at the end.
+    """Finds the target and yields the session with it; undoes all effects at the end.
 
     Args:
         meet: Takes the session before anything is sent, and says whether the target was heard; it

@@ -84,7 +84,7 @@ class Limits:
 
 @dataclass
 class Session:
-    """One run against one target.
+    """A run against one target.
 
     Attributes:
         services: What the target announces; empty when nobody says.
@@ -185,7 +185,7 @@ class Session:
 
     @property
     def tells_controller(self) -> bool:
-        """Whether the target says who controls it."""
+        """Whether the target reports its controller."""
         if self._tells_controller is None:
             self._tells_controller = self.tried(*PINGS[1], attempts=2) is not None
         return self._tells_controller
@@ -213,7 +213,7 @@ class Session:
         return self.catalogue.services.get((service.urn, f"{service.major}.{service.minor}"))
 
     def _announced(self, name: str) -> ServiceIdentity | None:
-        """Returns a core service as it is announced, or as what is announced inherits it."""
+        """Returns a core service as announced, or as inherited by an announced one."""
         urns = _urns(name)
         heirs = (base for service in self.services for base in self.known_bases(service))
         return next((service for service in (*self.services, *heirs) if service.urn in urns), None)

@@ -104,7 +104,7 @@ class AnythingBut(Container[object]):
     value: object
 
     def __contains__(self, value: object) -> bool:
-        """Whether it is another one."""
+        """Whether it is another value."""
         return value != self.value
 
 

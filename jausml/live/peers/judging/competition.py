@@ -166,7 +166,7 @@ class Judge:
         return any(score.result.verdict in _GIVEN for score in self.scores)
 
     def run(self, session: Session) -> None:
-        """Takes all other tasks; those parts last after which the target cannot go on."""
+        """Takes all other tasks; parts after which the target cannot go on come last."""
         try:
             for task in self._tasks:
                 if not task.is_unasked:

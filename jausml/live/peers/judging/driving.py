@@ -165,7 +165,7 @@ class Sample:
 
 @dataclass
 class Drive:
-    """One drive along a course; its steps judge what was seen on it."""
+    """A drive along a course; its steps judge its samples."""
 
     course: Course
     samples: list[Sample] = field(default_factory=list)
@@ -193,7 +193,7 @@ class Drive:
         return tuple(range(1, len(self.course.waypoints) + 1))
 
     def execute(self, session: Session) -> None:
-        """Has the list executed, and asks again and again until it ends or time is over."""
+        """Starts the execution of the list, and asks repeatedly until it ends or time is over."""
         execute = message_of(session, DRIVER, "ExecuteList", Speed=TRAVEL_SPEED, ElementUID=1)
         session.send(0, execute)
         begun = session.probe.now()
@@ -245,7 +245,7 @@ class Drive:
         )
 
     def _arrivals(self) -> list[int | None]:
-        """Returns at which sample each waypoint was reached, after those before it."""
+        """Returns the sample of the arrival at each waypoint, in their order."""
         arrivals: list[int | None] = []
         departure = self._departure
         since = len(self.samples) if departure is None else departure

@@ -114,12 +114,12 @@ class JuniorPeer:
         self._multicast.close()
 
     def restart(self) -> None:
-        """Ends the component and starts it again, at the number 1 and with nothing remembered."""
+        """Restarts the component, with its first number and an empty memory."""
         with self._state:
             self._start_component()
 
     def end(self) -> None:
-        """Ends the component alone: nobody acknowledges any more."""
+        """Ends the component alone: acknowledgements stop."""
         self.alive = False
 
     def send(self, destination: JausAddress, payload: bytes, *, acknowledge: bool = False) -> bool:
@@ -142,7 +142,7 @@ class JuniorPeer:
         return self._book.get(address.packed)
 
     def on_message(self, source: JausAddress, payload: bytes) -> None:
-        """Takes a whole message, on the thread of the peer; a bare application does nothing."""
+        """Takes a whole message, on the thread of the peer; by default without an effect."""
 
     # ---- the component ----------------------------------------------------------------------
 
@@ -280,7 +280,7 @@ class JuniorVehicle(JuniorPeer):
         self._reporter.start()
 
     def close(self) -> None:
-        """Ends it."""
+        """Ends the vehicle."""
         self._running = False
         self._reporter.join()
         super().close()

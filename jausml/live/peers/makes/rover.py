@@ -108,14 +108,14 @@ class Rover:
         self._speed = self._turn = 0.0
 
     def report(self, code: int) -> bytes | None:
-        """Returns the velocity to who asks for it."""
+        """Returns the velocity for its query."""
         if code != self._query.code:
             return None
         moves = {"Velocity_X": self._speed, "YawRate": self._turn}
         return self._velocity.encode({"ReportVelocityStateRec": moves})
 
     def obey(self, payload: bytes, source: JausAddress) -> None:
-        """Takes an effort, and nothing else."""
+        """Obeys an effort; ignores other messages."""
         if int.from_bytes(payload[:2], "little") != self._effort.code:
             return
         try:

@@ -42,7 +42,7 @@ _INPUTS = {
 
 @dataclass(frozen=True)
 class Place:
-    """Where a peer is: a host of its own of loopback, or an interface of this one.
+    """The place of a peer: a host of its own of loopback, or an interface of this one.
 
     Attributes:
         multicast_group: Where it is found.
@@ -54,12 +54,12 @@ class Place:
 
     @property
     def endpoint(self) -> tuple[str, int]:
-        """Where it receives what is for it alone."""
+        """The endpoint of its own messages."""
         return self.interface, self.port
 
     @property
     def group(self) -> tuple[str, int]:
-        """Where it receives what is for all."""
+        """The endpoint of multicast messages."""
         return self.multicast_group, self.port
 
     def sockets(self, buffer: int) -> tuple[socket.socket, socket.socket]:

@@ -23,7 +23,7 @@ WAYS = {TO_ROS: "to ROS", TO_JAUS: "to JAUS"}
 
 
 def size(bounds: Size) -> str:
-    """Returns the bounds of a size, such as `12..26`; `+` where nothing limits it."""
+    """Returns the bounds of a size, such as `12..26`; `+` for no limit."""
     if bounds.most is None:
         return f"{bounds.least}+"
     return str(bounds.least) if bounds.least == bounds.most else f"{bounds.least}..{bounds.most}"

@@ -83,7 +83,7 @@ class Plan:
 
     @property
     def gone(self) -> list[bridge.Bridge]:
-        """The bridges that carried something, and carry nothing any more."""
+        """The bridges that carried connections, and carry none any more."""
         kept = {new.owner for new in self.after}
         return [old.origin for old in self.before if old.carriers and old.owner not in kept]
 
@@ -179,7 +179,7 @@ class Planner:
         )
 
     def _named(self, scale: Scale, parts: Sequence[Part]) -> tuple[Planned, ...]:
-        """Gives parts the bridges that carry most of them, and new names to the rest."""
+        """Assigns parts to the bridges with most of their connections, else to new names."""
         groups = [[scale.groups[number] for number in part] for part in parts]
         names = {n: group.pin for n, some in enumerate(groups) for group in some if group.pin}
         graph: networkx.Graph[tuple[str, int | str]] = networkx.Graph()
@@ -233,7 +233,7 @@ def _place(order: Sequence[str], name: str) -> int:
 
 
 def _now(scale: Scale) -> list[Part]:
-    """Returns the parts that there are; what is wanted together is in the bridge of most of it."""
+    """Returns the present parts; connections to be together are in the bridge of most of them."""
     parts: dict[bridge.Bridge, set[int]] = {}
     for number in range(len(scale.groups)):
         own = next(iter(scale.origins(frozenset((number,)))))

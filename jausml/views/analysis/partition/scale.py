@@ -46,14 +46,14 @@ class Scale:
         self.origins = lru_cache(1024)(self._origins)
 
     def weight(self, part: Part) -> tuple[float, float]:
-        """Returns by how much a part is over its limits, and what it weighs."""
+        """Returns the excess of a part over its limits, and its weight."""
         known = self._known.get(part)
         if known is None:
             known = self._known[part] = self._weighed(part, self.cost(part))
         return known
 
     def added(self, part: Part, number: int) -> tuple[float, float]:
-        """Returns by how much more a part is over its limits, and weighs, with one more group."""
+        """Returns the rise of the excess and of the weight of a part by one more group."""
         if not part:
             return self.weight(frozenset((number,)))
         new, before = part | {number}, self.weight(part)
@@ -102,7 +102,7 @@ class Scale:
         return min((home, *known), key=lambda host: cost.away(host) + NEAR * (host is not home))
 
     def _excess(self, part: Part, cost: Cost) -> float:
-        """Returns by how much a part is over the limits: nought where it holds them all."""
+        """Returns the excess of a part over the limits: 0 where it is within all."""
         limits = self.limits
         over = max(0.0, cost.share / limits.load - 1) + max(0.0, cost.wait / limits.wait - 1)
         if limits.most:

@@ -34,7 +34,7 @@ def tied(owners: Iterable[bridge.Bridge]) -> list[tuple[str, list[Carrier]]]:
 
 
 def commands(carrier: Carrier) -> bool:
-    """Tells whether somebody is commanded by a connection: at its other end, or the bridge."""
+    """Tells whether a connection commands its peers, or its bridge."""
     if not isinstance(carrier, bridge.Connection):
         return True
     return keeps_control(carrier) or _is_commanded(carrier)
@@ -122,7 +122,7 @@ def _provided(owner: bridge.Bridge, service: jaus.Service) -> Tie:
 
 
 def _searches(carrier: bridge.Connection, service: jaus.Service) -> bool:
-    """Tells whether a search could find the bridge that provides a service, were it another."""
+    """Tells whether a search could find the bridge of a service, if it were another one."""
     wanted = carrier.search.services if carrier.search is not None else ()
     urns = {searched.urn for searched in wanted}
     return any(one.urn in urns for one in lineage(service))

@@ -133,7 +133,7 @@ class Group:
 
 
 class Weighing:
-    """The connections of a system, as far as they may be moved, and what partitions of them cost.
+    """The connections of a system that may be moved, and the costs of their partitions.
 
     External bridges are as somebody else has made them.
     """

@@ -36,7 +36,7 @@ _TABLE = '<table fixedsize="true" border="0" cellborder="0" cellspacing="0" cell
 
 
 def program() -> Path | None:
-    """Returns the program of the layout as it is installed for this Python; None without it."""
+    """Returns the installed program of the layout for this Python; None without it."""
     try:
         files = metadata.files(PACKAGE) or ()
     except metadata.PackageNotFoundError:

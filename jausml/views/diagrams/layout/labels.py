@@ -83,7 +83,7 @@ class Ground:
             self._thin.append(Area(left, top, left + frame.width, top + frame.height))
 
     def clear(self, line: Line) -> None:
-        """Gives a label another place if it lies on something."""
+        """Moves a label to another place if it hides a part of the picture."""
         wanted = self.labels.get(line.id)
         if wanted is None or not self.hidden(line.id, wanted):
             return

@@ -48,7 +48,7 @@ class Item:
 
 
 def levelled(items: Sequence[Item], links: Sequence[Link]) -> Item:
-    """Returns items as one, each below those before it that take the same column."""
+    """Returns items as one, each below those before it in its columns."""
     work = _Work(items, links)
     work.level()
     least = min(work.tops, default=0)
@@ -83,7 +83,7 @@ class _Work:
             self._links[other].append((one, -down))
 
     def _stack(self) -> None:
-        """Sets each item right below the lowest of those before it in its columns."""
+        """Puts each item right below the lowest of those before it in its columns."""
         last: dict[int, int] = {}
         self.tops: list[float] = []
         for number, item in enumerate(self._items):
@@ -107,7 +107,7 @@ class _Work:
                 return
 
     def _push(self, number: int, way: int) -> bool:
-        """Moves an item down (1) or up (-1), with those that it touches, if that helps."""
+        """Moves an item down (1) or up (-1), with its neighbours, if that helps."""
         pushed = self._touched(number, way)
         wished = [
             way * (self.tops[other] + down - self.tops[one])

@@ -74,7 +74,7 @@ def _hits_a_box(path: Sequence[Point], areas: Mapping[str, Area]) -> bool:
 
 
 def _paths(source: Area, target: Area) -> Iterator[_Path]:
-    """Yields simple routes between boxes of which one is above the other, or beside it."""
+    """Yields simple routes between boxes above or beside each other."""
     yield from _vertical(source, target)
     for path in _vertical(source.transposed, target.transposed):
         a, b, c, d = ((x, y) for y, x in path)
@@ -106,5 +106,5 @@ def _do_segments_cross(a: Point, b: Point, c: Point, d: Point) -> bool:
 
 
 def _side(start: Point, end: Point, point: Point) -> float:
-    """Tells by its sign on which side of a line a point is."""
+    """Returns a number whose sign is the side of a line on which a point is."""
     return (end[0] - start[0]) * (point[1] - start[1]) - (end[1] - start[1]) * (point[0] - start[0])

@@ -34,7 +34,7 @@ class Area(NamedTuple):
     bottom: float
 
     def overlaps(self, other: Area, gap: float = 0) -> bool:
-        """Tells whether two have a point in common, or less room than a gap between them."""
+        """Tells whether two areas have a common point, or less room than a gap between them."""
         return (
             self.left < other.right + gap
             and other.left < self.right + gap
@@ -193,7 +193,7 @@ class _Ground:
         return peer.right + COLUMN_GAP, y
 
     def _column(self, box: Box) -> list[Box]:
-        """Returns the boxes that stand in the column of a box, those of its frame if there are.
+        """Returns the boxes in the column of a box, in its frame if there are others.
 
         All are in one column where there are no others.
         """
@@ -223,7 +223,7 @@ class _Ground:
         return round(x), round(lowest + GAP)
 
     def is_bare(self, box: Box, corner: Point) -> bool:
-        """Tells whether no box stands where one would."""
+        """Tells whether the place of a box is free of other boxes."""
         area = area_of(box, corner)
         return not any(
             area.overlaps(other_area)
@@ -269,7 +269,7 @@ class _Ground:
 
 
 def tiles(area: Area, size: float = _CELL) -> Iterator[tuple[int, int]]:
-    """Yields the cells of a grid that an area has a part in: what overlaps shares one."""
+    """Yields the cells of a grid with a part of an area: overlapping areas share one."""
     for column in range(int(area.left // size), int(area.right // size) + 1):
         for row in range(int(area.top // size), int(area.bottom // size) + 1):
             yield column, row

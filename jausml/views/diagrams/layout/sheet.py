@@ -45,13 +45,13 @@ class Box:
         return self.head + sum(row.height for row in self.rows)
 
     def middles(self) -> dict[str, float]:
-        """Returns how far below its top the middles of its rows are; of its head without a name."""
+        """Returns the distance from its top to the middle of each row; of its head by no name."""
         tops = self.tops()
         rows = {row.id: tops[row.id] + row.height / 2 for row in self.rows}
         return {"": self.head / 2, **rows}
 
     def tops(self) -> dict[str, int]:
-        """Returns how far below its top its rows begin."""
+        """Returns the distance from its top to each row."""
         heights = accumulate((row.height for row in self.rows), initial=self.head)
         return {row.id: top for row, top in zip(self.rows, heights, strict=False)}
 

@@ -80,7 +80,7 @@ def graph_of(
 def _offered(
     model: Model, *, library: bool
 ) -> Iterator[tuple[tuple[str, ...], Callable[[Context], Graph]]]:
-    """Yields all names of each view, and what makes its graph."""
+    """Yields all names of each view, and the function that makes its graph."""
     # A system begins with nothing, and a text of nothing may become one.
     first = model.documents[0].roots if model.documents else []
     if not first or isinstance(first[0], System) or system.participants(model):

@@ -59,7 +59,7 @@ class Context:
         return ref_of(element, self.model, self._root)
 
     def named(self, part: PartT, **more: Any) -> PartT:
-        """Returns a part with its key, and with its element where its id is that of one.
+        """Returns a part with its key, and with the element of its id if there is one.
 
         `more`: what else of it is another.
         """
@@ -100,7 +100,7 @@ class Context:
     def row(
         self, element: EObject, label: str, note: str = "", mark: str = "", /, **more: object
     ) -> Port:
-        """Returns the row of an element, with what is told of it on request: more, by names."""
+        """Returns the row of an element, with its details for requests: more, by names."""
         return Port(
             self.id_of(element),
             label,
@@ -131,7 +131,7 @@ def name_of(element: EObject | None) -> str:
 
 
 def number(value: float) -> str:
-    """Returns a number as people write it: no more digits than it needs."""
+    """Returns a number with no more digits than it needs."""
     return f"{value:.10g}"
 
 

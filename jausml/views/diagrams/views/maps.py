@@ -168,7 +168,7 @@ class _MapView:
         *,
         to_ros: bool,
     ) -> None:
-        """Adds the edges of an assignment, and those of what it nests."""
+        """Adds the edges of an assignment, and those of nested ones."""
         target = self.ros if to_ros else self.jaus
         source = self.jaus if to_ros else self.ros
         mark = _mark(assignment)

@@ -140,7 +140,7 @@ def offered_machines(
 
 
 def machine_graph(context: Context, element: jaus.StateMachine) -> Graph:
-    """Returns the view of a machine, with what it extends."""
+    """Returns the view of a machine, with the one that it extends."""
     builder = Builder(context)
     machine = machine_with(element)
     if machine is not None:

@@ -125,7 +125,7 @@ _BOXES = ("box", "kind", "row", "type", "mark", "findings")
 
 
 def _tables(graph: Graph, keys: Keys) -> str:
-    """Returns two tables of a page: what flows, and what there is."""
+    """Returns two tables of a page: edges, and boxes."""
     return "\n".join(
         (
             *_table("edges", "What flows", _EDGES, _edges(graph, keys)),

@@ -24,7 +24,7 @@ _TITLE = 16
 
 @dataclass(frozen=True)
 class Event:
-    """One message between participants, or what one of them does or all undergo.
+    """A message between participants, an action of one, or a step of all.
 
     `receiver`: whom a message goes to; empty for what one does alone. `sender`: who does it; empty
     for what happens to all, as that time passes.
@@ -38,7 +38,7 @@ class Event:
 
 @dataclass(frozen=True)
 class SequenceDiagram:
-    """Events one after the other under a title, and the sentence that ends them."""
+    """Consecutive events under a title, and the sentence at their end."""
 
     title: str
     end: str
@@ -146,7 +146,7 @@ def _row(event: Event, y: float, columns: _Columns) -> Iterator[str]:
 
 
 def _label(x: float, y: float, text: str, kind: str) -> Iterator[str]:
-    """Yields a text on a ground of its own, so that lines behind it do not cross it."""
+    """Yields a text with a background, so that lines behind it do not cross it."""
     wide = width(text, SMALL) + 6
     corner = f'x="{round(x - 3, 1)}" y="{round(y - 9, 1)}"'
     yield f'<rect class="behind" {corner} width="{round(wide, 1)}" height="12" rx="2"/>'

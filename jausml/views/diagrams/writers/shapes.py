@@ -37,7 +37,7 @@ _SIGNS = {"error": "\N{MULTIPLICATION SIGN} ", "warning": "! ", "info": "i "}
 
 @dataclass(frozen=True)
 class RowText:
-    """The texts of a row: its name, what stands behind it, one word at the right end."""
+    """The texts of a row: name, remark, and a word at the right end."""
 
     label: str
     note: str
@@ -198,7 +198,7 @@ def width(text: str, size: float, *, bold: bool = False) -> float:
 
 @lru_cache(maxsize=_MOST_TEXTS)
 def cut(text: str, longest: int) -> str:
-    """Returns a text on one line, cut where it is too long; what cannot be shown is replaced."""
+    """Returns a text on one line, cut to a length; unprintable characters are replaced."""
     flat = "".join(
         character if character.isprintable() else "\N{REPLACEMENT CHARACTER}"
         for character in " ".join(text.split())
@@ -292,7 +292,7 @@ def outline(kind: str, severity: str = "") -> str:
 
 
 def variables() -> str:
-    """Returns the colours as properties for the style sheet of a page, as whoever looks has it."""
+    """Returns the colours as properties for the style sheet of a page, light and dark."""
     light, dark = (
         "".join(f"--{name}:{value};" for name, value in colours.items())
         for colours in (_LIGHT, _DARK)

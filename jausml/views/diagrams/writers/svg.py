@@ -53,7 +53,7 @@ def size_of(picture: str) -> tuple[float, float]:
 
 
 class Keys:
-    """Short keys of what a picture shows, by which a page finds what it tells of them."""
+    """Short keys of the parts of a picture, by which a page finds their details."""
 
     def __init__(self) -> None:
         self._known: dict[tuple[str, ...], str] = {}
@@ -239,7 +239,7 @@ def _behind(state: str) -> str:
 
 
 def text_element(x: float, y: float, text: str, size: int, kind: str, *, bold: bool = False) -> str:
-    """Returns a text of the width that the table gives it, whatever the font."""
+    """Returns a text with the width by the table, whatever the font."""
     if not text:
         return ""
     known = f' class="{kind}"' if kind else ""
@@ -254,7 +254,7 @@ def text_element(x: float, y: float, text: str, size: int, kind: str, *, bold: b
 
 
 def _ids(key: str, identifier: str) -> str:
-    """Returns the attributes that name a part: its key for the page, its id of the model."""
+    """Returns the attributes of a part: its key for the page, its id of the model."""
     return f'data-key="{key}" data-id={quoteattr(_data(identifier))}'
 
 

@@ -150,7 +150,7 @@ def _dot_edge(edge: Edge, names: dict[str, str], ports: dict[tuple[str, str], st
 
 
 def _text(text: str) -> str:
-    """Returns a text as data: Graphviz finds no signs of its own in it."""
+    """Returns a text as data, without signs of Graphviz."""
     flat = "".join(
         character if character.isprintable() else "\N{REPLACEMENT CHARACTER}"
         for character in " ".join(text.split())

@@ -57,7 +57,7 @@ class Placed:
 
 @dataclass
 class Standing:
-    """Where the parts of a view stood whenever it was drawn; a new one knows nothing.
+    """The last places of the parts of a view.
 
     Boxes that are gone are kept: what undo brings back stands where it stood. `rows`: the rows of
     each box by its key, in the order of the model and in that of the picture. `shown`: kinds and
@@ -216,7 +216,7 @@ def _sheet(graph: Graph) -> Sheet:
 
 
 def _with_live_text(line: Line) -> Line:
-    """Returns a line whose label has room for what is told of it while the system runs."""
+    """Returns a line whose label has room for values of the running system."""
     if not line.width:
         return line
     width, height = max(line.width, LIVE_WIDTH), line.height + shapes.LINE_HEIGHT
@@ -224,13 +224,13 @@ def _with_live_text(line: Line) -> Line:
 
 
 def _without_findings(node: Node) -> Node:
-    """Returns a box without what is wrong with it and its rows."""
+    """Returns a box without findings, also of its rows."""
     is_wrong = any(port.findings for port in node.ports)
     return _plain(replace(node, ports=tuple(map(_plain, node.ports))) if is_wrong else node)
 
 
 def _plain(part: PartT) -> PartT:
-    """Returns a part without what is wrong with it."""
+    """Returns a part without findings."""
     return replace(part, findings=()) if part.findings else part
 
 
