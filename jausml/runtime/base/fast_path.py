@@ -1,9 +1,9 @@
-"""Fast path: how services and connections tell what a compiled core may pass without Python.
+"""Fast path: describes which messages the compiled core may pass on without Python.
 
-Between a socket and a connection of a bridge a message meets who counts packets, who keeps commands
-in order, who guards them, who hands out events. A function of theirs that takes messages may carry
-what finds the fast path through it (`through`). It is found when messages go the usual way, and is
-good until something that it rests on changes (`Revision`).
+Between the socket and a connection of a bridge, functions take each message in turn: to count
+packets, keep commands in order, check their sender, and distribute events. Each of these functions
+may carry a second one that returns the fast path through it (`with_fast_path`). A fast path is
+valid until the `Revision` changes.
 """
 
 from __future__ import annotations
@@ -90,7 +90,7 @@ class Outlet:
     sent: Callable[[int, int], None]
 
 
-def through(take: TakeT, find: Callable[..., Any]) -> TakeT:
+def with_fast_path(take: TakeT, find: Callable[..., Any]) -> TakeT:
     """Returns a function that takes messages, with what finds the fast path through it."""
     # Functions and partials have a dictionary of their own; bound methods have none.
     vars(take)["fast_path"] = find

@@ -9,7 +9,7 @@ from typing import Any, Generic, TypeVar
 
 from ..base.address import JausAddress
 from ..base.counters import Clock, Counters
-from ..base.fast_path import FastPath, fast_path_of, through
+from ..base.fast_path import FastPath, fast_path_of, with_fast_path
 from ..transports.delivery import Ordering
 from ..wire.message import DecodeError, Message
 from .definitions import Guard
@@ -192,7 +192,7 @@ class Router:
         def fast_path(sender: JausAddress) -> FastPath | None:
             return fast_path_of(take, sender) if allows(guard, sender) else None
 
-        return through(take_guarded, fast_path)
+        return with_fast_path(take_guarded, fast_path)
 
     def _handle(self, handler: Handler, take: Take, payload: bytes, sender: JausAddress) -> None:
         """Acts on a message whose guard depends on what it says.
@@ -231,7 +231,7 @@ class Router:
             path = fast_path_of(take, sender)
             return None if path is None else ordering.minded(path, sender)
 
-        return through(take_newer, fast_path)
+        return with_fast_path(take_newer, fast_path)
 
     def _delivering(self, message_class: type[Message], actions: Sequence[Action]) -> Take:
         """Returns what decodes a message and calls who wants it, as ``call`` does."""

@@ -135,11 +135,11 @@ class VirtualRosNode:
             raise RosTypeError(f"{needed}: {error}") from error
 
     def publisher(
-        self, ros_type: type[Any], topic: Topic, greet: Callable[[], None] | None = None
+        self, ros_type: type[Any], topic: Topic, on_match: Callable[[], None] | None = None
     ) -> RosPublisher:
         """Makes a publisher; see `RosSide`."""
         resolved = self._resolved(topic)
-        end = self._graph.advertise(self.name, ros_type, resolved, greet)
+        end = self._graph.advertise(self.name, ros_type, resolved, on_match)
         self._health[topic, True] = end.health
         self._ends.append(end)
         return end
@@ -214,6 +214,6 @@ def _needs_ros(what: str) -> NotImplementedError:
 def _taken(parameter: Parameter, value: Any) -> Any:
     """Returns a value as a parameter takes it; ParameterError where it does not do."""
     try:
-        return parameter.taken(value)
+        return parameter.converted(value)
     except ValueError as error:
         raise ParameterError(str(error)) from error

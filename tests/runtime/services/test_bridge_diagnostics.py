@@ -9,7 +9,7 @@ from jausml.runtime import Guard, Status
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.quirks import Quirk
 from jausml.runtime.bridge.bridge import Bridge
-from jausml.runtime.bridge.diagnosing import LATELY, SLICE
+from jausml.runtime.bridge.diagnosing import LOSS_WINDOW, SLICE
 from jausml.runtime.bridge.ends.ends import BridgeSettings
 from jausml.runtime.bridge.ends.topics import Topic
 from jausml.runtime.bridge.reports.diagnostics import WINDOW, Latency
@@ -415,12 +415,12 @@ def test_each_peer_has_an_account(world, setting):
     assert values(status)["lost on the way, at most"] == "30"
     assert values(status)["acknowledged"] == "3"
     world.exchanged = exchanged(came=90, lost=30)
-    world.run(LATELY + 1.1)
+    world.run(LOSS_WINDOW + 1.1)
     world.exchanged = exchanged(came=100, lost=30)
     world.run(1.1)
     status = setting.ros.statuses[-1]["account of 1.1.1"]
     assert status.message == "nothing was lost lately"
-    world.run(LATELY + 1.1)
+    world.run(LOSS_WINDOW + 1.1)
     assert setting.ros.statuses[-1]["account of 1.1.1"].message == "nothing came lately"
 
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from functools import partial
 
 from ...base.address import JausAddress
-from ...base.fast_path import through
+from ...base.fast_path import with_fast_path
 from ...base.loop import Loop
 from ...base.settings import Endpoint, TransportSettings
 from ..address_book import AddressBook, Entry
@@ -73,7 +73,7 @@ class DatagramTransport(Transport):
             self._settings.fragment_size,
             self.inbox,
         )
-        return through(send, outlet)
+        return with_fast_path(send, outlet)
 
     def count_by(self, counting: Callable[[int], Iterator[int]]) -> None:
         """Has packets numbered by what is made of the first number; before there is a sender."""
