@@ -230,7 +230,7 @@ class PeerAccount(NamedTuple):
             "came": account.came,
             "lost on the way, at most": account.lost,
             "came late": account.late,
-            "came twice": account.doubled,
+            "came twice": account.duplicates,
             "came again": account.repeated,
             "began anew": account.restarts,
             **{f"dropped: {reason}": count for reason, count in sorted(self.drops.items())},

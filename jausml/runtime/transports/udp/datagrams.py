@@ -89,7 +89,7 @@ class DatagramTransport(Transport):
             if entry is None:
                 return True
             # Without proof it counts as never heard, though it may have spoken a moment ago.
-            heard = entry.heard if entry.claim is None else entry.spoke
+            heard = entry.heard if entry.claim is None else entry.heard_in_doubt
             return self.loop.now() - heard > longest_silence
 
     def is_proved(self, address: JausAddress) -> bool:
