@@ -100,7 +100,7 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         self._find_route()
         if self._guarded is not None:
             # First the stop of the peer is removed: its slot may be given to another peer.
-            self._guarded.hand()
+            self._guarded.send()
             self._ends.ward.slots.give_back(self, (self._ends.component.address, peer))
 
     def _sender(self, peer: JausAddress) -> Send:
@@ -234,5 +234,5 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         self._find_route()
         # The guardian has to send its stops to the peers that obey now.
         if self._guarded is not None:
-            self._guarded.hand()
+            self._guarded.send()
         self._stops.changed(peer)
