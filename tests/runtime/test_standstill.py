@@ -32,7 +32,7 @@ def test_who_asked_is_told_before_what_waited_is_served(loop):
     own, other = os.pipe()
 
     def read() -> None:
-        loop.standstill.look()
+        loop.standstill.check()
         told.append(os.read(own, 1))
 
     loop.register(own, read)

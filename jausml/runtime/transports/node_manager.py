@@ -247,7 +247,7 @@ class NodeManagerClient(Carrier[str]):
     # ---- receiving --------------------------------------------------------------------------
 
     def _read(self) -> None:
-        self._loop.standstill.look()
+        self._loop.standstill.check()
         for _ in range(_DATAGRAMS_PER_WAKE_UP):
             if self._socket is None:
                 return

@@ -251,7 +251,7 @@ class TcpConnection:
 
     def _read(self) -> None:
         # Watchers of standstills are called before waiting packets are taken.
-        self._loop.standstill.look()
+        self._loop.standstill.check()
         # Limited, so that other callbacks have their turn; the socket stays ready.
         for _ in range(_READS_PER_WAKE_UP):
             try:
