@@ -40,14 +40,14 @@ def who_gives_way(held: Sequence[Held[T]], asker: Held[object]) -> T | None:
     Args:
         held: All holders of a slot, in the order in which they got it.
     """
-    left = [holder for holder in held if not holder.is_kept]
-    unproved = [holder for holder in left if not holder.is_proved]
+    candidates = [holder for holder in held if not holder.is_kept]
+    unproved = [holder for holder in candidates if not holder.is_proved]
     if unproved:
-        left = unproved
+        candidates = unproved
     elif not asker.is_proved:
         return None
     for level in range(LEVELS):
-        groups = _grouped(left, level)
+        groups = _grouped(candidates, level)
         if not groups:
             return None
         largest = max(groups, key=lambda group: len(groups[group]))
@@ -57,9 +57,9 @@ def who_gives_way(held: Sequence[Held[T]], asker: Held[object]) -> T | None:
             is_fair = not unproved and not asker.is_kept and len(groups[largest]) <= own + 1
             return None if is_fair else groups[largest][-1].item
         # The asker is of the largest group itself, so one of its own gives way, a level deeper.
-        left = groups[largest]
+        candidates = groups[largest]
     # Within one id the holders stay, unless the asker is kept.
-    return left[-1].item if unproved or asker.is_kept else None
+    return candidates[-1].item if unproved or asker.is_kept else None
 
 
 def fair_rates(held: Sequence[Held[T]], capacity: float, level: int = 0) -> list[tuple[T, float]]:

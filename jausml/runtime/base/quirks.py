@@ -14,7 +14,7 @@ from typing import NamedTuple
 from .address import JausAddress
 from .counters import LOGGER
 
-MOST_PEERS = 256  # peers whose quirks are remembered; the first one noted gives way
+MAX_PEERS = 256  # peers whose quirks are remembered; the first one noted gives way
 
 
 class Quirk(Enum):
@@ -72,12 +72,12 @@ class Quirks:
         """Remembers a quirk of a peer and its evidence; logs it the first time."""
         quirks = self._by_peer.get(peer)
         if quirks is None:
-            if len(self._by_peer) >= MOST_PEERS:
+            if len(self._by_peer) >= MAX_PEERS:
                 self._by_peer.popitem(last=False)
             quirks = self._by_peer[peer] = {}
         is_new = quirk not in quirks
         quirks[quirk] = how
-        if is_new and self._reported < MOST_PEERS:
+        if is_new and self._reported < MAX_PEERS:
             self._reported += 1  # invented ids must not fill the log
             LOGGER.info("%s %s", peer, Learnt(quirk, how))
 

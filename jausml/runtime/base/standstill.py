@@ -17,7 +17,7 @@ steady: Callable[[], float] = partial(
 _BEATS = 4  # beats within the shortest limit
 _SHORTEST = 0.02  # shortest limit in seconds: a beat costs some microseconds
 _RELAYED = 0.1  # seconds for messages held by relays of the host, which may have stood still, too
-_MOST_TURNS = 256  # turns in which a socket is emptied, also while more arrives without a pause
+_MAX_TURNS = 256  # turns in which a socket is emptied, also while more arrives without a pause
 
 
 class Waiting(Protocol):
@@ -160,7 +160,7 @@ class Standstill:
             self._loop.call_later(delay, self._catch_up)
             return
         self._turns += 1
-        if not self._loop.is_idle() and self._turns < _MOST_TURNS:
+        if not self._loop.is_idle() and self._turns < _MAX_TURNS:
             self._loop.call_soon(self._catch_up)
             return
         behind, self._behind = self._behind, []

@@ -195,7 +195,7 @@ class Bridge:
             self._is_open = False
 
     def set_active(self, wanted: bool) -> None:  # noqa: FBT001
-        """Lets messages pass, or sends the stops of commands and lets no message pass.
+        """Begins to pass messages on, or sends the stops of commands and passes none on.
 
         An inactive bridge is a JAUS component in Standby of which control is not available.
         """
@@ -210,7 +210,7 @@ class Bridge:
         """Hook: the bridge left Ready; the stops of commands are sent already."""
 
     def on_control_lost(self) -> None:
-        """Hook: another controls the bridge, or nobody; the stops of commands are sent already."""
+        """Hook: the controller has lost control; the stops of commands are sent already."""
 
     def on_handoff_requested(
         self, target: JausAddress, requests: tuple[HandoffRequest, ...]

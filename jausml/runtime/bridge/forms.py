@@ -20,7 +20,7 @@ CODE_SIZE = 2  # bytes of the message code, which stay in all variants
 
 # Put into each byte of a message: they make small and great numbers, other lengths and presences.
 _VALUES = (0x00, 0x01, 0x7F, 0x80, 0xFF)
-_MOST_VARIANTS = 1000  # tried of one message; a large one is changed at fewer positions
+_MAX_VARIANTS = 1000  # tried of one message; a large one is changed at fewer positions
 
 
 def differing_forms(
@@ -101,7 +101,7 @@ def _variants(source: Any, data: bytes) -> Iterator[bytes]:
     is_light = isinstance(source, LightMessage)
     for whole in (data, *(() if is_light else _without_a_field(source))):
         yield whole
-        step = max(1, len(whole) * len(_VALUES) // _MOST_VARIANTS)
+        step = max(1, len(whole) * len(_VALUES) // _MAX_VARIANTS)
         for position in range(0 if is_light else CODE_SIZE, len(whole), step):
             for value in _VALUES:
                 if whole[position] != value:

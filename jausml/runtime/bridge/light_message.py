@@ -10,7 +10,7 @@ from operator import attrgetter
 from typing import Any, ClassVar, TypeAlias, TypeGuard, TypeVar
 
 from ..wire.message import DecodeError, EncodeError
-from .messages import cdr as cdr  # noqa: PLC0414 - passed on to what is generated
+from .messages import cdr as cdr  # noqa: PLC0414 - for generated code
 from .messages.limits import RosTypeError
 
 MessageT = TypeVar("MessageT", bound="LightMessage")

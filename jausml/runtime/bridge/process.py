@@ -75,7 +75,7 @@ class ManagedBridge:
         self._ros.listen()
 
     def activate(self) -> None:
-        """Lets messages pass."""
+        """Begins to pass messages on."""
         self._bridge.set_active(True)
         LOGGER.info("%s runs as %s", self._ros.name, self._bridge.settings.address)
 

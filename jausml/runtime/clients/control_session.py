@@ -104,16 +104,16 @@ class ControlClient:
 
     def holds(self, target: JausAddress) -> bool:
         """Returns whether this component controls a target, by its last report."""
-        return any(control.holds for control in self._of(target))
+        return any(control.holds for control in self._controls_of(target))
 
     def hand_over(self, target: JausAddress) -> None:
         """Stops requesting control of a target, in favour of another component."""
-        for control in self._of(target):
+        for control in self._controls_of(target):
             control.hand_over()
 
     def take_over(self, target: JausAddress) -> None:
         """Requests control of a target again, after another component has handed it over."""
-        for control in self._of(target):
+        for control in self._controls_of(target):
             control.take_over()
 
     def stop(self) -> None:
@@ -124,26 +124,26 @@ class ControlClient:
     def _forget(self, control: ControlledTarget) -> None:
         self._controls.pop(control.target, None)
 
-    def _of(self, target: JausAddress) -> tuple[ControlledTarget, ...]:
+    def _controls_of(self, target: JausAddress) -> tuple[ControlledTarget, ...]:
         control = self._controls.get(target)
         return () if control is None else (control,)
 
     def _released(self, target: JausAddress) -> None:
-        for control in self._of(target):
+        for control in self._controls_of(target):
             control.returned()
 
     def _confirmed(self, message: ConfirmControl, sender: JausAddress) -> None:
-        for control in self._of(sender):
+        for control in self._controls_of(sender):
             control.confirmed(message.response_code)
 
     def _rejected(self, _message: RejectControl, sender: JausAddress) -> None:
-        for control in self._of(sender):
+        for control in self._controls_of(sender):
             control.rejected()
 
     def _timeout_reported(self, message: ReportTimeout, sender: JausAddress) -> None:
-        for control in self._of(sender):
+        for control in self._controls_of(sender):
             control.timeout_reported(message.timeout)
 
     def _reported(self, message: ReportControl | ReportStatus, sender: JausAddress) -> None:
-        for control in self._of(sender):
+        for control in self._controls_of(sender):
             control.reported(message)

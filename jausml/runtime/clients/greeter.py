@@ -34,7 +34,7 @@ class Greeter:
     def start(self) -> None:
         """Greets silent peers now, and every ``GREETING_INTERVAL`` seconds."""
         for peer in self.unanswered:
-            self._presence.watch(peer, self._heard)
+            self._presence.watch(peer, self._log_returned)
         if self.unanswered:
             self._greet_silent_peers()
 
@@ -42,7 +42,7 @@ class Greeter:
         """Stops greeting."""
         self._timer.cancel()
         for peer in self.unanswered:
-            self._presence.forget(peer, self._heard)
+            self._presence.forget(peer, self._log_returned)
 
     def _greet_silent_peers(self) -> None:
         component = self._component
@@ -62,7 +62,7 @@ class Greeter:
                 "greeter.unanswered", f"{peer} has answered none of {GREETING_PATIENCE} greetings"
             )
 
-    def _heard(self) -> None:
+    def _log_returned(self) -> None:
         """Logs each peer that sends for the first time since its greeting."""
         since = self._component.loop.now() - self._component.settings.discovery_timeout
         for peer, greetings in self.unanswered.items():

@@ -122,7 +122,7 @@ class _RunningSearch:
     """A search under way, and its listeners in the component."""
 
     def __init__(self, component: Host, search: PeerSearch) -> None:
-        self.search = search
+        self.criteria = search
         self.bound: tuple[JausAddress, ...] = ()
         self._component = component
         self._listeners: list[OnChange] = []
@@ -133,12 +133,12 @@ class _RunningSearch:
             self._component.loop.call_soon(partial(self._call, listener))
 
     def matches(self, provider: _Provider) -> bool:
-        return self.search.matches(self._component.address, provider.address, provider.urns)
+        return self.criteria.matches(self._component.address, provider.address, provider.urns)
 
     def choose(self, alive: Sequence[_Provider]) -> None:
         """Keeps the peers that are alive, and replaces lost ones; calls listeners at a change."""
         addresses = [provider.address for provider in alive if self.matches(provider)]
-        if self.search.choice is PeerChoice.ALL:
+        if self.criteria.choice is PeerChoice.ALL:
             chosen = tuple(sorted(addresses))
         else:
             kept = [address for address in self.bound if address in addresses]
@@ -149,7 +149,7 @@ class _RunningSearch:
                 self._call(listener)
 
     def _best(self, addresses: list[JausAddress]) -> list[JausAddress]:
-        if self.search.choice is PeerChoice.FIRST:
+        if self.criteria.choice is PeerChoice.FIRST:
             return addresses[:1]
         own = self._component.address
         return sorted(addresses, key=lambda address: (distance(own, address), address))[:1]
@@ -198,34 +198,26 @@ class PeerClient:
         self._timer.set(CHECK_INTERVAL, self._check)
         for address in self._bound():
             self._probe(self._providers[address])
-        open_searches = [
-            running_search
-            for running_search in self._searches.values()
-            if self._is_open(running_search)
-        ]
+        open_searches = [search for search in self._searches.values() if self._is_open(search)]
         if open_searches and loop.now() >= self._next_search:
             self._query(open_searches)
 
     def _query(self, searches: Sequence[_RunningSearch]) -> None:
         own = self._component.address
-        for place in {running_search.search.where_to_ask(own) for running_search in searches}:
+        for place in {search.criteria.where_to_ask(own) for search in searches}:
             self._discovery.ask_for_services(place)
-        if all(running_search.bound for running_search in searches):
+        if all(search.bound for search in searches):
             self._interval = STEADY_SEARCH
         else:
             self._interval = min(self._interval * 2, SLOWEST_SEARCH)
         self._next_search = self._component.loop.now() + self._interval
 
     def _bound(self) -> set[JausAddress]:
-        return {
-            address
-            for running_search in self._searches.values()
-            for address in running_search.bound
-        }
+        return {address for search in self._searches.values() for address in search.bound}
 
     @staticmethod
-    def _is_open(running_search: _RunningSearch) -> bool:
-        return not running_search.bound or running_search.search.choice is PeerChoice.ALL
+    def _is_open(search: _RunningSearch) -> bool:
+        return not search.bound or search.criteria.choice is PeerChoice.ALL
 
     def _take_identification_query(self, _query: QueryIdentification, sender: JausAddress) -> None:
         """Queries a component at once that identifies others, as components do at their start."""
@@ -237,14 +229,12 @@ class PeerClient:
     def _add_provider(self, component: FoundComponent) -> None:
         urns = frozenset(service.urn for service in component.services)
         provider = _Provider(component.address, urns)
-        known = self._providers.get(component.address)
-        if known is not None:
-            known.urns = urns
-            if known.is_alive:
+        former = self._providers.get(component.address)
+        if former is not None:
+            former.urns = urns
+            if former.is_alive:
                 self._choose_soon()
-        elif not any(
-            running_search.matches(provider) for running_search in self._searches.values()
-        ):
+        elif not any(search.matches(provider) for search in self._searches.values()):
             return
         elif len(self._providers) >= MAX_PROVIDERS:
             self._component.counters.count("peer_client.too_many_found", str(component.address))
@@ -297,8 +287,8 @@ class PeerClient:
     def _choose(self) -> None:
         self._choice.cancel()
         alive = [provider for provider in self._providers.values() if provider.is_alive]
-        for running_search in self._searches.values():
-            running_search.choose(alive)
+        for search in self._searches.values():
+            search.choose(alive)
 
 
 class PeerFinder(Host):

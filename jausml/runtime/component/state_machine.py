@@ -307,8 +307,8 @@ def _common(first: str, second: str) -> str:
     """Returns the innermost state that encloses two states and is neither of them."""
     names: list[str] = []
     pairs = zip(first.split(".")[:-1], second.split(".")[:-1], strict=False)
-    for one, other in pairs:
-        if one != other:
+    for name, second_name in pairs:
+        if name != second_name:
             break
-        names.append(one)
+        names.append(name)
     return ".".join(names)

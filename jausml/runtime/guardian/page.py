@@ -12,8 +12,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
-MOST_STOPS = 1024  # connections, and routes of datagrams, for which a page has room
-MOST_OF_A_FRAME = 1 << 17  # bytes of the longest frame
+MAX_STOPS = 1024  # connections, and routes of datagrams, for which a page has room
+MAX_FRAME_SIZE = 1 << 17  # bytes of the longest frame
 
 # CLOCK_MONOTONIC stops while the computer is suspended, but the robot may not.
 _CLOCK = getattr(time, "CLOCK_BOOTTIME", time.CLOCK_MONOTONIC)
@@ -32,8 +32,8 @@ class Page(ctypes.Structure):
         ("taken", ctypes.c_uint64),
         ("simulated", ctypes.c_int64),
         ("refused", ctypes.c_uint64),
-        ("armed", ctypes.c_bool * MOST_STOPS),
-        ("numbers", ctypes.c_uint16 * MOST_STOPS),
+        ("armed", ctypes.c_bool * MAX_STOPS),
+        ("numbers", ctypes.c_uint16 * MAX_STOPS),
     )
     beat: int  # `steady_ns` of the last turn of the bridge; 0 before its first command
     taken: int  # number of times that the guardian has begun to send stops
@@ -62,7 +62,7 @@ def frame(kind: str, content: Mapping[str, Any]) -> bytes:
 
 def read_frame(channel: socket.socket) -> dict[str, Any] | None:
     """Returns the next frame of a SEQPACKET socket; None if the other process has closed it."""
-    data = channel.recv(MOST_OF_A_FRAME)
+    data = channel.recv(MAX_FRAME_SIZE)
     if not data:
         return None
     content: dict[str, Any] = json.loads(data)
@@ -105,11 +105,11 @@ class Slots:
         """
         slot = self._slots.get(route)
         if slot is None:
-            if len(self._slots) >= MOST_STOPS:
+            if len(self._slots) >= MAX_STOPS:
                 self._refused.add(route)
                 return None
             used = {other.index for other in self._slots.values()}
-            index = next(index for index in range(MOST_STOPS) if index not in used)
+            index = next(index for index in range(MAX_STOPS) if index not in used)
             slot = self._slots[route] = _Slot(index, next_number)
             self._refused.discard(route)
         slot.users.add(user)

@@ -15,7 +15,7 @@ from ..base.counters import LOGGER
 from ..base.loop import Loop
 from ..conversions import Time
 from . import process
-from .page import MOST_OF_A_FRAME, MOST_STOPS, Page, Slots, frame, steady_ns
+from .page import MAX_FRAME_SIZE, MAX_STOPS, Page, Slots, frame, steady_ns
 
 PERIOD = 0.1  # seconds between two beats
 
@@ -114,7 +114,7 @@ class Ward:
 
         Returns the object that arms the stops; None if there are too many connections.
         """
-        if len(self._guarded) >= MOST_STOPS:
+        if len(self._guarded) >= MAX_STOPS:
             self._unguarded += 1
             return None
         connection = Guarded(self, len(self._guarded), stops)
@@ -174,7 +174,7 @@ class Ward:
 
     @property
     def failure(self) -> str:
-        """What the guardian cannot do, in words; empty while all is well."""
+        """The faults of the guardian, in words; empty without one."""
         if self._end_reason:
             return f"{self._end_reason}: nothing stops the robot if this {self._name} dies"
         waiting = [connection for connection in self._guarded if not connection.is_sent]
@@ -216,7 +216,7 @@ class Ward:
             return False
         data = frame(kind, content)
         try:
-            if len(data) > MOST_OF_A_FRAME:
+            if len(data) > MAX_FRAME_SIZE:
                 raise OSError(f"{len(data)} octets are no stop")
             # Without waiting, as a guardian that stands still must not block its bridge.
             self._channel.send(data, socket.MSG_DONTWAIT)
@@ -242,7 +242,7 @@ class Ward:
         # Our copy of its socket is closed, so that each process notices the end of the other.
         with other:
             # Room for several frames, as `send` does not wait.
-            own.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 4 * MOST_OF_A_FRAME)
+            own.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 4 * MAX_FRAME_SIZE)
             try:
                 self._process = self._spawn(other)
             except OSError as error:
@@ -327,7 +327,7 @@ class Ward:
         self._log_failure()
 
     def _log_failure(self) -> None:
-        """Logs what the guardian cannot do, after each change."""
+        """Logs the faults of the guardian after each change."""
         failure = self.failure
         if failure and failure != self._logged:
             LOGGER.error("the guardian %s", failure)

@@ -51,9 +51,10 @@ class Refusals:
         self._counts: dict[JausAddress, _Count] = {}
 
     def put_off(self, requester: JausAddress, code: int, again: Callable[[], None]) -> bool:
-        """Returns whether a refusal is over the limit; `again` is then called after the period.
+        """Returns whether a refusal is over the limit, and so delayed until the period ends.
 
-        A refusal with another code is not. Of several delayed requests, only the last is judged.
+        Then `again` is called, for the last one of several delayed requests. A refusal with another
+        code is never delayed.
         """
         now = self._loop.now()
         count = self._counts.get(requester) or self._begin(requester, now)

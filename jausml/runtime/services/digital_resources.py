@@ -17,7 +17,7 @@ from ..wire.message import Message
 from .definitions import DIGITAL_RESOURCE_DISCOVERY, server_type
 from .host import Host
 
-MOST_ENDPOINTS = 255  # endpoints that a report can list
+MAX_ENDPOINTS = 255  # endpoints that a report can list
 
 
 def endpoints(urls: Sequence[str], owner: JausAddress) -> list[Endpoint]:
@@ -55,7 +55,7 @@ class DigitalResourceService:
 
     def _report(self, _query: Message, _sender: JausAddress) -> ReportDigitalResourceEndpoint:
         all_endpoints = [*self._own, *self._registered.values()]
-        return ReportDigitalResourceEndpoint(all_endpoints[:MOST_ENDPOINTS])
+        return ReportDigitalResourceEndpoint(all_endpoints[:MAX_ENDPOINTS])
 
     def _register(self, message: RegisterDigitalResourceEndpoint, sender: JausAddress) -> None:
         """Adds an endpoint, or replaces that of the same resource or URL."""
@@ -70,7 +70,7 @@ class DigitalResourceService:
         self._confirm(number, message.request_id_rec.request_id, sender)
 
     def _free_id(self) -> int | None:
-        most = MOST_ENDPOINTS - len(self._own)
+        most = MAX_ENDPOINTS - len(self._own)
         free = (number for number in range(1, most + 1) if number not in self._registered)
         return next(free, None)
 

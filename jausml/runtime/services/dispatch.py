@@ -14,7 +14,7 @@ from ..transports.delivery import Ordering
 from ..wire.message import DecodeError, Message
 from .definitions import Guard
 
-_MOST_DROPS = 1024
+_MAX_DROPS = 1024
 LONGEST_CALL = 0.5  # seconds after which a call of user code is logged as blocking
 Q = TypeVar("Q", bound=Message)
 R = TypeVar("R", bound=Message)
@@ -311,7 +311,7 @@ class Router:
     def _note_drop(self, sender: JausAddress, reason: str, message: str) -> None:
         key = sender, reason, message
         count = self.drops.get(key, 0)
-        if count or len(self.drops) < _MOST_DROPS:
+        if count or len(self.drops) < _MAX_DROPS:
             self.drops[key] = count + 1
 
     def _count_unknown(self, payload: bytes, sender: JausAddress) -> None:

@@ -57,7 +57,7 @@ class Hooks:
         """The component has left Ready for any reason: stop all motion."""
 
     def on_control_lost(self) -> None:
-        """The controller has lost control: end what it has commanded.
+        """The controller has lost control: end its commands.
 
         It has released control or let it lapse, a higher authority has taken over, or the component
         has ended control. The component may still be in Ready, for its new controller; otherwise

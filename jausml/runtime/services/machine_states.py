@@ -12,9 +12,9 @@ from ..messages.machine_states import MACHINE_STATES, QueryMachineStates, Report
 from ..wire.message import Message
 from .host import Host
 
-MOST_MACHINES = 255
-MOST_STATES = 255  # in one report, for all machines: the states with most time
-MOST_ENTRIES = 0xFFFF_FFFF  # greatest number of entries of a state
+MAX_MACHINES = 255
+MAX_STATES = 255  # in one report, for all machines: the states with most time
+MAX_ENTRIES = 0xFFFF_FFFF  # greatest number of entries of a state
 _LONGEST_NAME = 255
 
 
@@ -34,7 +34,7 @@ class _Times:
         if self._state:
             self._seconds[self._state] += now - self._since
         self._state, self._since = state, now
-        self._entries[state] = min(self._entries.get(state, 0) + 1, MOST_ENTRIES)
+        self._entries[state] = min(self._entries.get(state, 0) + 1, MAX_ENTRIES)
         self._seconds.setdefault(state, 0.0)
 
     def report(self, most: int) -> ReportMachineStates.MachineSeq:
@@ -90,9 +90,9 @@ class MachineStatesService:
         return entered
 
     def _report(self, _query: Message, _sender: JausAddress) -> ReportMachineStates:
-        machines = self._machines[:MOST_MACHINES]
+        machines = self._machines[:MAX_MACHINES]
         # In equal parts for each machine.
-        most = MOST_STATES // max(1, len(machines))
+        most = MAX_STATES // max(1, len(machines))
         return ReportMachineStates([machine.report(most) for machine in machines])
 
 

@@ -57,7 +57,7 @@ def report(loop: Loop, on_result: OnResult | None, *, success: bool) -> None:
 
 LATEST = 2.0  # seconds by which a message may be late; later lower numbers are of a new process
 FARTHEST = 1024  # newer messages of its source that may have come before a late one
-_MOST_SOURCES = 256
+_MAX_SOURCES = 256
 
 
 def _is_before(number: int, other: int) -> bool:
@@ -105,7 +105,7 @@ class Ordering:
         now = self._clock()
         latest = self._latest.get(sender)
         if latest is None:
-            if len(self._latest) >= _MOST_SOURCES:
+            if len(self._latest) >= _MAX_SOURCES:
                 self._latest.clear()
             latest = _Latest(number, now, origin, None)
         elif (

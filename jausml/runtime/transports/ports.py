@@ -119,7 +119,7 @@ _MAX_PRESENT = 256
 _IP_MULTICAST_ALL = 49  # Linux; not in the socket module
 _NEIGHBOURS_OFFSET = 50_000
 _NEIGHBOURS = 32
-_MOST_DATAGRAMS = 1 << 16
+_MAX_DATAGRAMS = 1 << 16
 
 
 def neighbour_ports(port: int) -> range:
@@ -268,12 +268,12 @@ class SharedPort:
 
 def _discard_waiting(sock: socket.socket) -> int:
     """Discards waiting datagrams; returns their number, which is bounded as more may come."""
-    for count in range(_MOST_DATAGRAMS):
+    for count in range(_MAX_DATAGRAMS):
         try:
             sock.recv(1)
         except OSError:
             return count
-    return _MOST_DATAGRAMS
+    return _MAX_DATAGRAMS
 
 
 def forwarded_frame(sender: Endpoint, datagram: bytes) -> bytes:

@@ -196,7 +196,7 @@ class Transport(ABC):
         """Returns the messenger of a component; None if it is not attached."""
 
 
-MOST_PEERS = 16  # peers with accounts: those that are always kept, then those heard last
+MAX_PEERS = 16  # peers with accounts: those that are always kept, then those heard last
 
 _EXACT = "by destination: what was lost is exact"
 _NOT_KNOWN = "not known: what was lost is that much at most"
@@ -258,7 +258,7 @@ def accounts_of(component: Accountable) -> list[PeerAccount]:
     transport = component.transport
     # The last heard peer is last, before those that are always kept.
     by_time = transport.traffic(component.address)
-    peers = sorted(by_time, key=lambda traffic: transport.is_kept(traffic.peer))[-MOST_PEERS:]
+    peers = sorted(by_time, key=lambda traffic: transport.is_kept(traffic.peer))[-MAX_PEERS:]
     return [
         PeerAccount(traffic, component.drops_of(traffic.peer), transport.quirks.of(traffic.peer))
         for traffic in sorted(peers, key=lambda traffic: traffic.peer)

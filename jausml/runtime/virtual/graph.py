@@ -19,7 +19,7 @@ from .network import Link, Path
 # A message class of ROS, a light class, or the name of a type, e.g. `nav_msgs/msg/Odometry`.
 RosType: TypeAlias = "type[Any] | str"
 
-MOST_KEPT = 5000  # messages that a latched publisher with `keep_all` keeps
+MAX_KEPT = 5000  # messages that a latched publisher with `keep_all` keeps
 UNDEMANDING = Qos(reliability="best_effort")  # requested by a subscription to any publisher
 _OUTSIDE = "the world"  # node of publishers and subscriptions of tests
 
@@ -54,7 +54,7 @@ class GraphPublisher:
         self.publish: Callable[[bytes], None] = self._publish
         self.unmatched = 0  # messages without a subscription, counted by the caller of `publish`
         self.subscriptions: list[GraphSubscription] = []  # connected subscriptions
-        size = MOST_KEPT if qos.history == "keep_all" else qos.depth
+        size = MAX_KEPT if qos.history == "keep_all" else qos.depth
         # Data and publication time in nanoseconds since 1970, for late subscriptions.
         self.kept: deque[tuple[bytes, int]] = deque(maxlen=size)
 

@@ -20,7 +20,7 @@ from .node import VirtualRosNode
 Watch: TypeAlias = "Callable[[float, str, bytes], object]"
 
 START = datetime(2026, 1, 1, tzinfo=timezone.utc)  # time of day at which worlds begin
-MOST_AT_ONCE = 100_000  # turns of the loop at one time after which callbacks go round in circles
+MAX_AT_ONCE = 100_000  # turns of the loop at one time after which callbacks go round in circles
 
 _EPOCH = datetime(1970, 1, 1, tzinfo=timezone.utc)
 _NANO = 10**9
@@ -186,7 +186,7 @@ class VirtualWorld:
             self._now = due
             turns.at_once = 0
         turns.at_once += 1
-        if turns.at_once > MOST_AT_ONCE:
+        if turns.at_once > MAX_AT_ONCE:
             raise RuntimeError(f"time stands still at {self._now:g} s: callbacks call each other")
         # Without a wait: only `_now` advances the time.
         self.loop.run_once(0)

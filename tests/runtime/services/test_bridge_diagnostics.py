@@ -28,7 +28,7 @@ from jausml.runtime.messages import (
 from jausml.runtime.transports.packets.duplicates import Account
 from jausml.runtime.transports.packets.messenger import PeerTraffic
 from jausml.runtime.transports.packets.outbox import Outcome
-from jausml.runtime.transports.transport import MOST_PEERS
+from jausml.runtime.transports.transport import MAX_PEERS
 
 from .bridge_support import (
     CORE,
@@ -441,7 +441,7 @@ def test_few_peers_are_told_of_and_those_with_a_place_first(world, setting):
     world.exchanged = [PeerTraffic(OWN, OTHER), *strangers]
     world.run(1.1)
     told = [name for name in setting.ros.statuses[-1] if name.startswith("account of ")]
-    assert len(told) == MOST_PEERS
+    assert len(told) == MAX_PEERS
     assert told[0] == f"account of {OTHER}"
     assert told[-1] == "account of 7.1.50"
 

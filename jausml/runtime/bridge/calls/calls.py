@@ -110,7 +110,7 @@ def _encode(message: Message) -> bytes:
     return message.encode()
 
 
-MOST_CALLS = 64  # calls of one connection that are under way at most; further ones are refused
+MAX_CALLS = 64  # calls of one connection that are under way at most; further ones are refused
 
 # Reasons of failures, as counters and diagnostics name them.
 TOO_MANY = "too_many_calls"
@@ -207,8 +207,8 @@ class Calls(Generic[CallT, AskingT]):
         counts.last_arrival = self._ends.loop.now()
         if self._halt is not None:
             self._fail(call, NOT_READY, self._halt.value)
-        elif len(self._under_way) >= MOST_CALLS:
-            self._fail(call, TOO_MANY, f"{MOST_CALLS} calls are under way")
+        elif len(self._under_way) >= MAX_CALLS:
+            self._fail(call, TOO_MANY, f"{MAX_CALLS} calls are under way")
         else:
             self._under_way[call] = None
             return True

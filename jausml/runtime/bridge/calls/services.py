@@ -68,7 +68,7 @@ class RosServiceToJaus(Calls[ServedCall, "CallTranslation | Message"]):
         Args:
             peers: JAUS components to ask, or how they are found; the first that obeys is asked.
             rejections: JAUS messages with which a peer refuses a request.
-            control: What the peers demand of a sender that they obey.
+            control: Guard of the peers for their senders.
             is_success_mapped: Whether the translation itself sets the bool of success.
         """
         super().__init__(name, **options)
@@ -244,11 +244,11 @@ class JausToRosService(Calls[AskedCall, "CallTranslation | type[Message]"]):
         """Prepares the connection.
 
         Args:
-            peers: JAUS components that may ask, or how they are found; none means anybody.
+            peers: JAUS components that may call, or a search for them; none means all.
             rejections: JAUS messages of which the first answers a call that failed.
             reason: Name of the field of the rejection that says why, and its most characters.
-            when: What a sender must be to be obeyed: anybody, the controller, or the controller in
-                Ready. A function returns it for a message.
+            when: Guard of the calls: any sender, the controller, or the controller in Ready. A
+                function returns it for a message.
         """
         super().__init__(name, **options)
         self._peers = PeerBinding(peers)

@@ -22,7 +22,7 @@ class ControlledPeers:
         """Contacts no peer before `open`.
 
         Args:
-            control: What the peers demand of a sender that they obey. Unless that is ANY, control
+            control: Guard of the peers for their senders. Unless that is ANY, control
                 is acquired and kept; for READY the peers are also resumed.
         """
         self._binding = PeerBinding(peers)
@@ -85,8 +85,8 @@ class ControlledPeers:
     def reason(self, peer: JausAddress) -> str:
         """Returns why a peer does not obey, in words."""
         session = self._sessions.get(peer)
-        known = session.reason if session is not None else ""
-        return known or "it is not controlled"
+        reason = session.reason if session is not None else ""
+        return reason or "it is not controlled"
 
     def lacking(self) -> str:
         """Returns which peer is searched for and not found; empty when none is lacking."""

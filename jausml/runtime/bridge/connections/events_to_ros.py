@@ -86,7 +86,7 @@ class EventRequests:
 
     @property
     def _real_rate(self) -> float | None:
-        """The rate to ask peers for, who run in real time, also while this bridge is simulated."""
+        """The rate requested from peers, which run in real time, also in simulated time."""
         simulation = self._ends.simulation
         if simulation is None or self.rate is None:
             return self.rate

@@ -15,14 +15,14 @@ from .translations import Form, Joined
 
 PERIODS = 3  # of a source, over which its rate is averaged unless diagnostics are slower
 FEWEST_FAILURES = 3  # consecutive messages that fail before a connection counts as failed
-_MOST_SAMPLES = 1000
+_MAX_SAMPLES = 1000
 
 
 class Rate:
     """The rate of arrivals of a connection, averaged over several calls for a slow source."""
 
     def __init__(self) -> None:
-        self._samples: deque[tuple[float, int]] = deque(maxlen=_MOST_SAMPLES)
+        self._samples: deque[tuple[float, int]] = deque(maxlen=_MAX_SAMPLES)
         self.hertz = 0.0
         self.is_slow = False
 
@@ -262,7 +262,7 @@ class Reporting(Stopping):
         return f"no message can be translated: {text}; change its map, or what is sent"
 
     def _complaint(self, former: _Totals, present: _Totals) -> str:
-        """Returns what is wrong although messages pass; empty when all is well."""
+        """Returns the fault of a connection that passes messages on; empty without one."""
         stale = ", ".join(self.stale_joins())
         if stale:
             return f"nothing fresh from {stale}"

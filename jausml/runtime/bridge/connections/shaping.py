@@ -29,7 +29,7 @@ Drop = Callable[[str, str], None]  # counts a message that is dropped: reason an
 
 OVER_RATE = "over_rate"  # reason of messages beyond the rate cap of their source
 _BURST_S = 1.0
-_MOST_SOURCES = 256
+_MAX_SOURCES = 256
 _EVERYBODY_ELSE = "everybody else"
 
 
@@ -37,7 +37,7 @@ class RateCap:
     """Limits the messages each second of each source, with bursts of one second's worth.
 
     For each source it keeps one number: the time at which the messages so far would end if they
-    came at the rate of the cap. Sources beyond `_MOST_SOURCES` share one allowance, so that many
+    came at the rate of the cap. Sources beyond `_MAX_SOURCES` share one allowance, so that many
     names gain nothing and need no memory. It acts before the translation, since the translations
     for one source that sends far too much would delay all others.
     """
@@ -75,11 +75,11 @@ class RateCap:
         """Returns the name of the allowance of a new source: its own, or that of the rest."""
         ends = self._ends
         # Once a second at most: a flood of names must not cost a search each.
-        if len(ends) >= _MOST_SOURCES and now - self._last_cleanup >= _BURST_S:
+        if len(ends) >= _MAX_SOURCES and now - self._last_cleanup >= _BURST_S:
             self._last_cleanup = now
             for name in [name for name, end in ends.items() if end <= now]:
                 del ends[name]
-        return sender if len(ends) < _MOST_SOURCES else _EVERYBODY_ELSE
+        return sender if len(ends) < _MAX_SOURCES else _EVERYBODY_ELSE
 
 
 @dataclass(frozen=True, slots=True)

@@ -45,7 +45,7 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         Args:
             translate: Returns the JAUS message, or None to pass nothing on.
             peers: JAUS components that receive the message, or how they are found.
-            control: What the peers demand of a sender that they obey. Unless that is ANY, control
+            control: Guard of the peers for their senders. Unless that is ANY, control
                 of them is acquired and kept, they are resumed for READY, and the message is sent
                 to a peer only while it obeys.
             filters: Whether messages with values out of range are dropped on purpose.

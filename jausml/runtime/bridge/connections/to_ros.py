@@ -237,7 +237,7 @@ class ToTopics(Connection[SourceT, TargetT]):
 class MessageToTopics(ToTopics[SourceT, TargetT]):
     """Publishes each message of a kind that a JAUS component sends to the bridge.
 
-    Without peers, messages are taken from whoever sends them.
+    Without peers, messages are taken from any component.
     """
 
     def __init__(
@@ -253,7 +253,7 @@ class MessageToTopics(ToTopics[SourceT, TargetT]):
         """Prepares the connection.
 
         Args:
-            when: What a sender must be to be obeyed: anybody, the controller of the bridge, or the
+            when: Guard of the messages: any sender, the controller of the bridge, or the
                 controller in Ready. A function returns it for a message.
             rate_cap: Most messages each second that are taken of one source; 0 means all.
             answer: The `CommandAnswer` to queries for the last command.

@@ -17,8 +17,8 @@ from ..ends.ros_side import RosSide
 from ..light_message import is_light
 from ..messages.compiled import Function
 
+# Returns the encoded target message of an encoded source message; None for no message.
 Transcode: TypeAlias = Callable[..., bytes | None]
-"""Returns the encoded target message of an encoded source message; None to pass nothing on."""
 
 MethodT = TypeVar("MethodT", bound=Callable[..., Any])
 

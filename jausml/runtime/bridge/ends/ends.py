@@ -31,7 +31,7 @@ from .topics import Topic, TopicCounts
 Take = Callable[[bytes, Any], None]
 When = Guard | Callable[[Any], Guard]
 
-_MOST_SENDERS = 1024
+_MAX_SENDERS = 1024
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,7 @@ class Taker:
     """The callbacks of a connection for messages of some senders."""
 
     take: Take
-    senders: PeerBinding | None = None  # whose messages it takes; None for those of anybody
+    senders: PeerBinding | None = None  # senders of its messages; None for any
     refuse: Take | None = None  # for messages of other senders that no connection takes
     is_command: bool = False
 
@@ -140,7 +140,7 @@ class BySender:
         ]
         refusals = [taker.refuse for taker in self._takers if taker.refuse is not None]
         callbacks = self._takes[sender] = tuple(takes or refusals[:1])
-        if len(self._takes) > _MOST_SENDERS:  # invented senders must not fill the memory
+        if len(self._takes) > _MAX_SENDERS:  # invented senders must not fill the memory
             self._takes.clear()
         return callbacks
 
@@ -213,7 +213,7 @@ class SharedMessages:
         """Registers a connection for a message; `handle` begins to take it.
 
         Args:
-            when: What a sender must be to be obeyed; connections of one command have the same.
+            when: Guard of the messages; connections of one command have the same.
         """
         if when is Guard.ANY:
             self._listeners.setdefault(message, self._by_sender()).add(taker)

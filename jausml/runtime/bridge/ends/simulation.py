@@ -151,15 +151,15 @@ class Simulation:
 
     def _check_silence(self) -> None:
         heard = self.clock.heard
-        left = CLOCK_TIMEOUT
+        delay = CLOCK_TIMEOUT
         if heard is not None and not self.is_silent:
-            left = heard + CLOCK_TIMEOUT - self._loop.now()
-            if left <= 0:
-                left = CLOCK_TIMEOUT
+            delay = heard + CLOCK_TIMEOUT - self._loop.now()
+            if delay <= 0:
+                delay = CLOCK_TIMEOUT
                 self.is_silent = True
                 LOGGER.warning("nobody says the time on /clock; commands are stopped")
                 self._stop(StopReason.CLOCK)
-        self._loop.call_later(left, self._check_silence)
+        self._loop.call_later(delay, self._check_silence)
 
 
 def real_rate(rate: float, ratio: float) -> float:

@@ -36,7 +36,7 @@ _EVENT = 15
 _SHORTEST = 17
 _ENDS_LAYOUT = struct.Struct("<BII")
 _PRIORITY, _ASKS, _ANSWERS, _ACKNOWLEDGES = 0x03, 0x10, 0x20, 0x30
-_MOST_KEYS = 1024  # invented kinds of datagrams must not fill the memory
+_MAX_KEYS = 1024  # invented kinds of datagrams must not fill the memory
 
 
 class _Key(NamedTuple):
@@ -185,7 +185,7 @@ class FastReceiver:
         # Once for all of a turn, when Python has taken the datagrams themselves.
         if not self._keys_to_learn:
             self._loop.call_soon(self._learn)
-        if len(self._keys_to_learn) < _MOST_KEYS:
+        if len(self._keys_to_learn) < _MAX_KEYS:
             self._keys_to_learn.append(key)
 
     def _learn(self) -> None:
@@ -237,7 +237,7 @@ class FastReceiver:
         path = self._direct_path(key, flow)
         if path is None:
             # Emptied as a whole: kinds that come again are judged again.
-            if len(self._slow_keys) >= _MOST_KEYS:
+            if len(self._slow_keys) >= _MAX_KEYS:
                 self._slow_keys.clear()
             self._slow_keys.add(key)
             return
@@ -286,8 +286,8 @@ class FastReceiver:
         )
         # Numbers that Python has seen are duplicates for the core too.
         numbers = list(flow.numbers)
-        known = (ctypes.c_uint16 * len(numbers))(*numbers)
-        order = self._library.core_add(self._core, ctypes.byref(route), known, len(numbers))
+        duplicates = (ctypes.c_uint16 * len(numbers))(*numbers)
+        order = self._library.core_add(self._core, ctypes.byref(route), duplicates, len(numbers))
         contents: Order | None = order.contents if order else None
         return contents
 

@@ -168,11 +168,11 @@ class ListToAction(ListConnection[SourceT, TargetT]):
     def list_changed(self) -> None:
         """Goes on with the new list from the active element; ends if it was deleted."""
         active = self._driver.active
-        rest = [(element.uid, element.data) for element in self._driver.elements_from(active)]
-        sent = [(element.uid, element.data) for element in self._elements]
-        if not rest:
+        remaining = [(element.uid, element.data) for element in self._driver.elements_from(active)]
+        former = [(element.uid, element.data) for element in self._elements]
+        if not remaining:
             self._finish(succeeded=False)
-        elif self._goal is not None and rest != sent[len(sent) - len(rest) :]:
+        elif self._goal is not None and remaining != former[len(former) - len(remaining) :]:
             self._start = active
             self._proceed()
 

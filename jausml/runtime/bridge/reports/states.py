@@ -51,8 +51,8 @@ class Standing:
     def halt(self) -> StopReason | None:
         """Why the bridge may not command its peers now; None when it may.
 
-        A bridge with a controller commands in Ready only; one without also in Standby, as there is
-        nobody to resume it.
+        A bridge with a controller commands only in Ready; one without also in Standby, as no
+        controller can resume it.
         """
         if not self.is_active:
             return _HALTS.get(self.status, StopReason.INACTIVE)
@@ -114,7 +114,7 @@ class Facts:
     forbidden: str = ""  # why no message may be passed on now
     is_heard: bool = True  # whether a message ever came
     refusal: str = ""  # why no peer obeys
-    complaint: str = ""  # what is wrong although messages pass
+    complaint: str = ""  # the fault of a connection that passes messages on
 
 
 class Judgement(NamedTuple):
@@ -164,7 +164,7 @@ def _stopped(facts: Facts, reason: StopReason) -> Judgement:
 
 
 INTERVAL = 10.0  # least seconds between two lines of the log about one connection
-PATIENCE = 3.0  # seconds after which the log says what a waiting connection waits for
+PATIENCE = 3.0  # seconds after which a waiting connection is logged with its reason
 _WARNED = (ConnectionPhase.SILENT, ConnectionPhase.FAILED)  # DEGRADED is warned of by its counts
 
 

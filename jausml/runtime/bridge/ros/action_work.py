@@ -1,6 +1,6 @@
 """Common parts of ROS action clients and servers: messages, and work on the executor."""
 
-# ROS is typed in parts; whoever checks generated code reads this module too.
+# rclpy has few types, and type checks of generated code include this module.
 # mypy: disable-error-code="import-not-found, import-untyped, no-untyped-call"
 
 from __future__ import annotations

@@ -5,7 +5,7 @@ wait set serves. That takes a third of the time of the public classes, and the e
 check each of them whenever it wakes up. A new version of rclpy may break it.
 """
 
-# ROS is typed in parts; whoever checks generated code reads this module too.
+# rclpy has few types, and type checks of generated code include this module.
 # mypy: disable-error-code="import-not-found, import-untyped, no-untyped-call"
 
 from __future__ import annotations

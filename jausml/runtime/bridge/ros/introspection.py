@@ -4,7 +4,7 @@ A client or server of ROS publishes its requests and responses only if it is con
 topic is `<service>/_service_event`.
 """
 
-# ROS is typed in parts; whoever checks generated code reads this module too.
+# rclpy has few types, and type checks of generated code include this module.
 # mypy: disable-error-code="import-not-found, import-untyped, no-untyped-call"
 
 from __future__ import annotations

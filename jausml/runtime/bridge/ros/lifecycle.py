@@ -18,7 +18,7 @@ from rclpy.utilities import remove_ros_args
 from ...base.counters import LOGGER, Counters
 from .parameters import LazyParameters, as_parameter_error
 
-# ROS is typed in parts; whoever checks generated code reads this module too.
+# rclpy has few types, and type checks of generated code include this module.
 # mypy: disable-error-code="import-not-found, import-untyped, no-untyped-call, misc"
 
 
@@ -60,11 +60,11 @@ class ManagedNode(LazyParameters, LifecycleNode):
         return self._transition(lambda managed: managed.configure())
 
     def on_activate(self, state: Any) -> TransitionCallbackReturn:  # noqa: ARG002
-        """Lets messages pass."""
+        """Begins to pass messages on."""
         return self._transition(lambda managed: managed.activate())
 
     def on_deactivate(self, state: Any) -> TransitionCallbackReturn:  # noqa: ARG002
-        """Lets no messages pass."""
+        """Stops passing messages on."""
         return self._transition(lambda managed: managed.deactivate())
 
     def on_cleanup(self, state: Any) -> TransitionCallbackReturn:  # noqa: ARG002

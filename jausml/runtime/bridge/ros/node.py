@@ -4,7 +4,7 @@ The loop waits for topics like for sockets (`topics.py`, `waiting.py`). The exec
 thread of its own for parameters, services and actions.
 """
 
-# ROS is typed in parts; whoever checks generated code reads this module too.
+# rclpy has few types, and type checks of generated code include this module.
 # mypy: disable-error-code="import-not-found, import-untyped, no-untyped-call"
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Parameters of a node of rclpy, and the quality of service of its topics."""
 
-# ROS is typed in parts; whoever checks generated code reads this module too.
+# rclpy has few types, and type checks of generated code include this module.
 # mypy: disable-error-code="import-not-found, import-untyped, no-untyped-call, misc"
 
 from __future__ import annotations
@@ -251,7 +251,7 @@ LEAST_DEPTH = 100
 
 # Depth of a publisher with `keep_all`, as in Fast DDS, where each `publish` beyond it would block
 # Python for a tenth of a second, so that one stalled reader would hold up all topics.
-MOST_KEPT = 5000
+MAX_KEPT = 5000
 
 _UNLIMITED = 2**63 - 1  # nanoseconds that ROS reports for no limit
 
@@ -286,7 +286,7 @@ def deep_enough(qos: Qos) -> Qos:
 
 def never_waiting(qos: Qos) -> Qos:
     """Returns the quality of service of a publisher that drops old messages rather than block."""
-    return replace(qos, history="keep_last", depth=MOST_KEPT) if qos.history == "keep_all" else qos
+    return replace(qos, history="keep_last", depth=MAX_KEPT) if qos.history == "keep_all" else qos
 
 
 def profile_of(qos: Qos) -> QoSProfile:

@@ -5,7 +5,7 @@ waitable takes requests instead of the server class of rclpy, which would keep a
 request under way, for the executor to poll.
 """
 
-# ROS is typed in parts; whoever checks generated code reads this module too.
+# rclpy has few types, and type checks of generated code include this module.
 # mypy: disable-error-code="import-not-found, import-untyped, no-untyped-call"
 
 from __future__ import annotations

@@ -19,7 +19,7 @@ from ...base.process import ignore_signals
 from ..ends.topics import ParameterError
 from .parameters import as_parameter_error, warn_of_unknown
 
-# ROS is typed in parts; whoever checks generated code reads this module too.
+# rclpy has few types, and type checks of generated code include this module.
 # mypy: disable-error-code="import-not-found, import-untyped, no-untyped-call"
 
 WAKE_UP_PERIOD = 1.0  # longest time in seconds until a node that spins notices a shutdown

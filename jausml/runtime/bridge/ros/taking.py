@@ -64,18 +64,18 @@ def reader(  # noqa: C901 - for two functions that share the number expected
         nonlocal expected
         if steady() > standstill.due:
             standstill.end()
-        left = count_waiting()
-        rest = left - AT_ONCE if left > AT_ONCE else 0
+        waiting = count_waiting()
+        rest = waiting - AT_ONCE if waiting > AT_ONCE else 0
         oldest = time_ns() - age_limit
         try:
-            while left > rest:
-                left -= 1
+            while waiting > rest:
+                waiting -= 1
                 taken = take_message(kind, True)  # noqa: FBT003 - raw
                 if taken is None:
                     # Messages that were counted and are not there were overwritten.
                     if rearm is not None:
-                        counts.lost += left + 1
-                    left = 0
+                        counts.lost += waiting + 1
+                    waiting = 0
                     return
                 data, info = taken
                 counts.taken += 1
@@ -89,8 +89,8 @@ def reader(  # noqa: C901 - for two functions that share the number expected
                 else:
                     take(data, info["source_timestamp"])
         finally:
-            if left and rearm is not None:
-                rearm(left)
+            if waiting and rearm is not None:
+                rearm(waiting)
 
     find = getattr(take, "fast_path", None)
     if rearm is None or find is None:

@@ -5,7 +5,7 @@ in a field of real numbers arrives as not a number, 200 in an int8 as -56, and a
 than its bound not at all. So messages of users are checked and converted before.
 """
 
-# ROS is typed in parts; whoever checks generated code reads this module too.
+# rclpy has few types, and type checks of generated code include this module.
 # mypy: disable-error-code="import-not-found, import-untyped, no-untyped-call, misc"
 
 from __future__ import annotations

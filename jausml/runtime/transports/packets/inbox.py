@@ -137,11 +137,11 @@ class Inbox(Generic[Origin]):
 
     def _note_double(self, source: JausAddress, origin: Origin) -> None:
         """Logs once that another component has the address of one of this process."""
-        known = self.doubles.get(source)
+        former = self.doubles.get(source)
         place = ":".join(map(str, origin)) if isinstance(origin, tuple) else str(origin)
-        first = HostClock(self._loop).utc() if known is None else known.first_heard
+        first = HostClock(self._loop).utc() if former is None else former.first_heard
         double = self.doubles[source] = Double(source, place, first, self._loop.now())
-        if known is None:
+        if former is None:
             LOGGER.error("%s", double)
         # At a low level, as the error was logged once.
         self._counters.count("transport.own_source", place, level=logging.DEBUG)

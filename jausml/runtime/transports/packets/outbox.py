@@ -14,11 +14,11 @@ from ..delivery import MESSAGE_CODE_SIZE, Carrier, OnResult, report
 from .outgoing import Flight, Key, Lane, Message, key_of
 from .packet import Packet
 
-_MAX_MESSAGES = 4096
-_MAX_BYTES = 16 << 20
+_MAX_MESSAGES = 4096  # unacknowledged messages, and as many that wait for a late acknowledgement
+_MAX_BYTES = 16 << 20  # bytes of unacknowledged messages
 _MAX_IDLE_LANES = 256
-_MOST_OUTCOMES = 4096
-_BEST_EFFORT_PATIENCE_S = 1.0
+_MAX_OUTCOMES = 4096  # pairs of source and destination whose outcomes are counted
+_BEST_EFFORT_PATIENCE_S = 1.0  # seconds that a best-effort message waits in the queue
 
 # Factor of repetitions for a packet of a large message while its destination lives: such a packet
 # may take three frames, and is lost more often.
@@ -384,13 +384,13 @@ class Outbox:
     def _outcome_of(self, message: Message) -> Outcome:
         packet = message.packets[0]
         pair = packet.source, packet.destination
-        known = self.outcomes.get(pair)
-        if known is None:
-            known = Outcome()
-            # At most so many, as strangers must not fill the memory.
-            if len(self.outcomes) < _MOST_OUTCOMES:
-                self.outcomes[pair] = known
-        return known
+        outcome = self.outcomes.get(pair)
+        if outcome is None:
+            outcome = Outcome()
+            # Limited, as strangers must not fill the memory.
+            if len(self.outcomes) < _MAX_OUTCOMES:
+                self.outcomes[pair] = outcome
+        return outcome
 
     def _transmit(self, packets: list[Packet]) -> None:
         """Sends packets; called without the lock, for which the loop may be waiting."""

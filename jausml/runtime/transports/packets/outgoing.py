@@ -16,8 +16,8 @@ from ..delivery import OnResult
 from .packet import AckNak, Broadcast, DataFlags, Packet, Priority
 
 _MAX_FRAGMENTS = 32768
-_MOST_PAIRS = 4096
-MOST_SMALL_FRAGMENTS = 40  # packets of a message, beyond which larger packets are used
+_MAX_PAIRS = 4096
+MAX_SMALL_FRAGMENTS = 40  # packets of a message, beyond which larger packets are used
 FIRST_WINDOW = 8  # packets of a large message that are under way at once to a new peer
 _SINGLES_UNDER_WAY = 32  # messages of one packet that are under way at once
 
@@ -98,7 +98,7 @@ class Packetizer:
             return self._fragment_size
         if destination.is_wildcard:
             return MAX_FRAGMENT_SIZE
-        needed = -(-size // MOST_SMALL_FRAGMENTS)
+        needed = -(-size // MAX_SMALL_FRAGMENTS)
         return max(self._fragment_size, min(MAX_FRAGMENT_SIZE, needed))
 
     def reserve(self, source: JausAddress, destination: JausAddress, amount: int) -> int:
@@ -115,22 +115,22 @@ class Packetizer:
         Its steps are atomic, and need no lock.
         """
         pair = source, 0 if destination.is_wildcard else destination
-        known = self._numbers.get(pair)
-        if known is None and len(self._numbers) >= _MOST_PAIRS:
+        counter = self._numbers.get(pair)
+        if counter is None and len(self._numbers) >= _MAX_PAIRS:
             pair = source, 0
-            known = self._numbers.get(pair)
-        if known is None:
+            counter = self._numbers.get(pair)
+        if counter is None:
             # Random, as peers may remember the numbers of an earlier process.
             first = self._draw(0x10000)
             # Another thread may have been first.
-            known = self._numbers.setdefault(pair, _Numbers(first, self.counting(first)))
-        return known.following
+            counter = self._numbers.setdefault(pair, _Numbers(first, self.counting(first)))
+        return counter.following
 
     def next_number(self, source: JausAddress, destination: JausAddress) -> int:
         """Returns the number of the next packet of a pair, without reserving it."""
         self.numbers(source, destination)
-        known = self._numbers.get((source, destination)) or self._numbers[source, 0]
-        return known.first + known.used & 0xFFFF
+        counter = self._numbers.get((source, destination)) or self._numbers[source, 0]
+        return counter.first + counter.used & 0xFFFF
 
     def sent(self, source: JausAddress) -> dict[JausAddress, int]:
         """Returns how many packets a component has sent to each destination but wildcards."""
@@ -220,7 +220,7 @@ class Lane:
         self._singles: deque[Message] = deque()
         self._singles_under_way = 0
         self._window = FIRST_WINDOW
-        self._widest = MOST_SMALL_FRAGMENTS
+        self._widest = MAX_SMALL_FRAGMENTS
 
     @property
     def is_empty(self) -> bool:

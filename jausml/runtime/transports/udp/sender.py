@@ -33,8 +33,8 @@ NEVER = "transport.never_acknowledges"  # questions to a component that has left
 _QUESTION = b"\x02\x42"  # ReportHeartbeatPulse (AS5710), which has no effect but to be acknowledged
 _QUESTION_SIZE = 1 + EMPTY_MESSAGE_SIZE + len(_QUESTION)  # with the version byte
 _INTERVAL_S = 0.1  # between two questions
-_MOST_WRONG = 8  # wrong numbers after which another one is drawn, as they may be guesses
-_MOST_HELD = 4
+_MAX_WRONG = 8  # wrong numbers after which another one is drawn, as they may be guesses
+_MAX_HELD = 4
 _MANY_QUESTIONS = 10
 
 
@@ -74,7 +74,7 @@ class Prover:
         with self._lock:
             # A question must still fit, without which there is no proof.
             fits = self._spend(claim, len(datagram), reserve=_QUESTION_SIZE)
-            is_held = not fits and len(claim.held) < _MOST_HELD
+            is_held = not fits and len(claim.held) < _MAX_HELD
             if is_held:
                 claim.held.append(datagram)
         if fits:
@@ -91,7 +91,7 @@ class Prover:
             return False
         if claim.number != number:
             claim.wrong += 1
-            if claim.wrong >= _MOST_WRONG:
+            if claim.wrong >= _MAX_WRONG:
                 claim.number = None
             return False
         source = address_of(by)
