@@ -101,7 +101,7 @@ def assign(message: Any, path: str, *, value: object) -> None:
 
 
 def is_light(message_type: type[Any]) -> TypeGuard[type[LightMessage]]:
-    """Whether a class is a light one."""
+    """Returns whether a class is a light one."""
     return issubclass(message_type, LightMessage)
 
 
@@ -168,7 +168,7 @@ def _differences(
 
 
 def _equal(one: Any, other: Any) -> bool:
-    """Whether two values of a field are equal, whatever the type of an array."""
+    """Returns whether two values of a field are equal, whatever the type of an array."""
     if isinstance(one, array | bytes | bytearray | list | tuple):
         return list(one) == list(other)
     return bool(one == other)

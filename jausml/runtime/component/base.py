@@ -168,7 +168,7 @@ class Component(Host):
                 self.core_state_changed()
 
     def allows(self, guard: Guard, sender: JausAddress) -> bool:
-        """Whether a message of ``sender`` is obeyed under ``guard``."""
+        """Returns whether a message of ``sender`` is obeyed under ``guard``."""
         if guard is Guard.ANY:
             return True
         access = self._jaus_access

@@ -123,19 +123,19 @@ class ModelledComponent(Component):
     def is_controlling_client(
         self, _message: Message | None = None, sender: JausAddress | None = None
     ) -> bool:
-        """Whether the sender of the message controls the component (isControllingClient)."""
+        """Returns whether the sender of the message is the controller (isControllingClient)."""
         return sender is not None and sender == self.controller
 
     def is_control_available(
         self, _message: Message | None = None, _sender: JausAddress | None = None
     ) -> bool:
-        """Whether control may be requested now (isControlAvailable)."""
+        """Returns whether control may be requested now (isControlAvailable)."""
         return self.control_available
 
     def is_id_stored(
         self, _message: Message | None = None, sender: JausAddress | None = None
     ) -> bool:
-        """Whether the sender has set an emergency that is not cleared (isIDStored)."""
+        """Returns whether the sender has set an emergency that is not cleared (isIDStored)."""
         return sender in self._jaus_access.emergency_clients
 
     # ---- for the machines -------------------------------------------------------------------

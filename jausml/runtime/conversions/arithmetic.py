@@ -135,7 +135,7 @@ def sign(value: float) -> float:
 
 
 def is_finite(value: float) -> bool:
-    """Whether a value is a number and not infinite."""
+    """Returns whether a value is a number and not infinite."""
     return math.isfinite(value)
 
 

@@ -118,7 +118,8 @@ class Guardian:
                 )
             case "stops":
                 attempts = [
-                    self._attempt(topic["topic"], self._topic, topic) for topic in content["topics"]
+                    self._attempt(topic["topic"], self._make_topic, topic)
+                    for topic in content["topics"]
                 ]
                 topics = [topic for topic in attempts if topic is not None]
                 datagrams = [_datagram(datagram) for datagram in content["datagrams"]]
@@ -129,7 +130,7 @@ class Guardian:
             case "goal":
                 if self._cancel is None:
                     library = content["library"]
-                    self._cancel = self._attempt(_CANCEL, self._support, library, _CANCEL)
+                    self._cancel = self._attempt(_CANCEL, self._load_support, library, _CANCEL)
                 self._goals[bytes.fromhex(content["id"])] = content["service"]
             case "done":
                 self._goals.pop(bytes.fromhex(content["id"]), None)
@@ -154,12 +155,12 @@ class Guardian:
                 _log(complaint)
             return None
 
-    def _topic(self, content: dict[str, Any]) -> Topic:
-        support = self._support(content["library"], content["type"])
+    def _make_topic(self, content: dict[str, Any]) -> Topic:
+        support = self._load_support(content["library"], content["type"])
         data = bytearray.fromhex(content["data"])
         return Topic(content["topic"], support, content["qos"], data, content["stamps"])
 
-    def _support(self, library: str, name: str) -> Any:
+    def _load_support(self, library: str, name: str) -> Any:
         if self._ros is None:
             raise RclError("nothing is known of ROS")
         support = self._ros.type(library, *name.split("/"))
@@ -295,7 +296,7 @@ class Guardian:
         return Announcement(ros.publisher(topic.name, topic.support, topic.qos), topic, rivals)
 
     def _lacks_subscriber(self, announcement: Announcement) -> bool:
-        """Whether a stop had no subscriber, and no other node has begun to publish meanwhile."""
+        """Returns whether a stop had no subscriber, and no other node has begun to publish."""
         return (
             not announcement.times
             and self._known_ros.publishers(announcement.topic.name) <= announcement.rivals

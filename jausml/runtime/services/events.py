@@ -212,13 +212,13 @@ class EventsService:
         self._events[event.event_id] = event
         # Reports to a forged address would load its host.
         if not self._component.transport.is_proved(client):
-            self._loop.call_later(_TIME_TO_PROVE_S, lambda: self._judge(event))
+            self._loop.call_later(_TIME_TO_PROVE_S, lambda: self._check_proof(event))
         return event
 
     def _apply(self, event: _Event, setup: _Setup, *, report: bool) -> None:
         """Confirms the request, then reports and (re)starts the timers."""
         # A renewal keeps the phase of its period.
-        rephase = not event.timer.is_set or setup != event.setup
+        restarts = not event.timer.is_set or setup != event.setup
         event.setup = setup
         event.rate = self._first_rate(event)
         self._index()
@@ -227,7 +227,7 @@ class EventsService:
             event.expiry.set(60.0 * self._timeout, lambda: self._expire(event))
         # Before the first report, whose id the client must know.
         self._confirm(event.client, event.request_id, event.event_id, setup.rate)
-        if rephase:
+        if restarts:
             event.timer.cancel()
             if setup.periodic:
                 event.due = self._clock.now()
@@ -273,11 +273,11 @@ class EventsService:
             self._component.counters.count("events.gave_way", f"one of {loser.client} to {client}")
             self._end(loser)
 
-    def _judge(self, event: _Event) -> None:
+    def _check_proof(self, event: _Event) -> None:
         """Ends an event if its client has not proved its address in time."""
         # By identity, as another event may have its id by now.
-        is_living = self._events.get(event.event_id) is event
-        if is_living and not self._component.transport.is_proved(event.client):
+        is_present = self._events.get(event.event_id) is event
+        if is_present and not self._component.transport.is_proved(event.client):
             self._component.counters.count("events.never_proved", str(event.client))
             self._remove(event)
 
@@ -409,7 +409,7 @@ class EventsService:
 
 
 def _selects(query: QueryEvents, event: _Event) -> bool:
-    """Whether a QueryEvents selects an event: by message, type or id, or all events."""
+    """Returns whether a QueryEvents selects an event: by message, type or id, or all events."""
     choice = query.query_events_var
     if isinstance(choice, QueryEvents.MessageIDRec):
         provision = event.setup.provision

@@ -193,7 +193,7 @@ class Driver(Protocol):
     """A list driver of a bridge."""
 
     def supports(self, element: ListElement) -> bool:
-        """Whether the list may hold an element, as the driver can execute it."""
+        """Returns whether the list may hold an element, as the driver can execute it."""
 
     def list_changed(self) -> None:
         """Takes over a change of the list."""

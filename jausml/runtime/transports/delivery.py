@@ -61,7 +61,7 @@ _MAX_SOURCES = 256
 
 
 def _is_before(number: int, other: int) -> bool:
-    """Whether a number is that of an earlier message; numbers wrap after 65535."""
+    """Returns whether a number is that of an earlier message; numbers wrap after 65535."""
     return 0 < other - number & 0xFFFF <= FARTHEST
 
 

@@ -71,7 +71,7 @@ class ControlledPeers:
         return self._control is not Guard.ANY
 
     def obeys(self, peer: JausAddress) -> bool:
-        """Whether a peer obeys; always if it demands no control."""
+        """Returns whether a peer obeys; always if it demands no control."""
         if self._control is Guard.ANY:
             return True
         session = self._sessions.get(peer)
@@ -158,7 +158,7 @@ class RepeatedStops:
         self._has_ended = True
 
     def has_arrived(self, peer: JausAddress, acknowledged: bool) -> bool:  # noqa: FBT001 - a fact
-        """Whether a message counts as arrived: also at peers that never acknowledge."""
+        """Returns whether a message counts as arrived: also at peers that never acknowledge."""
         quirks = self._ends.component.transport.quirks
         return acknowledged or quirks.has(peer, Quirk.NO_ACKNOWLEDGEMENTS)
 

@@ -49,7 +49,7 @@ class QueryRequests:
         self.rate = hertz
 
     def is_silent(self, peer: JausAddress) -> bool:
-        """Whether a peer did not answer the last query."""
+        """Returns whether a peer did not answer the last query."""
         return peer in self._silent
 
     def _ask(self) -> None:

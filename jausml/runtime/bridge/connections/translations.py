@@ -30,7 +30,7 @@ def ros_classes(method: MethodT) -> MethodT:
 
 
 def uses_ros_classes(translate: Callable[..., Any]) -> bool:
-    """Whether a translation is marked by `ros_classes`."""
+    """Returns whether a translation is marked by `ros_classes`."""
     return getattr(translate, "uses_ros_classes", False) is True
 
 
@@ -42,7 +42,7 @@ def override_of(*translations: object) -> list[tuple[str, str]]:
 
 
 def _is_overridden(method: MethodType) -> bool:
-    """Whether two classes define a method: a subclass has replaced the generated one."""
+    """Returns whether two classes define a method: a subclass has replaced the generated one."""
     classes = type(method.__self__).__mro__
     return sum(method.__name__ in vars(base) for base in classes) > 1
 

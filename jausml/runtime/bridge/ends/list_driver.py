@@ -56,13 +56,13 @@ class ListExecutor(Protocol):
     """A connection that executes lists of one kind of elements."""
 
     def obeys(self, sender: JausAddress) -> bool:
-        """Whether a sender may have lists executed."""
+        """Returns whether a sender may have lists executed."""
 
     def is_of(self, element: ListElement) -> bool:
-        """Whether an element is of its kind."""
+        """Returns whether an element is of its kind."""
 
     def can_carry(self, element: ListElement) -> bool:
-        """Whether an element of its kind can be executed."""
+        """Returns whether an element of its kind can be executed."""
 
     def begin(self, uid: int, speed: float | None) -> None:
         """Executes the list from an element on, at a speed in m/s if the driver has one."""
@@ -114,7 +114,7 @@ class ListDriver:
     # ------------------------------------------------------------------ for the bridge
 
     def supports(self, element: ListElement) -> bool:
-        """Whether the list may hold an element, as an executor can execute it."""
+        """Returns whether the list may hold an element, as an executor can execute it."""
         return any(
             executor.is_of(element) and executor.can_carry(element) for executor in self._executors
         )
@@ -129,7 +129,7 @@ class ListDriver:
     # ------------------------------------------------------------------ for the executors
 
     def is_executed_by(self, executor: ListExecutor) -> bool:
-        """Whether an executor executes the list now."""
+        """Returns whether an executor executes the list now."""
         return self._running is executor
 
     def elements_from(self, uid: int) -> list[ListElement]:

@@ -338,7 +338,7 @@ def _in_order(tasks: Sequence[Any]) -> list[Any]:
 
 
 def _is_for(address: JausAddress, destination: Any) -> bool:
-    """Whether a message of a mission is for a component, itself or by a wildcard."""
+    """Returns whether a message of a mission is for a component, itself or by a wildcard."""
     return (
         destination.subsystem_id in (address.subsystem, 0xFFFF)
         and destination.node_id in (address.node, 0xFF)

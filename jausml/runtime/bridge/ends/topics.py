@@ -284,7 +284,7 @@ class EndpointHealth:
         return faults
 
     def _loses_large(self, now: float) -> bool:
-        """Whether messages of a reliable publisher were lost before the queue lately."""
+        """Returns whether messages of a reliable publisher were lost before the queue lately."""
         if self.counts is None or self.qos.reliability != "best_effort":
             return False
         lost = self.counts.missed - self.counts.lost

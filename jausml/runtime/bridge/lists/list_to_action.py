@@ -138,15 +138,15 @@ class ListToAction(ListConnection[SourceT, TargetT]):
     # ------------------------------------------------------------------ for the driver
 
     def obeys(self, sender: JausAddress) -> bool:
-        """Whether a sender may have lists executed."""
+        """Returns whether a sender may have lists executed."""
         return self._peers.is_anybody or sender in self._peers.present
 
     def is_of(self, element: ListElement) -> bool:
-        """Whether an element holds the message of this connection."""
+        """Returns whether an element holds the message of this connection."""
         return element.message_code == self._message.CODE
 
     def can_carry(self, element: ListElement) -> bool:
-        """Whether an element can be translated."""
+        """Returns whether an element can be translated."""
         return self._translated([element]) is not None
 
     def begin(self, uid: int, speed: float | None) -> None:

@@ -179,7 +179,7 @@ class MissionRun(Run):
         self._stop_missions(stopped)
 
     def _stays_paused(self, number: int) -> bool:
-        """Whether a stop leaves a mission paused: only if no RunMission can come after it."""
+        """Returns whether a stop leaves a mission paused: if no RunMission can come after it."""
         return self._pauses and number == self._number and self._run_sent and self._last >= 0
 
     def _stop_missions(self, then: Callable[[], None]) -> None:

@@ -206,7 +206,7 @@ class RosNode:
         self._thread.start()
 
     def listen(self) -> None:
-        """Begins to take messages of new subscriptions; before `start`, which does so, nothing."""
+        """Takes messages of new subscriptions from now on; no effect before `start`."""
         if self._topics is not None and self._fail is not None:
             self._topics.listen(self._fail)
 

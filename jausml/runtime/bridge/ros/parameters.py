@@ -50,7 +50,7 @@ class LazyParameters(Node):
         self.add_pre_set_parameters_callback(self._declare_set)
 
     def has_parameter(self, name: str) -> bool:
-        """Whether there is a parameter; rclpy calls this before it returns a value or type."""
+        """Returns whether there is a parameter, which rclpy checks before each access."""
         self._declare(name)
         return bool(super().has_parameter(name))
 

@@ -84,7 +84,7 @@ class NodeClient:
         self._loop = loop
 
     def is_ready(self) -> bool:
-        """Whether the service has a server."""
+        """Returns whether the service has a server."""
         return bool(self._client.service_is_ready())
 
     def call(self, request: bytes, take: TakeResponse) -> Callable[[], None]:

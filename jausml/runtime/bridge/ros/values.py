@@ -67,7 +67,7 @@ def checked_answers(answer: Callable[[Any, Any], Any]) -> Callable[[Any, Any], A
 
 
 def is_of_any_size(kind: Any) -> bool:
-    """Whether messages of a class have a sequence without a bound."""
+    """Returns whether messages of a class have a sequence without a bound."""
     for slot in kind.SLOT_TYPES:
         inner = slot.value_type if isinstance(slot, AbstractNestedType) else slot
         is_part = isinstance(inner, NamespacedType)

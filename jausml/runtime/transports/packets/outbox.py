@@ -197,7 +197,7 @@ class Outbox:
             report(self._loop, message.on_result, success=False)
 
     def _has_room_for(self, message: Message) -> bool:
-        """Whether the queue has room for a message; a single one may have any size."""
+        """Returns whether the queue has room for a message; a single one may have any size."""
         fits = self._size + message.size <= _MAX_BYTES or not self._size
         return fits and len(self._messages) < _MAX_MESSAGES
 
@@ -333,7 +333,7 @@ class Outbox:
             return True
 
     def _is_late(self, *keys: Key) -> bool:
-        """Whether an acknowledgement is a late one, which is counted."""
+        """Returns whether an acknowledgement is a late one, which is counted."""
         for key in keys:
             if key in self._overdue:
                 self._outcome_of(self._overdue.pop(key)[1]).late += 1
