@@ -26,7 +26,7 @@ from .transport import Transport
 _ACCEPTS_PER_WAKE_UP = 16
 _FIRST_PAUSE_S = 0.1
 _LONGEST_PAUSE_S = 5.0
-_REST_S = 0.5  # seconds without accepting connections after an error of the system
+_ACCEPT_PAUSE_S = 0.5  # seconds without accepting connections after an error of the system
 
 
 class _Line:
@@ -68,9 +68,9 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
         self._lines: dict[Endpoint, _Line] = {}
         self._connections: list[TcpConnection] = []
         self._unsent: deque[tuple[list[Packet], OnResult | None]] = deque()
-        self._most_connections = settings.max_connections
+        self._max_connections = settings.max_connections
         self._listener: socket.socket | None = None
-        self._rest = Alarm(loop)
+        self._accept_alarm = Alarm(loop)
         self._takeover_alarm = Alarm(loop)
         self._is_open = False
 
@@ -79,7 +79,7 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
         self._book = resolve(self._settings.address_book, self.counters)
         with self.loop.lock:
             self._is_open = True
-            self._most_connections = affordable(self._settings.max_connections)
+            self._max_connections = affordable(self._settings.max_connections)
             self._share_port()
 
     def close(self) -> None:
@@ -90,7 +90,7 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
             self._is_open = False
             for timer in (
                 self._takeover_alarm,
-                self._rest,
+                self._accept_alarm,
                 *(line.retry for line in self._lines.values()),
             ):
                 timer.cancel()
@@ -217,7 +217,7 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
         """Accepts no connections for a while: waiting ones would make the loop spin."""
         if self._listener is not None:
             self.loop.unregister(self._listener)
-            self._rest.set(_REST_S, self._resume_listening)
+            self._accept_alarm.set(_ACCEPT_PAUSE_S, self._resume_listening)
 
     def _resume_listening(self) -> None:
         if self._listener is not None:
@@ -229,7 +229,7 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
         Connections without any packet are closed first. Outgoing ones, and those of components that
         are always kept, are not closed.
         """
-        if len(self._connections) < self._most_connections:
+        if len(self._connections) < self._max_connections:
             return True
         kept = {id(route) for address, route in self._routes.items() if self.is_kept(address)}
         kept |= {id(line.connection) for line in self._lines.values()}
