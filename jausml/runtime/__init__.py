@@ -3,17 +3,16 @@
 Copied into a generated workspace as the package ``jausml_runtime``. It needs the standard library
 only; rclpy is imported by the ROS side of bridges, when one runs.
 
-What generated code and its users may import stands in nine modules, by name; whatever lies behind
-them may move:
+Generated code and its users may import the names of nine modules; all other modules may change:
 
-- ``jausml_runtime``: components, bridges and what they are made and told of;
+- ``jausml_runtime``: components, bridges, their settings and callbacks;
 - ``jausml_runtime.messages``: the messages of the core services;
-- ``jausml_runtime.conversions``: conversions of values, and the values that they know;
+- ``jausml_runtime.conversions``: conversions of values, and their types;
 - ``jausml_runtime.conversions.arithmetic``: the functions of expressions;
-- ``jausml_runtime.wire``: what classes of messages are made of;
-- ``jausml_runtime.bridge.light_message``: what light classes of ROS messages are made of;
+- ``jausml_runtime.wire``: the parts of message classes;
+- ``jausml_runtime.bridge.light_message``: the parts of light classes of ROS messages;
 - ``jausml_runtime.bridge.messages.octets``: lists of single octets;
-- ``jausml_runtime.bridge.ros.values``: checks of what nodes publish and answer;
+- ``jausml_runtime.bridge.ros.values``: checks of the messages and responses of nodes;
 - ``jausml_runtime.virtual``: virtual time, for tests.
 """
 

@@ -18,7 +18,7 @@ def test_constants_are_those_of_the_runtime():
     transport, component = TransportSettings(), ComponentSettings()
     assert found.empty_message == EMPTY_MESSAGE_SIZE
     assert found.largest_fragment == MAX_FRAGMENT_SIZE
-    assert found.most_small_fragments == outgoing.MOST_SMALL_FRAGMENTS
+    assert found.most_small_fragments == outgoing.MAX_SMALL_FRAGMENTS
     assert found.at_once == messenger.AT_ONCE
     assert found.held_by_peers == messenger.HELD_BY_PEERS
     assert found.largest_message == transport.reassembly_limit

@@ -14,7 +14,7 @@ needs.ask("rclpy")
 
 from jausml.language.semantics.connections.topics import endpoints
 from jausml.runtime.bridge.ends.topics import Parameter, ParameterError, Qos, Topic
-from jausml.runtime.bridge.ros.parameters import MOST_KEPT
+from jausml.runtime.bridge.ros.parameters import MAX_KEPT
 
 from .bridge_support import wait_for
 
@@ -260,7 +260,7 @@ def test_a_reader_that_stands_still_holds_up_no_publisher(node):
     try:
         wait_for(lambda: publisher.matched, "reader")
         reader.send_signal(signal.SIGSTOP)
-        for _ in range(MOST_KEPT + 10):
+        for _ in range(MAX_KEPT + 10):
             publisher.publish(data)
     finally:
         reader.kill()

@@ -127,7 +127,7 @@ def test_what_comes_again_soon_is_counted():
     for number in (95, 96, 96):
         assert window.is_duplicate(packet(number), 1.0)
     account = account_of(window)
-    assert (account.came, account.doubled, account.repeated) == (100, 3, 0)
+    assert (account.came, account.duplicates, account.repeated) == (100, 3, 0)
 
 
 def test_few_that_come_again_after_they_were_forgotten_are_no_new_life():

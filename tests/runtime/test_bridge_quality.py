@@ -3,7 +3,7 @@
 import pytest
 
 from jausml.runtime.bridge.ends.topics import (
-    LATELY,
+    LOSS_WINDOW,
     Conflict,
     EndpointHealth,
     Qos,
@@ -74,7 +74,7 @@ def test_what_is_lost_on_the_way_is_told_with_the_cure_for_a_while():
     (fault,) = health.faults()
     assert "larger than 512 kB" in fault.text
     assert "qos_overrides./map.subscription.reliability:=reliable" in fault.text
-    now[0] = LATELY
+    now[0] = LOSS_WINDOW
     assert health.faults() == []
     health.counts.missed = 6
     health.others = lambda: [("/slam", Qos(reliability="best_effort"))]

@@ -3,7 +3,7 @@
 import logging
 
 from jausml.runtime.base.address import JausAddress
-from jausml.runtime.base.quirks import MOST_PEERS, Quirk, Quirks
+from jausml.runtime.base.quirks import MAX_PEERS, Quirk, Quirks
 
 PEER = JausAddress(152, 1, 1)
 
@@ -31,9 +31,9 @@ def test_a_quirk_is_known_by_name_with_what_showed_it_and_what_is_done(caplog):
 def test_invented_peers_fill_neither_the_memory_nor_the_log(caplog):
     caplog.set_level(logging.INFO)
     quirks = Quirks()
-    strangers = [JausAddress(number, 1, 1) for number in range(1, 2 * MOST_PEERS)]
+    strangers = [JausAddress(number, 1, 1) for number in range(1, 2 * MAX_PEERS)]
     for stranger in strangers:
         quirks.learn(stranger, Quirk.OTHER_VERSION, "no version")
-    assert len(caplog.records) == MOST_PEERS
-    assert sum(bool(quirks.of(stranger)) for stranger in strangers) == MOST_PEERS
+    assert len(caplog.records) == MAX_PEERS
+    assert sum(bool(quirks.of(stranger)) for stranger in strangers) == MAX_PEERS
     assert quirks.of(strangers[-1])

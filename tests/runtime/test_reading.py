@@ -118,9 +118,9 @@ def test_drops_are_counted_once_where_a_socket_is_named_again():
             sender.sendto(bytes(200), flooded.getsockname())
         arrived = len(_drain(flooded))
         drops.watch(flooded)
-        drops.look()
+        drops.update()
         drops.watch(flooded)  # as when a compiled core begins to read it
-        drops.look()
+        drops.update()
     assert arrived < 50
     assert counters.snapshot() == {"judp.kernel_dropped": 50 - arrived}
 
@@ -130,8 +130,8 @@ def test_what_is_no_answer_of_the_kernel_counts_nothing():
     drops = KernelDrops(counters)
     with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as closed:
         drops.watch(closed)
-    drops.look()
-    drops.look()
+    drops.update()
+    drops.update()
     assert counters.snapshot() == {}
 
 

@@ -32,7 +32,7 @@ def test_who_asked_is_told_before_what_waited_is_served(loop):
     own, other = os.pipe()
 
     def read() -> None:
-        loop.standstill.look()
+        loop.standstill.check()
         told.append(os.read(own, 1))
 
     loop.register(own, read)
@@ -94,7 +94,7 @@ class Late:
         self.counts = Statistics()
         self.backlog = Backlog(self.counts, self._drop, lambda origin: origin)
         ends: Any = SimpleNamespace(loop=loop, clock=loop)
-        self.backlog.open(ends, limit, lambda: self.changes.append(self.backlog.is_there))
+        self.backlog.open(ends, limit, lambda: self.changes.append(self.backlog.is_active))
 
     def take(self, data: bytes, origin: Any) -> None:
         if self.backlog.admits(origin):
@@ -127,7 +127,7 @@ def test_commands_that_may_have_waited_too_long_are_refused_until_all_was_served
     assert (late.refused, late.counts.arrivals) == ([TOO_OLD], 1)
     assert late.counts.last_arrival == 3
     late.backlog.close()
-    assert not late.backlog.is_there
+    assert not late.backlog.is_active
     assert not late.watched
 
 

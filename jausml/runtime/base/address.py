@@ -15,9 +15,9 @@ _DOTTED = re.compile(r"([0-9]{1,5})\.([0-9]{1,3})\.([0-9]{1,3})")
 class JausAddress(int):
     """Address of a JAUS component, written ``subsystem.node.component`` (AS5669A, JAUS ID).
 
-    A part may be 0 (reserved, names no component) or all ones (wildcard). The address is the
-    number that it is on the wire, subsystem in the upper half: addresses are keys of dictionaries
-    that every datagram asks, with nothing but that number.
+    A part may be 0 (reserved, names no component) or all ones (wildcard). The address is an `int`,
+    its number on the wire with the subsystem in the upper half, so that dictionaries by address,
+    which every datagram looks up, take this number as the key.
 
     Raises:
         ValueError: A part does not fit its width on the wire.
@@ -26,7 +26,7 @@ class JausAddress(int):
     __slots__ = ()
 
     def __new__(cls, subsystem: int, node: int, component: int) -> JausAddress:
-        """Refuses parts that the wire cannot carry, and packs the others.
+        """Packs the parts into one number.
 
         Args:
             subsystem: 1 to 65534; 65535 means every subsystem.
@@ -48,7 +48,7 @@ class JausAddress(int):
         return self.subsystem, self.node, self.component
 
     def __bool__(self) -> bool:
-        """Returns True: an address is one, also 0.0.0."""
+        """Returns True, also for 0.0.0."""
         return True
 
     def __str__(self) -> str:
@@ -104,7 +104,7 @@ class JausAddress(int):
         )
 
     def matches(self, other: JausAddress) -> bool:
-        """Whether a message to this address is meant for the component ``other``."""
+        """Returns whether a message to this address is meant for the component ``other``."""
         return (
             self.subsystem in (other.subsystem, WILDCARD_SUBSYSTEM)
             and self.node in (other.node, WILDCARD_NODE)
@@ -118,5 +118,5 @@ def address_of(packed: int) -> JausAddress:
     return JausAddress(packed >> 16 & 0xFFFF, packed >> 8 & 0xFF, packed & 0xFF)
 
 
+# Every component of every node of every subsystem.
 BROADCAST = JausAddress(WILDCARD_SUBSYSTEM, WILDCARD_NODE, WILDCARD_COMPONENT)
-"""Every component of every node of every subsystem."""

@@ -1,4 +1,4 @@
-"""Version of what the runtime exports, what generated code asks for, and the root of its errors."""
+"""The version of the runtime's API, its check by generated code, and the root of its errors."""
 
 from __future__ import annotations
 
@@ -6,24 +6,25 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+# Version of the names that the runtime exports. The first number is raised when a name goes or is
+# used in another way; the second, which begins at 0 then, when a name is added.
 API_VERSION = (1, 0)
-"""Version of what the runtime exports by name.
-
-The first number is raised when something that was exported goes or is used in another way, and the
-second, which then begins at 0, when something is added.
-"""
 
 
 class ApiVersionError(ImportError):
-    """Generated code meets a runtime that it was not generated for."""
+    """The runtime is not one that the generated code was generated for."""
 
 
 def require_api(version: tuple[int, int], file: str) -> None:
-    """Refuses a runtime that generated code does not fit; called when its package is imported.
+    """Checks that the runtime fits generated code; called when its package is imported.
 
     Args:
         version: API that the code was generated for: the first number must be the same, and the
             second not greater than the runtime's.
+        file: The importing file, for the error.
+
+    Raises:
+        ApiVersionError: The version does not fit.
     """
     if version[0] == API_VERSION[0] and version[1] <= API_VERSION[1]:
         return
@@ -39,17 +40,19 @@ def require_api(version: tuple[int, int], file: str) -> None:
 
 
 class JausError(ValueError):
-    """A value or message that cannot be taken, carried or translated.
+    """A value or message cannot be taken, carried or translated.
 
-    What the operating system refuses stays an ``OSError``.
+    Errors of the operating system stay ``OSError``.
     """
 
 
 def optional_part(module: str, name: str) -> Any:
-    """Returns a part of the runtime that a workspace has only where its model asks for it.
+    """Imports and returns a name of a module that a workspace has only if its model needs it.
 
-    Whoever starts the process may ask for what the model does not, e.g. for another transport;
-    where the workspace does not have the module, that is a JausError.
+    Options of the process may need more than the model does, e.g. another transport.
+
+    Raises:
+        JausError: The workspace does not have the module.
     """
     package = __name__.removesuffix(".base.api")
     try:

@@ -1,4 +1,4 @@
-"""The time of day, and what has timers: a loop, or a simulation."""
+"""Clocks of a loop or a simulation, and alarms on them."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class HostClock:
         self._loop = loop
 
     def now(self) -> float:
-        """Returns seconds that never go back; only their differences mean anything."""
+        """Returns seconds since an arbitrary time, which never go back."""
         return self._loop.now()
 
     def utc(self) -> datetime:
@@ -27,7 +27,7 @@ class HostClock:
 
 
 class Timing(Protocol):
-    """A steady clock and its timers; `Loop` has those of real time.
+    """A steady clock and its timers; `Loop` is one of real time.
 
     To be used on the thread of the loop, or with its lock.
     """
@@ -43,7 +43,7 @@ class Timing(Protocol):
 
 
 class Alarm:
-    """A timer that is set again and again: what it was set to before is dropped then.
+    """A timer that can be set again, which cancels its former callback.
 
     To be used on the thread of the loop, or with its lock.
     """
@@ -70,6 +70,6 @@ class Alarm:
         self._timer = self._clock.call_at(when, callback)
 
     def cancel(self) -> None:
-        """Runs nothing any more; no effect when nothing is to run."""
+        """Cancels the callback; no effect without one."""
         if self._timer is not None:
             self._timer.cancel()

@@ -12,7 +12,7 @@ Clock = Callable[[], float]  # a monotonic time in seconds
 
 
 class Tally:
-    """A counter of one writer, who raises ``count`` by itself: that needs no call and no lock."""
+    """A counter of one writer, which adds to ``count`` without a call or a lock."""
 
     __slots__ = ("count",)
 
@@ -21,7 +21,7 @@ class Tally:
 
 
 class Counters:
-    """Counts by name, shared by all parts of one process; callable from any thread."""
+    """Counts by name, shared by all parts of a process; callable from any thread."""
 
     def __init__(self, clock: Clock = time.monotonic, log_interval: float = 5.0) -> None:
         self._clock = clock
@@ -32,12 +32,12 @@ class Counters:
         self._logged: dict[str, tuple[float, int]] = {}
 
     def add(self, name: str, amount: int = 1) -> None:
-        """Adds to a counter of ordinary traffic, without logging."""
+        """Adds to the counter of a name, without logging."""
         with self._lock:
             self._counts[name] = self._counts.get(name, 0) + amount
 
     def tally(self, name: str) -> Tally:
-        """Returns a part of a counter of ordinary traffic, for one writer at a time."""
+        """Returns a part of the counter of a name, for one writer at a time; it is not logged."""
         tally = Tally()
         with self._lock:
             self._tallies.append((name, tally))
@@ -56,12 +56,12 @@ class Counters:
         """Counts a drop or a failure and warns about it.
 
         The first one of a name is logged at once, later ones at most once in ``log_interval``
-        with the number that happened since, so that a flood of bad datagrams is one line.
+        seconds with their number since, so that a flood of bad datagrams is one line.
 
         Args:
             name: Area and reason, e.g. ``judp.bad_version``.
-            detail: What a reader of the log needs to find the culprit.
-            once: Whether the first of a name is logged alone.
+            detail: Peer, message or value, for the reader of the log.
+            once: Whether only the first one of a name is logged.
         """
         now = self._clock()
         with self._lock:
@@ -75,7 +75,7 @@ class Counters:
         LOGGER.log(level, "%s (%d times): %s", name, times, detail, exc_info=error)
 
     def drops(self) -> dict[str, int]:
-        """Returns the counts of what was warned about alone, sorted by name."""
+        """Returns only the counts that were logged, sorted by name."""
         with self._lock:
             return {name: self._counts[name] for name in sorted(self._logged)}
 

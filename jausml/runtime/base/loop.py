@@ -1,4 +1,4 @@
-"""The event loop: one thread that waits for descriptors and deadlines."""
+"""The event loop: one thread that waits for descriptors and timers."""
 
 from __future__ import annotations
 
@@ -20,16 +20,14 @@ Poll = Callable[[float | None, int], list[tuple[int, int]]]
 
 # Cancelled timers stay in the heap up to this number: to take out each costs more.
 _COMPACT_FROM = 64
-
-_AT_ONCE = 64
-"""Descriptors served in one turn: timers are due between turns, and the kernel serves in turn."""
+_MAX_READY = 64  # descriptors served in one turn; timers run between turns
 
 
 def due_after(now: float, delay_s: float) -> float:
     """Returns the time after a delay: later than now, unless the delay is 0.
 
-    What is left until a deadline may be less than the resolution of a large time. Who asks for it
-    again and again must see time pass, also where a clock stands still between two turns.
+    The delay may be less than the resolution of a large time. A timer that sets itself again must
+    be due later all the same, also by a clock that stands still between two turns.
     """
     when = now + delay_s
     return math.nextafter(now, math.inf) if when == now and delay_s > 0.0 else when
@@ -41,7 +39,7 @@ class Timer:
     __slots__ = ("callback", "on_cancel")
 
     def __init__(self, callback: Callable[[], None], on_cancel: Callable[[], None]) -> None:
-        """Use ``Loop.call_at`` or ``Loop.call_later`` instead."""
+        """Made by ``Loop.call_at`` and ``Loop.call_later``; `on_cancel` is called once at most."""
         self.callback: Callable[[], None] | None = callback
         self.on_cancel: Callable[[], None] | None = on_cancel
 
@@ -49,7 +47,7 @@ class Timer:
         """Keeps the callback from running; no effect when it ran or was cancelled."""
         self.callback = None
         on_cancel, self.on_cancel = self.on_cancel, None
-        # Taken away first, so that it is counted once however often it is cancelled.
+        # Removed first, so that a second call has no effect.
         if on_cancel is not None:
             on_cancel()
 
@@ -61,17 +59,17 @@ class Loop:
     the caller's thread, with a clock of the caller's choice. All methods but ``run_once`` may be
     called from any thread. ``stop`` releases the descriptors of the loop and is final.
 
-    What a turn does between its wait and a callback is short on purpose: it is part of the latency
-    of each message.
+    A turn does little between its wait and a callback: that adds to the latency of each message.
 
     Attributes:
         lock: Held while callbacks run; taken once for all callbacks of a turn.
-        wall: Returns the time of day that goes with it, in nanoseconds since 1970 (UTC).
-        stopwatch: Returns a time in seconds by which callbacks are slow.
-        standstill: Says what may have waited because the loop did not turn.
-        revision: That of all on which the usual way of messages rests.
-        on_failure: Told, on the thread of the loop, what would end that thread, such as SystemExit
-            of user code; the loop goes on. Unless it is set, that is counted as what fails is.
+        now: Returns the steady time of the loop in seconds.
+        wall: Returns the time of day in nanoseconds since 1970 (UTC).
+        stopwatch: Returns a time in seconds that measures how long callbacks take.
+        standstill: Notices when the loop did not turn for long.
+        revision: The revision of all fast paths.
+        on_failure: Called on the thread of the loop with an exception that would end the thread,
+            such as SystemExit of user code; the loop goes on. By default it is only counted.
     """
 
     def __init__(
@@ -94,14 +92,14 @@ class Loop:
         self._wake_up = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
         self._epoll.register(self._wake_up, select.EPOLLIN)
         self._callbacks: dict[int, Callable[[], object]] = {}
-        # A number that was registered anew in a turn may still be among what that turn found ready.
+        # A turn may have found a former descriptor of the same number ready.
         self._renewed: set[int] = set()
         self._state = threading.Lock()
         self._timers: list[tuple[float, int, Timer]] = []
         self._created = 0
         self._cancelled = 0
         self._soon: deque[Callable[[], object]] = deque()
-        # True when the loop will look without being woken: it is busy, or was woken already.
+        # True when the loop needs no waking: it is busy, or was woken already.
         self._woken = False
         self.standstill = Standstill(self)
         self.revision = Revision()
@@ -117,8 +115,8 @@ class Loop:
         self.stop()
 
     def call_soon(self, callback: Callable[[], object]) -> None:
-        """Runs a callback in the next turn of the loop, after those asked for earlier."""
-        # A deque takes it in one step of the interpreter: no lock is needed.
+        """Runs a callback in the next turn of the loop, in the order of the calls."""
+        # Appending to a deque is atomic: no lock is needed.
         self._soon.append(callback)
         self._wake()
 
@@ -131,7 +129,7 @@ class Loop:
         timer = Timer(callback, self._timer_cancelled)
         with self._state:
             self._created += 1
-            # The number decides between equal times, in the order of making.
+            # The number orders timers of equal times by their creation.
             heapq.heappush(self._timers, (when, self._created, timer))
             is_earliest = self._timers[0][2] is timer
         if is_earliest:
@@ -139,7 +137,7 @@ class Loop:
         return timer
 
     def register(self, source: socket.socket | int, on_readable: Callable[[], object]) -> None:
-        """Calls ``on_readable`` whenever a socket or descriptor has something to read."""
+        """Calls ``on_readable`` whenever a socket or descriptor is readable."""
         number = _number(source)
         with self._state:
             self._renewed.add(number)
@@ -147,7 +145,7 @@ class Loop:
             self._callbacks[number] = on_readable
 
     def watch_writable(self, source: socket.socket | int, *, wanted: bool) -> None:
-        """Also call the callback of a registered socket whenever it can be written, or no more."""
+        """Has the callback of a registered socket called when writable, too, or no more."""
         events = select.EPOLLIN | (select.EPOLLOUT if wanted else 0)
         with self._state:
             if not self._closed:
@@ -155,18 +153,18 @@ class Loop:
 
     @property
     def descriptor(self) -> int:
-        """What becomes ready when one of those that are registered does."""
+        """A descriptor that is readable when one of the registered descriptors is ready."""
         return self._epoll.fileno()
 
     def wait_by(self, poll: Poll | None, settle: Callable[[], None] | None) -> None:
-        """Waits by other means from the next turn on; None stands for those of the system.
+        """Sets how the loop waits from the next turn on; None stands for epoll.
 
         Args:
             poll: Waits as `select.epoll.poll` does.
-            settle: Runs first in each turn, with the lock.
+            settle: Called with the lock after each wait, before the callbacks.
         """
         self._poll, self._settle = poll or self._epoll.poll, settle
-        # The wait under way is by the former means.
+        # To end the wait under way.
         self._wake()
 
     def unregister(self, source: socket.socket | int) -> None:
@@ -177,7 +175,7 @@ class Loop:
                 self._epoll.unregister(number)
 
     def is_idle(self) -> bool:
-        """Tells whether no descriptor waits to be served; to be called by a callback."""
+        """Returns whether no descriptor is ready; to be called by a callback."""
         return not self._epoll.poll(0, 1)
 
     def start(self) -> None:
@@ -201,17 +199,17 @@ class Loop:
             thread.join()
 
     def run_once(self, timeout: float | None = None) -> int:
-        """Waits at most so many seconds, and runs what is due; returns how many callbacks ran."""
+        """Waits at most `timeout` seconds, and runs due callbacks; returns their number."""
         return self._turn(timeout, is_only=True)
 
     def runs_here(self) -> bool:
-        """Tells whether the caller is on the thread of the loop: who waits there waits forever."""
+        """Returns whether the caller is on the thread of the loop, and so must not wait for it."""
         return threading.get_ident() == self._runner
 
     def next_due(self) -> float | None:
-        """Returns when there is something to do by the loop's clock; None if it waits for nothing.
+        """Returns the loop time of the next callback; None without one.
 
-        Whoever drives the loop with a clock of its own goes there. Descriptors are not looked at.
+        The driver of a simulated clock advances it to this time. Descriptors are not considered.
         """
         if self._soon:
             return self.now()
@@ -221,15 +219,15 @@ class Loop:
                 self._cancelled -= 1
             return self._timers[0][0] if self._timers else None
 
-    def _turn(  # noqa: C901 - what is called here delays each message
+    def _turn(  # noqa: C901 - each call would delay messages
         self, timeout: float | None, *, is_only: bool
     ) -> int:
-        """Takes one turn, or turns until the loop stops; returns what the last one ran.
+        """Takes one turn, or turns until the loop stops; returns the callbacks of the last turn.
 
-        What is ready comes first: nobody looks at the time between a message and its callback.
+        Ready descriptors are served first, before a look at the clock.
         """
         self._runner = threading.get_ident()
-        # Local names, as look-ups of attributes are paid for by each message.
+        # Local names, as each look-up of an attribute would delay messages.
         lock, now = self.lock, self.now
         callbacks, renewed, timers, soon = (
             self._callbacks,
@@ -240,21 +238,21 @@ class Loop:
         while True:
             if renewed:
                 renewed.clear()
-            # Before the timers are read: whoever adds one after that wakes the loop.
+            # Before the timers are read: one that is added later wakes the loop.
             self._woken = False
             with self._state:
                 first = timers[0] if timers else None
-            # A timer that stands and nothing else is the usual case; the others take a call more.
+            # The usual case is a pending timer and nothing else; other cases take one more call.
             if first is None or first[2].callback is None or soon or timeout is not None:
                 wait = self._wait_time(timeout)
             elif self._stopping or (wait := first[0] - now()) < 0.0:
                 wait = 0.0
-            ready = self._poll(wait, _AT_ONCE)
-            # Nobody needs to wake the loop until it waits again.
+            ready = self._poll(wait, _MAX_READY)
+            # The loop needs no waking until it waits again.
             self._woken = True
             ran = 0
             with lock:
-                # What a core has passed meanwhile was before all that is ready now.
+                # The core passed its messages before those that are ready now.
                 if self._settle is not None:
                     self._settle()
                 for number, _ in ready:
@@ -268,11 +266,10 @@ class Loop:
                     except Exception as error:
                         self._failed(error)
                     ran += 1
-                # Without `_state`: one step reads it, and whoever adds an earlier one wakes the
-                # loop.
+                # Without `_state`: the read is atomic, and an earlier timer wakes the loop.
                 if timers and timers[0][0] <= now():
                     ran += self._run_due_timers()
-                # Those asked for by now: one that asks for itself again must not hold up others.
+                # Only those of now: a callback that calls itself again must not hold up others.
                 for _ in range(len(soon)):
                     ran += self._run_callback(soon.popleft())
             if is_only or self._stopping:
@@ -307,7 +304,7 @@ class Loop:
         return wait if timeout is None else min(wait, timeout)
 
     def _run_due_timers(self) -> int:
-        """Runs what is due and was asked for before; a timer may ask for the next at once."""
+        """Runs due timers, except those that are created meanwhile; returns their number."""
         now, newest = self.now(), self._created
         ran = 0
         while True:
@@ -319,7 +316,7 @@ class Loop:
                 if callback is None:
                     self._cancelled -= 1
                     continue
-                # It runs: to cancel it changes nothing from here on.
+                # It runs: cancelling has no effect from here on.
                 timer.callback = timer.on_cancel = None
             ran += self._run_callback(callback)
 
@@ -337,7 +334,7 @@ class Loop:
         with self._state:
             self._cancelled += 1
             if self._cancelled > _COMPACT_FROM and self._cancelled * 2 > len(self._timers):
-                # In place: a turn may be looking at the list.
+                # In place: a turn may be reading the list.
                 self._timers[:] = [timer for timer in self._timers if timer[2].callback is not None]
                 heapq.heapify(self._timers)
                 self._cancelled = 0

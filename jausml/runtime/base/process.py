@@ -1,4 +1,4 @@
-"""What all processes have in common: log, signals, the wait for the end, exit codes."""
+"""Log, signals, the wait for the end, and exit codes of all processes."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ EXIT_USAGE = 2
 
 
 def failed(name: str, error: Exception) -> int:
-    """Tells the log why a process could not run, and returns its exit code."""
+    """Logs why a process could not run; returns its exit code."""
     if isinstance(error, OSError):
         LOGGER.error("%s cannot use the network: %s", name, error)
     elif isinstance(error, JausError):
@@ -34,12 +34,12 @@ def failed(name: str, error: Exception) -> int:
 
 
 def configure_log(level: str) -> None:
-    """Logs to standard error."""
+    """Logs to standard error from a level on, one of `LOG_LEVELS`."""
     logging.basicConfig(format=LOG_FORMAT, level=level.upper())
 
 
 def log_counts(label: str, counts: Mapping[str, int]) -> None:
-    """Logs names and numbers on one line, as the last word of a process on what it did."""
+    """Logs names and numbers on one line, at the end of a process."""
     pairs = " ".join(f"{name}={number}" for name, number in counts.items())
     LOGGER.info("%s: %s", label, pairs or "none")
 
@@ -53,15 +53,15 @@ class StopRequest:
         self._requests: SimpleQueue[str | BaseException] = SimpleQueue()
 
     def request(self, reason: str) -> None:
-        """Ends the wait."""
+        """Ends the wait for a reason, which `wait` returns."""
         self._requests.put(reason)
 
     def fail(self, error: BaseException) -> None:
-        """Ends the wait by an error of a thread without which the process is of no use."""
+        """Ends the wait by the error of an indispensable thread, which `wait` raises."""
         self._requests.put(error)
 
     def wait(self) -> str:
-        """Waits for a request and returns its reason; raises the error of a thread that failed."""
+        """Waits for a request and returns its reason; raises the error of a failed thread."""
         request = self._requests.get()
         if isinstance(request, BaseException):
             raise request
@@ -85,6 +85,6 @@ class StopRequest:
 
 
 def ignore_signals() -> None:
-    """Lets a process that is at its end end, whoever signals once more."""
+    """Ignores further SIGINT and SIGTERM, so that a process at its end is not interrupted."""
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.SIG_IGN)

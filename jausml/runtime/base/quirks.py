@@ -1,9 +1,8 @@
-"""Quirks: what peers do otherwise than the standard has it, and what is done instead.
+"""Quirks: deviations of peers from the standard, and their workarounds.
 
-This is the one place where it stands what was learnt of each peer. Who meets a quirk says so here,
-and who has to do without what a peer cannot do asks here. A message that every provider must know
-is used for all where it does the same as another one that some peers die of: events are renewed
-by CreateEvent, and UpdateEvent is sent to nobody.
+All parts of the runtime note the quirks of peers here, and look them up here. No quirk is needed
+where a message that all providers know replaces one that crashes some peers: events are renewed by
+CreateEvent, and UpdateEvent is never sent.
 """
 
 from __future__ import annotations
@@ -15,12 +14,11 @@ from typing import NamedTuple
 from .address import JausAddress
 from .counters import LOGGER
 
-MOST_PEERS = 256
-"""Peers of which something is remembered; the one that was learnt of first gives way."""
+MAX_PEERS = 256  # peers whose quirks are remembered; the first one noted gives way
 
 
 class Quirk(Enum):
-    """What a peer does, and what is done instead of what would be done with others."""
+    """A deviation of a peer from the standard, and its workaround, in words."""
 
     OTHER_VERSION = (
         "acknowledges without the version of JUDP",
@@ -44,12 +42,12 @@ class Quirk(Enum):
 
     @property
     def does(self) -> str:
-        """What a peer does."""
+        """The deviation of the peer."""
         return self.value[0]
 
     @property
     def instead(self) -> str:
-        """What is done instead."""
+        """The workaround."""
         return self.value[1]
 
 
@@ -57,37 +55,37 @@ class Learnt(NamedTuple):
     """A quirk that a peer has shown."""
 
     quirk: Quirk
-    how: str
+    how: str  # the evidence
 
     def __str__(self) -> str:
         return f"{self.quirk.does} ({self.how}): {self.quirk.instead}"
 
 
 class Quirks:
-    """What was learnt of each peer. All of it runs on the loop, or with its lock."""
+    """The quirks of all peers. All methods run on the loop, or with its lock."""
 
     def __init__(self) -> None:
-        self._known: OrderedDict[int, dict[Quirk, str]] = OrderedDict()
+        self._by_peer: OrderedDict[int, dict[Quirk, str]] = OrderedDict()
         self._reported = 0
 
     def learn(self, peer: JausAddress, quirk: Quirk, how: str) -> None:
-        """Remembers a quirk of a peer; the log tells of it once."""
-        known = self._known.get(peer)
-        if known is None:
-            if len(self._known) >= MOST_PEERS:
-                self._known.popitem(last=False)
-            known = self._known[peer] = {}
-        is_new = quirk not in known
-        known[quirk] = how
-        if is_new and self._reported < MOST_PEERS:
+        """Remembers a quirk of a peer and its evidence; logs it the first time."""
+        quirks = self._by_peer.get(peer)
+        if quirks is None:
+            if len(self._by_peer) >= MAX_PEERS:
+                self._by_peer.popitem(last=False)
+            quirks = self._by_peer[peer] = {}
+        is_new = quirk not in quirks
+        quirks[quirk] = how
+        if is_new and self._reported < MAX_PEERS:
             self._reported += 1  # invented ids must not fill the log
             LOGGER.info("%s %s", peer, Learnt(quirk, how))
 
     def has(self, peer: JausAddress, quirk: Quirk) -> bool:
         """Returns whether a peer has shown a quirk."""
-        return quirk in self._known.get(peer, ())
+        return quirk in self._by_peer.get(peer, ())
 
     def of(self, peer: JausAddress) -> tuple[Learnt, ...]:
-        """Returns what was learnt of a peer, in the order of `Quirk`."""
-        known = self._known.get(peer, {})
-        return tuple(Learnt(quirk, known[quirk]) for quirk in Quirk if quirk in known)
+        """Returns the quirks of a peer, in the order of `Quirk`."""
+        quirks = self._by_peer.get(peer, {})
+        return tuple(Learnt(quirk, quirks[quirk]) for quirk in Quirk if quirk in quirks)

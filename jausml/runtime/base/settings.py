@@ -11,19 +11,15 @@ from typing import Any
 
 from .address import JausAddress
 
-JUDP_PORT = 3794
-"""Port of JAUS over UDP (IANA; AS5669A)."""
-
+JUDP_PORT = 3794  # port of JAUS over UDP (IANA; AS5669A)
 JUDP_GROUP = "239.255.0.1"  # multicast group of JAUS over UDP (AS5669A)
-
+# Largest payload of one packet in bytes; Junior's receive buffer cuts longer datagrams.
 MAX_FRAGMENT_SIZE = 4079
-"""Largest payload of one packet in bytes; Junior's receive buffer cuts longer datagrams."""
-
+# Least limit that lets a peer prove itself: the question, one repetition, and acknowledgements.
 LEAST_AMPLIFICATION = 3
-"""Least limit that lets a peer prove itself: the question, one repetition, and acknowledgements."""
-
 LEAST_CONNECTIONS = 4  # least number of JTCP connections with which a process can work
 
+# Least and greatest values of settings.
 LIMITS: dict[str, tuple[float, float]] = {
     "port": (1, 65535),
     "multicast_ttl": (0, 255),
@@ -44,13 +40,12 @@ LIMITS: dict[str, tuple[float, float]] = {
     "idle_timeout": (0, 86400),
     "takeover_interval": (0.05, 60),
 }
-"""Least and greatest values of settings."""
 
 Endpoint = tuple[str, int]  # IPv4 address (or host name in static entries) and UDP port
 
 
 class TransportKind(Enum):
-    """How the messages of a process travel (AS5669A)."""
+    """Transports for the messages of a process (AS5669A)."""
 
     JUDP = "judp"  # datagrams (UDP); peers find each other by multicast
     JTCP = "jtcp"  # connections (TCP); peers are those of the address book and those that connect
@@ -66,42 +61,42 @@ class TransportSettings:
         port: UDP or TCP port shared with every peer.
         multicast_group: IPv4 group for wildcard destinations and for discovery.
         multicast_ttl: Routers that a multicast may pass, 0 to 255.
-        address_book: Known components and where they are; what is learnt from datagrams
-            takes precedence, since a component may move to another host.
+        address_book: Endpoints of known components; one learnt from datagrams takes precedence,
+            since a component may move to another host.
         acknowledge_timeout: Seconds to wait for an acknowledgement before a repetition.
         acknowledge_retries: Repetitions of an unacknowledged packet.
-        fragment_size: Payload of one packet in bytes, 2 to 4079, which is exceeded only where
-            a message would take more than 40 packets, or is a broadcast.
+        fragment_size: Payload of one packet in bytes, 2 to 4079; larger only for a message of
+            more than 40 packets, and for a broadcast.
         duplicate_window: Seconds in which the same packet with the same number is a repetition;
-            less than the two in which a component on Junior is back, at the number 1.
+            below 2, after which a restarted component on Junior is back with the number 1.
         duplicate_history: Packets remembered for each source.
         reassembly_timeout: Seconds without progress after which fragments are discarded.
         reassembly_limit: Bytes of incomplete fragments kept of one source for one destination;
             four times as many are kept in total.
-        address_lifetime: Seconds of silence after which a learnt address is doubted: the next
-            message also asks for the peer by multicast.
+        address_lifetime: Seconds of silence after which a learnt endpoint is doubted: the next
+            message is followed by a multicast query for the peer.
         takeover_interval: Seconds between two attempts to own the shared port.
-        standstill: Seconds that the process may stand still; what waited longer in its UDP sockets
-            is thrown away, since nobody can tell how old it is; 0 keeps it.
+        standstill: Seconds that the process may stand still; after more, the datagrams that wait
+            in its UDP sockets are dropped, as their age is unknown; 0 keeps them.
         receive_buffer: Bytes that the kernel may hold for one socket.
         send_buffer: Bytes that may wait for a slow JTCP peer.
         connection_timeout: Seconds in which a JTCP connection must be made, and in which a peer
-            must take something of what waits for it.
+            must take some of the bytes that wait for it.
         node_manager_directory: Folder of the local sockets of a node manager and its
             components; the system's folder for temporary files when empty.
-        allowed_hosts: IPv4 addresses and networks, e.g. `10.0.0.0/24`, that packets are taken from
-            besides the interface itself; any when empty.
-        fixed_sources: Whether a component that was heard from one endpoint is not heard from
-            another one before the first was silent for `address_lifetime` (JTCP: has closed).
-        amplification_limit: Bytes that go to a UDP endpoint for each byte from it, until it has
-            acknowledged a number that it could not guess; 0 for no limit, and no proof.
+        allowed_hosts: IPv4 addresses and networks, e.g. `10.0.0.0/24`, from which packets are
+            taken besides the interface itself; any when empty.
+        fixed_sources: Whether packets of a component are taken from one endpoint only, until that
+            was silent for `address_lifetime` (JTCP: has closed).
+        amplification_limit: Bytes that are sent to a UDP endpoint for each byte from it, until it
+            has acknowledged an unguessable number; 0 for no limit, and no such proof.
         max_peers: Components that are remembered, 16 to 65535, besides those of the address book
             and those in control.
         max_connections: JTCP connections at a time, 4 to 4096, and no more than the descriptors of
-            the process allow. When all are taken, one that nothing came by gives way, then one of
-            the host that has most.
-        idle_timeout: Seconds in which a whole message must come over a JTCP connection that a peer
-            has made; 0 for any time. One that has been used stays: TCP itself notices a dead peer.
+            the process allow. When all are taken, an unused one gives way, then one of the host
+            with the most.
+        idle_timeout: Seconds in which the first whole message must arrive over a JTCP connection
+            that a peer has made; 0 for any time. Later, TCP itself notices a dead peer.
 
     Raises:
         ValueError: A value is out of its range.
@@ -172,6 +167,7 @@ def _peer(text: str) -> tuple[JausAddress, Endpoint]:
         raise argparse.ArgumentTypeError(str(error)) from error
 
 
+# Options of a command line by groups and fields, as argparse takes them.
 OPTIONS: dict[str, dict[str, dict[str, Any]]] = {
     "JAUS transport": {
         "interface": {"metavar": "ADDRESS", "help": "IPv4 address of the network interface"},
@@ -224,11 +220,10 @@ OPTIONS: dict[str, dict[str, dict[str, Any]]] = {
         },
     },
 }
-"""Options of a command line by groups and fields, as argparse takes them."""
 
 
 def option_values(settings: TransportSettings) -> dict[str, Any]:
-    """Returns what settings say, by options, as command lines and parameters say it."""
+    """Returns the values of settings by options, as command lines and parameters take them."""
     values = {name: getattr(settings, name, []) for group in OPTIONS.values() for name in group}
     values["transport"] = settings.transport.value
     values["allowed_hosts"] = ",".join(settings.allowed_hosts)
@@ -240,15 +235,15 @@ def add_arguments(
     parser: argparse.ArgumentParser, defaults: TransportSettings | None = None
 ) -> None:
     """Adds the ``--jaus-...`` options that ``from_arguments`` reads."""
-    known = option_values(TransportSettings() if defaults is None else defaults)
+    values = option_values(TransportSettings() if defaults is None else defaults)
     for title, options in OPTIONS.items():
         group = parser.add_argument_group(title)
         for name, option in options.items():
-            keywords = {"default": known[name], **option}
+            keywords = {"default": values[name], **option}
             if "default" not in option["help"] and name != "peer":
                 keywords["help"] += " (default %(default)s)"
-            if type(known[name]) in (int, float):
-                keywords["type"] = type(known[name])
+            if type(values[name]) in (int, float):
+                keywords["type"] = type(values[name])
             group.add_argument(f"--jaus-{name.replace('_', '-')}", **keywords)
 
 
@@ -258,21 +253,21 @@ def from_arguments(
     """Returns the settings that the options of ``add_arguments`` describe.
 
     Args:
-        defaults: Modelled settings; its address book is extended by ``--jaus-peer``.
+        defaults: Modelled settings; ``--jaus-peer`` extends their address book.
 
     Raises:
         ValueError: A value is out of its range.
     """
-    known = TransportSettings() if defaults is None else defaults
+    defaults = TransportSettings() if defaults is None else defaults
     values = {
         name: getattr(arguments, f"jaus_{name}") for option in OPTIONS.values() for name in option
     }
-    values["address_book"] = {**known.address_book, **dict(values.pop("peer"))}
+    values["address_book"] = {**defaults.address_book, **dict(values.pop("peer"))}
     values["transport"] = TransportKind(values["transport"])
     values["allowed_hosts"] = tuple(
         word.strip() for word in values["allowed_hosts"].split(",") if word
     )
-    return replace(known, **values)
+    return replace(defaults, **values)
 
 
 def peers(*texts: str) -> dict[JausAddress, Endpoint]:
@@ -296,6 +291,6 @@ def _ipv4(name: str, text: str) -> ipaddress.IPv4Address:
 
 
 def check_range(name: str, value: float, low: float, high: float) -> None:
-    """Raises ValueError for a setting that is less or greater than it may be."""
+    """Raises ValueError for a setting outside its limits."""
     if not low <= value <= high:
         raise ValueError(f"{name} is {value}; it must lie in {low}..{high}")

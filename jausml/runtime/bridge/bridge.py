@@ -1,7 +1,6 @@
 """Bridge: one process that is a JAUS component and a ROS 2 node at the same time.
 
-A value crosses on the thread of the loop, which waits for both sides. Nothing is polled and nothing
-is handed over.
+All messages are translated on the thread of the loop, which waits for packets and topics alike.
 
     JAUS message ─► translate ─► publish
     ROS message  ─► translate ─► send
@@ -41,19 +40,18 @@ from .fastpath.side import FastSide, FastSubscriber
 from .messages.compiled import Compiled, Core, Function, NoCoreError, Translation
 from .reports.states import Standing, StopReason
 
-_COST = "where a scan or path costs 20 to 100 times as much"
-"""What is said of translations in Python."""
+_COST = "where a scan or path costs 20 to 100 times as much"  # for the log: cost of Python
 
 
 class Bridge:
-    """The common part of all bridges; a generated base derives from it and names connections.
+    """Base class of all bridges; a generated class derives from it and lists the connections.
 
     Attributes:
-        clock: The time by which messages are late, while the bridge is open: that of the loop, or
-            of a simulation.
-        core: What was generated to be compiled; None where nothing was.
-        core_services: The core services that it may provide; the settings say which it does.
-        clients: Clients of others that it has besides those of its connections.
+        clock: Time by which ages and time-outs of messages are measured while the bridge is open:
+            that of the loop, or that of a simulation.
+        core: The generated C translations of the bridge; None where there are none.
+        core_services: Core services that the bridge can provide; its settings select from them.
+        clients: Clients of core services of other components, besides those of the connections.
     """
 
     ros: RosSide
@@ -67,7 +65,7 @@ class Bridge:
     _live: frozenset[str] = frozenset()
 
     def __init__(self, settings: BridgeSettings) -> None:
-        """Prepares a bridge of which the model says what its settings are; nothing is opened."""
+        """Prepares a bridge with the settings of its model; opens nothing."""
         self.settings = settings
         self.connections: list[Carried] = []
         self.parameters: Sequence[AttributeParameter] = ()
@@ -86,8 +84,8 @@ class Bridge:
     def open(self, ros: RosSide, transport: Transport, *, active: bool = True) -> None:
         """Makes publishers, subscriptions and events, then starts the JAUS component.
 
-        All of them are there before the first message. What is published before ROS has found a
-        subscriber is counted. Unless it is active, messages pass from `set_active` on.
+        All of them exist before the first message is taken. Messages that are published before ROS
+        has found a subscriber are counted. Unless `active`, messages pass only after `set_active`.
         """
         self.ros = ros
         self.component = self._side = _BridgeComponent(self, transport)
@@ -101,10 +99,10 @@ class Bridge:
             min(max(self.settings.frequency, parameters.LEAST_DIAGNOSTICS), 1.0)
         )
         period = 1 / ros.parameter(frequency)
-        usual = ros.parameter(parameters.FREQUENCY.of(self.settings.frequency))
-        self.settings = replace(self.settings, frequency=usual)
+        default_rate = ros.parameter(parameters.FREQUENCY.of(self.settings.frequency))
+        self.settings = replace(self.settings, frequency=default_rate)
         for parameter in self.parameters:
-            self._read(parameter)
+            self._follow_parameter(parameter)
         with self.loop.lock:
             self._side.begin_control(active)
             self._open_connections()
@@ -124,15 +122,15 @@ class Bridge:
             self._diagnosing.start()
 
     def _chosen_clock(self) -> Timing:
-        """Returns the time of the loop, or that of a simulation, which it begins to follow."""
+        """Returns the clock of the loop, or a simulated one that follows `/clock` from now on."""
         if not self.ros.is_simulated:
             return self.loop
         self.simulation = Simulation(self.loop, self._stop_watched)
         self.ros.follow_clock(self.simulation.take)
         return self.simulation.clock
 
-    def note_guardian(self) -> None:
-        """Takes the word of the guardian for the stop that it is: it has spoken."""
+    def guardian_stopped(self) -> None:
+        """Marks all commands as stopped, since the guardian has sent their stops."""
         self._stop_watched(StopReason.STOOD_STILL)
 
     def _stop_watched(self, reason: StopReason) -> None:
@@ -141,7 +139,7 @@ class Bridge:
         )
 
     def _load_core(self, wanted: bool) -> None:  # noqa: FBT001
-        """Loads what was compiled of the translations, if it is there."""
+        """Loads the library of the compiled translations, if it was built and is `wanted`."""
         self._library = None
         if self.core is None:
             return
@@ -167,7 +165,7 @@ class Bridge:
         self._log_forms()
 
     def _log_forms(self) -> None:
-        """Names the translations that make objects of ROS, which takes longer."""
+        """Logs which connections use the message classes of ROS, which take longer."""
         names = [
             connection.name
             for connection in self.connections
@@ -177,7 +175,7 @@ class Bridge:
             LOGGER.info("translations on %s: %s", Form.ROS_CLASSES.value, ", ".join(names))
 
     def close(self) -> None:
-        """Stops what was commanded, releases control and cancels events; ROS is closed after it."""
+        """Sends the stops of commands, releases control and cancels events; ROS is closed later."""
         if not self._is_open:
             return
         with self.loop.lock:
@@ -197,9 +195,9 @@ class Bridge:
             self._is_open = False
 
     def set_active(self, wanted: bool) -> None:  # noqa: FBT001
-        """Lets messages pass, or stops what is commanded and lets nothing pass.
+        """Begins to pass messages on, or sends the stops of commands and passes none on.
 
-        While nothing passes, the JAUS component is in Standby and control is not available.
+        An inactive bridge is a JAUS component in Standby of which control is not available.
         """
         with self.loop.lock:
             self.is_active = self.component.control_available = wanted
@@ -212,15 +210,15 @@ class Bridge:
         """Hook: the bridge left Ready; the stops of commands are sent already."""
 
     def on_control_lost(self) -> None:
-        """Hook: another controls the bridge, or nobody; the stops of commands are sent already."""
+        """Hook: the controller has lost control; the stops of commands are sent already."""
 
     def on_handoff_requested(
         self, target: JausAddress, requests: tuple[HandoffRequest, ...]
     ) -> None:
-        """Hook of a `HandoffBridge`: others ask for control of a peer; a person decides."""
+        """Hook of a `HandoffBridge`: the clients in `requests` ask for control of `target`."""
 
     def follow(self) -> None:
-        """Stops what must not go on now that the state or the controller is another."""
+        """Stops the connections that may not go on in the present state or without a controller."""
         if not self._is_open:
             return
         former, self.standing = self.standing, self._present_standing()
@@ -246,20 +244,24 @@ class Bridge:
     # ------------------------------------------------------------------ for translations
 
     def now(self) -> Time:
-        """Time of the ROS clock, or of the system while the bridge is not open."""
+        """Returns the time of the ROS clock, or of the system while the bridge is not open."""
         return self.ros.now() if self._is_open else Time(*divmod(time.time_ns(), 10**9))
 
     def compiled(self, compiled: Compiled, note: Callable[[str], None]) -> Function | None:
-        """Returns the function of a translation; None where its library is not there."""
+        """Returns the compiled function of a translation; None if its library is not loaded.
+
+        Args:
+            note: Called with the path of each field that the function leaves out.
+        """
         if self._library is None:
             return None
         core, library = self._library
         return compiled.of(self, library, note) if compiled.core == core else None
 
     def fast_translation(self, compiled: Compiled) -> Translation | None:
-        """Returns what a core is given to translate alone; None where Python has a part in it.
+        """Returns a translation for the core to run without Python; None where it needs Python.
 
-        A clock that is simulated, or is the user's, is read in Python.
+        A simulated clock, or an overridden `now`, can only be read in Python.
         """
         own_clock = self.simulation is not None or type(self).now is not Bridge.now
         if self._library is None or (compiled.needs_clock and own_clock):
@@ -271,18 +273,18 @@ class Bridge:
         return compiled.alone(self, library)
 
     def fast_subscriber(self, feed: Any, path: FastSending) -> FastSubscriber | None:
-        """Returns a core that takes the messages of a subscription; None where none can."""
+        """Returns the taker by which the core reads a subscription itself; None without a core."""
         return None if self._fast is None else self._fast.subscriber(feed, path)
 
     def __setattr__(self, name: str, value: object) -> None:
-        """Ends the fast paths of translations that were lent an attribute that changes."""
+        """Sets an attribute; fast paths that hold a copy of its value are made anew."""
         super().__setattr__(name, value)
         if name in self._live:
             self.loop.revision.changed()
 
     @contextmanager
-    def at(self, moment: Time) -> Iterator[None]:
-        """Lets translations take a moment for the present."""
+    def frozen_at(self, moment: Time) -> Iterator[None]:
+        """Makes `now` return `moment` within the block."""
         vars(self)["now"] = lambda: moment
         try:
             yield
@@ -296,8 +298,8 @@ class Bridge:
         """The loop of the JAUS side."""
         return self.component.loop
 
-    def _read(self, attribute_parameter: AttributeParameter) -> None:
-        """Gives an attribute the value of its parameter, now and whenever that changes."""
+    def _follow_parameter(self, attribute_parameter: AttributeParameter) -> None:
+        """Sets an attribute to the value of its parameter, now and whenever the value changes."""
         assign = partial(setattr, self, attribute_parameter.attribute)
         assign(
             self.ros.parameter(
@@ -306,7 +308,7 @@ class Bridge:
         )
 
     def _check_lift(self, clients: str) -> None:
-        """Raises ValueError where an emergency cannot be lifted."""
+        """Raises ValueError where an emergency of `clients` (a JAUS ID) cannot be lifted."""
         try:
             if clients:
                 with self.loop.lock:
@@ -316,7 +318,7 @@ class Bridge:
             raise ValueError(str(error)) from error
 
     def _lift_emergency(self, clients: str) -> None:
-        """Lifts emergencies; who sets the parameter was told before why that cannot be."""
+        """Lifts emergencies; `_check_lift` has rejected the parameter where that is impossible."""
         if clients:
             with suppress(JausError):
                 self.component.lift_emergency(JausAddress.parse(clients))
@@ -328,7 +330,7 @@ class Bridge:
 
 
 class _BridgeComponent(Component):
-    """The JAUS side, which tells the bridge when it must not obey any more."""
+    """JAUS component of a bridge, which passes changes of state and control on to it."""
 
     def __init__(self, bridge: Bridge, transport: Transport) -> None:
         settings = bridge.settings
@@ -360,7 +362,7 @@ class _BridgeComponent(Component):
         self._bridge.follow()
 
     def begin_control(self, permitted: bool) -> None:  # noqa: FBT001
-        """Says, before the first session, whether others may be controlled at the start."""
+        """Sets, before the first session, whether the component may control others at the start."""
         self._jaus_permit(permitted)
 
     def permit_control(self, permitted: bool) -> None:  # noqa: FBT001

@@ -1,6 +1,6 @@
-"""Publishes diagnostics in time, a few connections in each turn of the loop.
+"""Publishes `/diagnostics` once each period: the connections, the process, the traffic of peers.
 
-What goes into them besides the connections is the traffic with each peer.
+Only a few connections are asked in each turn of the loop, so that messages need not wait.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from .reports.states import Standing, StopReason
 
 
 class Carried(Protocol):
-    """What a bridge carries: a connection. All of it runs on the loop, or with its lock."""
+    """A connection as the bridge sees it. Everything runs on the loop, or with its lock."""
 
     name: str
     is_command: bool
@@ -42,46 +42,45 @@ class Carried(Protocol):
 
     @property
     def when_lost(self) -> str:
-        """What happens when the bridge may not command any more."""
+        """The effect of lost control, in words for the log."""
 
     def open(self, ends: Ends) -> None:
-        """Opens both ends."""
+        """Opens the JAUS and the ROS end."""
 
     def watch(self) -> None:
-        """Begins to look for silence."""
+        """Begins to watch for silence of the source."""
 
     def follow(self, standing: Standing, lost: StopReason | None) -> bool:
-        """Stops what must not go on in another standing; whether anything was commanded."""
+        """Stops if it may not go on in a new standing; returns whether a command was stopped."""
 
     def lose(self, reason: StopReason) -> bool:
-        """Stops what is watched, as time stands still; whether anything was commanded."""
+        """Stops a watched source, as time stands still; returns whether a command was stopped."""
 
     def end(self) -> bool:
-        """Stops for good; whether anything was commanded."""
+        """Stops for good; returns whether a command was stopped."""
 
     def measure_latency(self, wanted: bool) -> None:  # noqa: FBT001
-        """Begins or ends to measure how long messages take."""
+        """Begins or ends to measure the latency of messages."""
 
     def close_account(self) -> Sequence[tuple[str, int]]:
-        """Returns what became of all messages, by name."""
+        """Returns the number of messages for each outcome."""
 
     def status(self) -> ConnectionStatus:
-        """Returns what `/diagnostics` says of it."""
+        """Returns its entry in `/diagnostics`."""
 
 
 TYPE = "diagnostic_msgs/msg/DiagnosticArray"  # the type in ROS
 _ENCODING = b"\0\1\0\0"
 _LEVELS = {"ok": 0, "warning": 1, "error": 2, "stale": 3}
 _LENGTH = struct.Struct("<I")
-# The stamp, an empty name of a frame, and the number of statuses.
-_BEGIN = struct.Struct("<iII4xI")
+_BEGIN = struct.Struct("<iII4xI")  # stamp, empty name of a frame, number of statuses
 _PADDING = (b"", b"\0\0\0", b"\0\0", b"\0")
 
 
 class DiagnosticArray:
-    """A `diagnostic_msgs/msg/DiagnosticArray`, written status by status as ROS encodes it (CDR).
+    """A `diagnostic_msgs/msg/DiagnosticArray` that is encoded (CDR) status by status.
 
-    A bridge may have hundreds of connections: to make their message in one go lets others wait.
+    A bridge may have hundreds of connections, and encoding all in one go would delay messages.
     """
 
     TYPE = TYPE
@@ -95,37 +94,37 @@ class DiagnosticArray:
         """Adds a status."""
         texts = [f"{self._node}: {status.name}", status.message, status.hardware_id]
         pairs = [text for pair in status.values for text in pair]
-        written = [*map(_written, texts), _LENGTH.pack(len(status.values)), *map(_written, pairs)]
+        chunks = [*map(_encoded, texts), _LENGTH.pack(len(status.values)), *map(_encoded, pairs)]
         data = self._data
         data.append(_LEVELS[status.level])
         data += _PADDING[len(data) & 3]
-        for chunk in written:
+        for chunk in chunks:
             data += _PADDING[len(data) & 3]
             data += chunk
         self._count += 1
 
     def serialized(self, stamp: Time) -> bytes:
-        """Returns the message."""
+        """Returns the encoded message."""
         _BEGIN.pack_into(self._data, 0, stamp.sec, stamp.nanosec, 1, self._count)
         return _ENCODING + self._data
 
 
-def _written(text: str) -> bytes:
+def _encoded(text: str) -> bytes:
     data = text.encode() + b"\0"
     return _LENGTH.pack(len(data)) + data
 
 
-LATELY = 10.0  # seconds over which the share of lost packets is told
-MUCH = 0.05  # share of lost packets from which on a status warns
+LOSS_WINDOW = 10.0  # seconds over which the share of lost packets is computed
+_WARNING_SHARE = 0.05  # share of lost packets above which a status warns
 FEWEST_LOST = 3  # lost packets below which no status warns
 
 
 class Accounting:
-    """Makes the statuses of peers. All of it runs on the loop.
+    """Makes the statuses of peers from the counts of transport and component, on the loop.
 
-    It reads what the transport and the component count anyway, when a status is wanted. It warns of
-    a peer of which more than 5 % were lost lately, if that is exact: of one that may number for all
-    whom it talks to, what it sent to others looks lost.
+    A status warns if more than 5 % of the packets of a peer were lost lately, and that number is
+    exact. It is not for a peer that may number its packets to all receivers in one sequence, as
+    those to others look lost then.
     """
 
     def __init__(self, component: Accountable) -> None:
@@ -133,7 +132,7 @@ class Accounting:
         self._history: dict[JausAddress, deque[tuple[float, int, int]]] = {}
 
     def statuses(self, now: float) -> list[ConnectionStatus]:
-        """Returns a status for each peer that something came from, or was sent to."""
+        """Returns a status for each peer that packets came from, or were sent to."""
         own = str(self._component.address)
         accounts = accounts_of(self._component)
         peers = [account.traffic.peer for account in accounts]
@@ -141,17 +140,17 @@ class Accounting:
         return [
             ConnectionStatus(
                 f"account of {account.traffic.peer}",
-                *self._lately(account.traffic, now),
+                *self._recent_loss(account.traffic, now),
                 own,
                 tuple(account.facts()),
             )
             for account in accounts
         ]
 
-    def _lately(self, traffic: PeerTraffic, now: float) -> tuple[str, str]:
-        """Returns a level, and which share of what a peer sent lately was lost."""
+    def _recent_loss(self, traffic: PeerTraffic, now: float) -> tuple[str, str]:
+        """Returns a level, and the share of recent packets of a peer that were lost, in words."""
         history = self._history[traffic.peer]
-        while len(history) > 1 and history[1][0] <= now - LATELY:
+        while len(history) > 1 and history[1][0] <= now - LOSS_WINDOW:
             history.popleft()
         came, lost = history[0][1:] if history else (0, 0)
         account = traffic.account
@@ -165,16 +164,16 @@ class Accounting:
         text = f"{100 * share:.1f} % were lost on the way lately"
         if not account.is_exact:
             return "ok", f"{text}, at most"
-        return "warning" if share > MUCH and lost >= FEWEST_LOST else "ok", text
+        return "warning" if share > _WARNING_SHARE and lost >= FEWEST_LOST else "ok", text
 
 
 _JAUS_AREAS = frozenset(["component", "judp", "jtcp", "transport"])
 _UNKNOWN = "component.unknown_message"
-SLICE = 4  # connections that are looked at in one turn: messages must not wait for all of them
+SLICE = 4  # connections that are asked for their status in one turn of the loop
 
 
 class Diagnosed(Ends, Protocol):
-    """A bridge as its diagnostics see it."""
+    """The attributes of a bridge that its diagnostics need."""
 
     connections: list[Carried]
     simulation: Simulation | None
@@ -182,7 +181,7 @@ class Diagnosed(Ends, Protocol):
 
 
 class Diagnosing:
-    """Looks at all connections once each period."""
+    """Asks all connections for their status once each period (in seconds)."""
 
     def __init__(self, bridge: Diagnosed, period: float) -> None:
         self._bridge = bridge
@@ -197,12 +196,12 @@ class Diagnosing:
         self._timer = Alarm(self._loop)
 
     def start(self) -> None:
-        """Begins; the first report comes after a period."""
+        """Starts; the first diagnostics are published after one period."""
         self._next = self._loop.now() + self._period
         self._timer.set_at(self._next, self._begin)
 
     def stop(self) -> None:
-        """Ends."""
+        """Stops publishing."""
         self._waiting = ()
         self._timer.cancel()
 
@@ -210,27 +209,27 @@ class Diagnosing:
         self._next = max(self._next + self._period, self._loop.now())
         self._timer.set_at(self._next, self._begin)
         if self._waiting:
-            return  # connections are many and the period is short: this report ends first
+            return  # the statuses of the last period are not complete yet
         self._array = DiagnosticArray(self._bridge.ros.name)
         self._waiting = tuple(self._bridge.connections)
-        self._go_on()
+        self._add_connections()
 
-    def _go_on(self) -> None:
+    def _add_connections(self) -> None:
         if not self._timer.is_set:
-            return  # it has ended since
-        present, self._waiting = self._waiting[:SLICE], self._waiting[SLICE:]
-        for connection in present:
+            return  # stopped meanwhile
+        connections, self._waiting = self._waiting[:SLICE], self._waiting[SLICE:]
+        for connection in connections:
             self._array.add(connection.status())
         if self._waiting:
-            self._loop.call_soon(self._go_on)
+            self._loop.call_soon(self._add_connections)
             return
-        for status in self._of_the_process():
+        for status in self._process_statuses():
             self._array.add(status)
         ros = self._bridge.ros
         ros.publish_diagnostics(self._array.serialized(ros.now()))
 
-    def _of_the_process(self) -> list[ConnectionStatus]:
-        """Returns what concerns no connection alone: the state, and what is not well."""
+    def _process_statuses(self) -> list[ConnectionStatus]:
+        """Returns the statuses of the whole bridge: its state, and present problems."""
         bridge = self._bridge
         own, controller = str(bridge.settings.address), bridge.component.controller
         statuses = [state_status(own, bridge.standing, str(controller or ""))]
@@ -256,7 +255,7 @@ class Diagnosing:
             dropped[_UNKNOWN] = unknown
         if dropped:
             former, self._dropped = self._dropped, dropped
-            # Whatever is broadcast reaches those too who do not know it.
+            # Broadcast messages also come to a bridge that does not know them: no warning.
             statuses.append(traffic_status(dropped, {**former, _UNKNOWN: unknown}, own))
         drops = counters.snapshot().get("judp.kernel_dropped", 0)
         if drops:

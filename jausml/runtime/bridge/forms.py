@@ -1,4 +1,4 @@
-"""Comparison of the ways of a translation, for the generated tests of a bridge."""
+"""Comparison of the forms of a translation, for the generated tests of a bridge."""
 
 from __future__ import annotations
 
@@ -16,13 +16,11 @@ from .light_message import LightMessage
 from .messages.compiled import NoCoreError, compiled_of
 from .messages.limits import RosTypeError
 
-CODE_SIZE = 2  # bytes of the message code, by which a payload comes to the right translation
+CODE_SIZE = 2  # bytes of the message code, which stay in all variants
 
+# Put into each byte of a message: they make small and great numbers, other lengths and presences.
 _VALUES = (0x00, 0x01, 0x7F, 0x80, 0xFF)
-"""What is put into each byte: it makes small and great numbers, other lengths, other presences."""
-
-_MOST_VARIANTS = 1000
-"""Variants that are tried of one message; larger ones are changed at fewer places."""
+_MAX_VARIANTS = 1000  # tried of one message; a large one is changed at fewer positions
 
 
 def differing_forms(
@@ -32,19 +30,20 @@ def differing_forms(
     source: Any,
     **joins: Any,
 ) -> list[str]:
-    """Returns what the ways of a translation do not make alike of a message and its variants.
+    """Returns how the forms of a translation differ for a message and variants of it.
 
-    The compiled form, where it is built and does not give way, is compared with Python: what they
-    make, the error that they raise, and what they count as out of range. Variants lack an optional
-    field, or have another value in one byte. The light class of the ROS message is compared with
-    that of rclpy, where that is installed. The clock stands still meanwhile.
+    The compiled form is compared with Python: their target messages, errors, and counts of values
+    out of range. It may also leave a message to Python. A variant lacks an optional field, or has
+    another value in one byte. The light class of the ROS message is compared with that of rclpy, if
+    that is installed. The clock stands still meanwhile.
 
     Args:
+        source: A source message.
         **joins: Messages of joined topics, or None.
 
     Returns:
-        Sentences, of the compiled form at most one; nothing when all make the same, when there is
-        no such source message, or when an override works on the classes of ROS.
+        Sentences, at most one on the compiled form. None when all forms agree, when the source
+        cannot be encoded, or when an override works on the classes of ROS.
     """
     if uses_ros_classes(translate):
         return []
@@ -52,7 +51,7 @@ def differing_forms(
         data = _encoded(source)
     except EncodeError:
         return []
-    kind, moment = type(source), bridge.now()
+    kind = type(source)
     messages: list[Any] = []
     compiled = _compiled(bridge, translate, connection, joins)
 
@@ -63,8 +62,7 @@ def differing_forms(
         messages[:] = [message, target]
         return encoded
 
-    vars(bridge)["now"] = lambda: moment
-    try:
+    with bridge.frozen_at(bridge.now()):
         _outcome(bridge, connection, lambda: run(data))
         sentences = [
             line for ros_message in messages for line in _differing_from_rclpy(ros_message)
@@ -75,41 +73,39 @@ def differing_forms(
             if outcome not in (expected, (None, {})):
                 comparison = f"by Python: {_shown(expected)}, compiled: {_shown(outcome)}"
                 return [*sentences, f"of {variant.hex()}: {comparison}"]
-    finally:
-        del vars(bridge)["now"]
     return sentences
 
 
 def _compiled(
     bridge: Bridge, translate: Callable[..., Any], connection: AnyConnection, joins: dict[str, Any]
 ) -> Callable[[bytes], bytes | None]:
-    """Returns the compiled form, which gives way to everything where it is not built."""
+    """Returns the compiled function of a translation; without one, `_leave_to_python`."""
     form = compiled_of(translate)
     if form is None or bridge.core is None:
-        return _gives_way
+        return _leave_to_python
     try:
         library = bridge.core.load()
     except NoCoreError:
-        return _gives_way
+        return _leave_to_python
     function = form.of(bridge, library, connection.drop_field.unknown)
     arguments = [None if joins[join] is None else _encoded(joins[join]) for join in form.joins]
     return lambda data: function(data, *arguments)
 
 
-def _gives_way(_data: bytes) -> None:
-    """Leaves a message to Python."""
+def _leave_to_python(_data: bytes) -> None:
+    """Returns None, as the compiled form does for a message that it leaves to Python."""
 
 
 def _variants(source: Any, data: bytes) -> Iterator[bytes]:
-    """Yields an encoded message, those without an optional field, and what differs in one byte."""
+    """Yields an encoded message, ones without an optional field, and ones with another byte."""
     is_light = isinstance(source, LightMessage)
     for whole in (data, *(() if is_light else _without_a_field(source))):
         yield whole
-        step = max(1, len(whole) * len(_VALUES) // _MOST_VARIANTS)
-        for place in range(0 if is_light else CODE_SIZE, len(whole), step):
+        step = max(1, len(whole) * len(_VALUES) // _MAX_VARIANTS)
+        for position in range(0 if is_light else CODE_SIZE, len(whole), step):
             for value in _VALUES:
-                if whole[place] != value:
-                    yield whole[:place] + bytes([value]) + whole[place + 1 :]
+                if whole[position] != value:
+                    yield whole[:position] + bytes([value]) + whole[position + 1 :]
 
 
 def _without_a_field(source: Any) -> Iterator[bytes]:
@@ -122,19 +118,22 @@ Outcome: TypeAlias = "tuple[bytes | str | None, dict[Any, int]]"
 
 
 def _outcome(
-    bridge: Bridge, connection: AnyConnection, make: Callable[[], bytes | None]
+    bridge: Bridge, connection: AnyConnection, translate: Callable[[], bytes | None]
 ) -> Outcome:
-    """What is made, or the name of the error, and what is counted; nothing stays of it."""
-    memories, counts = dict(vars(bridge)), connection.statistics.out_of_range
+    """Returns the target message, or the name of the error, and the counts of a translation.
+
+    Attributes of the bridge and counts are restored.
+    """
+    attributes, counts = dict(vars(bridge)), connection.statistics.out_of_range
     before = dict(counts)
     try:
-        result: bytes | str | None = make()
+        result: bytes | str | None = translate()
     except (JausError, NotImplementedError) as error:  # the latter of a conversion not yet written
         result = type(error).__name__
     counted = {key: count - before.get(key, 0) for key, count in counts.items()}
     counts.clear()
     counts.update(before)
-    vars(bridge).update(memories)
+    vars(bridge).update(attributes)
     return result, {key: count for key, count in counted.items() if count}
 
 
@@ -154,7 +153,7 @@ def _decoded(kind: Any, data: bytes) -> Any:
 
 
 def _differing_from_rclpy(message: Any) -> list[str]:
-    """Has rclpy read a light message: what stands in it must be the same."""
+    """Returns how a light message differs from the same bytes as decoded by rclpy."""
     if not isinstance(message, LightMessage):
         return []
     try:
@@ -169,7 +168,7 @@ def _differing_from_rclpy(message: Any) -> list[str]:
 
 
 def _differences(path: str, light: Any, real: Any) -> Iterator[str]:
-    """What differs between a value of a light message and that of rclpy."""
+    """Yields how a value of a light message differs from that of rclpy."""
     if isinstance(light, LightMessage):
         for name in light.LAYOUT:
             yield from _differences(f"{path}.{name}", getattr(light, name), getattr(real, name))

@@ -1,4 +1,4 @@
-"""The guardian of a bridge, for models with something to stop: it speaks ROS besides JAUS."""
+"""The ward of a bridge: registers stops of ROS topics and goals with its guardian process."""
 
 from __future__ import annotations
 
@@ -17,19 +17,26 @@ _MARK = struct.pack("<iI", *Ward.moment)
 
 
 class Guardian(Ward):
-    """What a bridge tells its guardian, in octets with which nothing is left to do."""
+    """Registers stops with the guardian as encoded messages, which it only has to send."""
 
     def __init__(
-        self, loop: Loop, node: RosSide, line: Sequence[str], taken: Callable[[], None]
+        self, loop: Loop, node: RosSide, line: Sequence[str], on_stop: Callable[[], None]
     ) -> None:
-        def simulated() -> int:
+        """Starts no process yet.
+
+        Args:
+            line: Command line of the bridge, for its enclave.
+            on_stop: Called when the guardian has sent the stops.
+        """
+
+        def simulated_time() -> int:
             seconds, nanoseconds = node.now() if node.is_simulated else (0, 0)
             return seconds * 10**9 + nanoseconds
 
-        super().__init__(loop, lambda: _ros_of(line), simulated, taken)
+        super().__init__(loop, lambda: _ros_settings(line), simulated_time, on_stop)
 
     def topic_stops(self, publishers: Iterable[RosPublisher], data: bytes) -> list[Content]:
-        """Returns for each topic a stop that was made for the moment of stops."""
+        """Returns the content for the guardian of a stop on topics; `data` has `Ward.moment`."""
         return [
             {
                 "topic": publisher.published.topic,
@@ -43,18 +50,18 @@ class Guardian(Ward):
         ]
 
     def guard_goal(self, goal: bytes, service: str) -> None:
-        """Hands a goal over, before it is sent; the service cancels it."""
+        """Registers a goal before it is sent; `service` is that which cancels it."""
         self.open_goal(goal, service, _type_library("action_msgs"))
 
 
 @cache
 def _type_library(package: str) -> str:
-    """Returns the path of the library, which is in use, that has the types of a package."""
+    """Returns the path of the loaded library with the types of a package."""
     return loaded_libraries()[f"lib{package}__rosidl_typesupport_c.so"]
 
 
-def _ros_of(line: Sequence[str]) -> Content:
-    """Returns what the guardian needs to speak ROS as a process with a command line does."""
+def _ros_settings(line: Sequence[str]) -> Content:
+    """Returns the libraries and arguments by which the guardian joins ROS like this process."""
     paths = loaded_libraries()
     enclave = [
         word
@@ -67,7 +74,7 @@ def _ros_of(line: Sequence[str]) -> Content:
 
 
 def _stamps(data: bytes) -> Iterator[int]:
-    """Yields where stamps stand in a serialized message."""
+    """Yields the positions of `Ward.moment` in a serialized message."""
     position = data.find(_MARK)
     while position >= 0:
         yield position

@@ -1,4 +1,4 @@
-"""Bridges whose peers others may ask for: a person decides who gets control (IOP)."""
+"""Bridges with HandoffController (IOP): a person decides on requests for control of a peer."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ from .bridge import Bridge
 
 
 class HandoffBridge(Bridge):
-    """A bridge that provides HandoffController: it is told who asks for control of its peers."""
+    """A bridge that is asked by other clients to hand over control of its peers."""
 
     clients = (HandoffClient,)
 
     def decide_handoff(self, request: HandoffRequest, decision: HandoffDecision) -> None:
-        """Tells a controlled peer what a person has decided of a request (IOP).
+        """Sends the decision of a person on a request to the controlled peer.
 
-        Who grants controls the peer no more until a request of its own is granted.
+        A bridge that grants a request has lost control of the peer.
 
         Raises:
-            JausError: Nobody asks for that any more.
+            JausError: The request is not pending any more.
         """
         with self.loop.lock:
             self.component.part(HandoffClient).decide(request, decision)

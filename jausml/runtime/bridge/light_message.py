@@ -1,4 +1,4 @@
-"""Light classes: ROS messages as plain objects, which a bridge makes without the classes of ROS."""
+"""Light classes: ROS messages as plain objects, which need no installed classes of ROS."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from operator import attrgetter
 from typing import Any, ClassVar, TypeAlias, TypeGuard, TypeVar
 
 from ..wire.message import DecodeError, EncodeError
-from .messages import cdr as cdr  # noqa: PLC0414 - passed on to what is generated
+from .messages import cdr as cdr  # noqa: PLC0414 - for generated code
 from .messages.limits import RosTypeError
 
 MessageT = TypeVar("MessageT", bound="LightMessage")
@@ -20,20 +20,19 @@ BAD_VALUES = (struct.error, TypeError, ValueError, OverflowError, AttributeError
 
 
 class LightMessage:
-    """A ROS message as a plain object, with the attributes of the class of ROS by their names."""
+    """Base of generated classes, each with the attributes of the ROS class of the same type."""
 
     __slots__ = ()
     __hash__ = None  # type: ignore[assignment]
     TYPE: ClassVar[str]  # the type, e.g. `nav_msgs/msg/Odometry`
-    # The types of the fields by name, in order, as `get_fields_and_field_types` of the class of ROS
-    # gives them.
+    # Types of the fields by name, in order, as by `get_fields_and_field_types` of the ROS class.
     LAYOUT: ClassVar[Layout]
-    NESTED: ClassVar[tuple[type[LightMessage], ...]]
-    LEAST: ClassVar[int]
+    NESTED: ClassVar[tuple[type[LightMessage], ...]]  # classes of its fields
+    LEAST: ClassVar[int]  # bytes of its shortest serialized form
 
     @classmethod
     def from_cdr(cls: type[MessageT], data: bytes) -> MessageT:
-        """Returns the message that a serialized one, in either byte order, is; or a DecodeError."""
+        """Returns a deserialized message, from either byte order; raises DecodeError."""
         order = cdr.ORDERS.get(data[:2])
         if order is None or len(data) < len(cdr.HEADER):
             raise DecodeError(cls.TYPE, "no XCDR1 encapsulation")
@@ -43,7 +42,7 @@ class LightMessage:
             raise DecodeError(cls.TYPE, str(error)) from error
 
     def to_cdr(self) -> bytes:
-        """Returns the serialized message, little-endian; EncodeError where a value is unfit."""
+        """Returns the serialized message, little-endian; raises EncodeError for an unfit value."""
         parts = [cdr.HEADER]
         try:
             self._write(parts.append, len(cdr.HEADER))
@@ -53,18 +52,18 @@ class LightMessage:
 
     @classmethod
     def _read(cls: type[MessageT], data: bytes, offset: int, order: int) -> tuple[MessageT, int]:
-        """Returns the message that stands at an offset, and the offset behind it."""
+        """Returns the message at an offset, and the offset behind it."""
         raise NotImplementedError
 
     def _write(self, append: cdr.Append, offset: int) -> int:
-        """Appends the message, which begins at an offset; returns the offset behind it."""
+        """Appends the message for an offset; returns the offset behind it."""
         raise NotImplementedError
 
     @classmethod
     def _read_many(
         cls: type[MessageT], data: bytes, offset: int, count: int, order: int
     ) -> tuple[list[MessageT], int]:
-        """Returns messages that follow each other, and the offset behind them."""
+        """Returns consecutive messages, and the offset behind them."""
         cdr.check_count(data, offset, count, cls.LEAST)
         messages = []
         for _ in range(count):
@@ -76,7 +75,7 @@ class LightMessage:
     def _write_many(
         cls: type[MessageT], messages: Sequence[MessageT], append: cdr.Append, offset: int
     ) -> int:
-        """Appends messages, which begin at an offset; returns the offset behind them."""
+        """Appends messages for an offset; returns the offset behind them."""
         for message in messages:
             # An override may have put an object of ROS into the list.
             offset = cls._write(message, append, offset)
@@ -93,7 +92,7 @@ class LightMessage:
 
 
 def assign(message: Any, path: str, *, value: object) -> None:
-    """Sets a member of a message, light or of ROS, which may be inside another one."""
+    """Sets the field at a dotted path of a message, light or of ROS."""
     owner, _, name = path.rpartition(".")
     setattr(attrgetter(owner)(message) if owner else message, name, value)
 
@@ -102,20 +101,20 @@ def assign(message: Any, path: str, *, value: object) -> None:
 
 
 def is_light(message_type: type[Any]) -> TypeGuard[type[LightMessage]]:
-    """Whether a class is a light one."""
+    """Returns whether a class is a light one."""
     return issubclass(message_type, LightMessage)
 
 
 def differences(light: type[LightMessage], real: Any) -> list[str]:
-    """Returns how a type of the model differs from the installed one; nothing when it does not.
+    """Returns how a type of the model, or one nested in it, differs from the installed one.
 
-    Each sentence names type, field and both types, those of the messages inside it included.
+    Each sentence names the type, the field and both types of the field.
     """
     return list(_differences(light, real, set()))
 
 
 def installed_class(light: type[LightMessage]) -> Any:
-    """Returns the installed class of a light one; RosTypeError where there is no such type."""
+    """Returns the ROS class of a light one; raises RosTypeError if there is none like it."""
     try:
         real = installed(light.TYPE)
     except ImportError as error:
@@ -133,7 +132,7 @@ def installed_class(light: type[LightMessage]) -> Any:
 
 
 def installed(name: str) -> Any:
-    """Returns the class of an installed type, such as `nav_msgs/msg/Odometry`; ImportError else."""
+    """Returns the ROS class of a type such as `nav_msgs/msg/Odometry`; raises ImportError."""
     package, kind, own = name.split("/")
     module = importlib.import_module(f"{package}.{kind}")
     # The parts of services are SetBool_Request in ROS, and SetBool.Request in rclpy.
@@ -169,7 +168,7 @@ def _differences(
 
 
 def _equal(one: Any, other: Any) -> bool:
-    """Whether two values of a field are the same, whatever carries the elements of an array."""
+    """Returns whether two values of a field are equal, whatever the type of an array."""
     if isinstance(one, array | bytes | bytearray | list | tuple):
         return list(one) == list(other)
     return bool(one == other)

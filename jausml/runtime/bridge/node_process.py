@@ -18,8 +18,7 @@ def run_node(factory: Callable[[], object], arguments: Sequence[str] | None = No
             when None.
 
     Returns:
-        The exit code: 0, or 2 when a parameter, or the environment, has a value with which the node
-        cannot be made.
+        The exit code: 0, or 2 when a parameter or the environment does not allow the node.
     """
     if not permits_ros("the node"):
         return EXIT_USAGE

@@ -1,4 +1,4 @@
-"""Process of one bridge: command line, signals, clean shutdown on both sides, exit code."""
+"""Process of one bridge: command line, lifecycle, garbage collection, exit code."""
 
 from __future__ import annotations
 
@@ -42,16 +42,16 @@ if TYPE_CHECKING:
 
 
 class ManagedBridge:
-    """Brings a bridge up and down in steps (ROS 2 design, managed nodes).
+    """Performs the transitions of a bridge as a managed node (ROS 2 design, managed nodes).
 
     | state | on ROS | on JAUS |
     |---|---|---|
     | unconfigured | no topics | no component |
-    | inactive | topics, nothing passes | Standby; control is not available |
+    | inactive | topics, no messages pass | Standby; control is not available |
     | active | messages pass | Standby, Ready or Emergency, as its controller says |
-    | finalized | no topics | Shutdown was told, no component |
+    | finalized | no topics | no component, after Shutdown |
 
-    Every method ends in the state before when it raises.
+    A method that raises leaves the bridge in the state before.
     """
 
     def __init__(
@@ -64,7 +64,7 @@ class ManagedBridge:
         self._is_closing = False
 
     def configure(self) -> None:
-        """Makes topics and the JAUS component; nothing passes yet."""
+        """Makes topics and the JAUS component; no messages pass yet."""
         try:
             self._bridge.open(self._ros, self._transport, active=False)
         except BaseException:
@@ -75,27 +75,27 @@ class ManagedBridge:
         self._ros.listen()
 
     def activate(self) -> None:
-        """Lets messages pass."""
+        """Begins to pass messages on."""
         self._bridge.set_active(True)
         LOGGER.info("%s runs as %s", self._ros.name, self._bridge.settings.address)
 
     def deactivate(self) -> None:
-        """Stops what is commanded, gives control back, and lets nothing pass."""
+        """Sends the stops of commands, releases control, and lets no messages pass."""
         self._bridge.set_active(False)
         LOGGER.info("%s is inactive", self._ros.name)
 
     def cleanup(self) -> None:
-        """Ends the JAUS component and gives the topics back."""
+        """Ends the JAUS component and destroys the topics."""
         self._is_closing = True
         try:
-            # JAUS first: stops are sent and control is released while ROS still delivers.
+            # JAUS first, as stops are published on ROS.
             self._bridge.close()
         finally:
             self._is_closing = False
         self._ros.release()
 
     def shut_down(self) -> None:
-        """Does the same for good: a process without a bridge in it is of no use."""
+        """Does the same, and ends the process."""
         self.cleanup()
         self._end("shutdown of the node")
 
@@ -105,12 +105,12 @@ class ManagedBridge:
 
 
 PERIOD = 1.0  # seconds between two collections
-LONGEST_DELAY = 10.0  # seconds after which garbage is collected at a moment that is not quiet, too
+LONGEST_DELAY = 10.0  # seconds after which garbage is collected even while messages wait
 
 
 @contextmanager
 def without_collection() -> Iterator[None]:
-    """Collects nothing by itself within the block; to be entered once in a process."""
+    """Disables automatic collection of garbage within the block, once in a process."""
     gc.disable()
     try:
         yield
@@ -120,11 +120,11 @@ def without_collection() -> Iterator[None]:
 
 
 class QuietCollection:
-    """Collects garbage when a loop has nothing to do.
+    """Collects garbage while a loop is idle.
 
-    After its start a bridge has tens of thousands of objects, of which nothing ever becomes
-    garbage. A full collection looks at all of them, for tens of milliseconds in which no message
-    moves. So they are set aside, and what came later is collected when nothing waits.
+    After its start a bridge has tens of thousands of objects that never become garbage. A full
+    collection would visit all of them, and block messages for tens of milliseconds. So these are
+    frozen, and later objects are collected while the loop is idle.
     """
 
     def __init__(self, loop: Loop) -> None:
@@ -132,7 +132,7 @@ class QuietCollection:
         self._last = loop.now()
 
     def start(self) -> None:
-        """Sets aside what is there, and collects what comes later from now on."""
+        """Freezes present objects, and starts to collect later ones."""
         gc.freeze()
         self._last = self._loop.now()
         self._loop.call_later(PERIOD, self._run)
@@ -153,7 +153,7 @@ def run_bridge(bridge: Bridge, arguments: Sequence[str] | None = None) -> int:
 
     Returns:
         The exit code: 0 after a clean shutdown, 1 when the bridge could not run or has lost ROS, 2
-        when a parameter, or the environment, has a value with which it cannot.
+        when a parameter or the environment does not allow it.
 
     Raises:
         SystemExit: The command line is wrong (code 2) or asks for help (code 0).
@@ -161,7 +161,7 @@ def run_bridge(bridge: Bridge, arguments: Sequence[str] | None = None) -> int:
     if not permits_ros(bridge.settings.name):
         return EXIT_USAGE
     spare_modules()
-    # Components that are no bridges, and their computers, need no ROS.
+    # Imported here, as components that are no bridges run without ROS.
     from .ros.lifecycle import without_ros_arguments  # noqa: PLC0415
     from .ros.node import RosNode  # noqa: PLC0415
 
@@ -214,17 +214,17 @@ def _parser(model: BridgeSettings) -> argparse.ArgumentParser:
 def _configure(
     bridge: Bridge, node: RosNode, parser: argparse.ArgumentParser, line: Sequence[str]
 ) -> TransportSettings:
-    """Applies parameters and command line to the bridge; returns the settings of the transport.
+    """Applies command line, parameters and model to the bridge, in this order of precedence.
 
-    The command line goes before parameters, and those before the model.
+    Returns the settings of the transport; raises ParameterError.
     """
     model = bridge.settings
-    # argparse reads defaults that are text as it reads options.
-    known = (
+    # argparse converts defaults that are text like options.
+    defaults = (
         *parameters.network(model),
         parameters.digital_resources(model.component.digital_resources),
     )
-    parser.set_defaults(**{parameter.name: node.parameter(parameter) for parameter in known})
+    parser.set_defaults(**{parameter.name: node.parameter(parameter) for parameter in defaults})
     options = parser.parse_args(line)
     component = component_settings(options, model.component)
     bridge.settings = replace(
@@ -248,11 +248,11 @@ def _configure(
 
 @contextmanager
 def _guarded(bridge: Bridge, node: RosNode, loop: Loop, line: Sequence[str]) -> Iterator[None]:
-    """Lets a bridge have a guardian, where the model has something for it to stop."""
+    """Gives a bridge its guardian within the block, if the model has stops."""
     if not bridge.settings.guardian:
         yield
         return
-    ward = bridge.settings.guardian(loop, node, line, bridge.note_guardian)
+    ward = bridge.settings.guardian(loop, node, line, bridge.guardian_stopped)
     bridge.ward = node.ward = ward
     try:
         yield
@@ -273,7 +273,7 @@ def _serve(
         try:
             node.manage(managed)
             if node.parameter(parameters.AUTOSTART.of(value=True)):
-                with network.loop.lock:  # nothing is taken between the two transitions
+                with network.loop.lock:  # no message is taken between the two transitions
                     node.bring_up()
             else:
                 LOGGER.info("%s waits to be configured", node.name)

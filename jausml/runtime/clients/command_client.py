@@ -1,4 +1,4 @@
-"""Commands whose completion the target reports (AS5710 v1.1, command events, client side)."""
+"""Commands whose result the target reports (AS5710 v1.1, command events, client side)."""
 
 from __future__ import annotations
 
@@ -17,19 +17,17 @@ from ..services.definitions import COMMAND_REQUESTS
 from ..services.host import Host
 from ..wire.message import Message
 
-MAX_DURATION = 0xFFFFFFFF
-"""Longest MaximumAllowedDuration in seconds; 0 has no meaning of its own: no time is allowed."""
-
+MAX_DURATION = 0xFFFFFFFF  # greatest MaximumAllowedDuration in seconds; 0 allows no time
 _CREATE = CreateCommandEvent.CODE.to_bytes(2, "little")
 
 
 def _start_of(request_id: int) -> bytes:
-    """What the payload of the command begins with."""
+    """Returns the begin of the payload of a command event."""
     return _CREATE + bytes([request_id])
 
 
 class PendingCommand:
-    """A command whose end is awaited; made by ``JausComponent.command``."""
+    """A command whose result is awaited; made by ``JausComponent.command``."""
 
     def __init__(
         self,
@@ -40,7 +38,6 @@ class PendingCommand:
         on_done: Callable[[bool], None] | None,
         on_refused: Callable[[int | None, str], None] | None,
     ) -> None:
-        """Use ``JausComponent.command`` instead."""
         self.target = target
         self.request_id = request_id
         self.event_id: int | None = None
@@ -51,9 +48,9 @@ class PendingCommand:
         self._timer = Alarm(client.component.loop)
 
     def cancel(self) -> None:
-        """Awaits the end no longer; neither callback is called.
+        """Cancels the command event; neither callback is called.
 
-        The target is told; whether it goes on with the command is left to it.
+        The target decides whether it goes on with the command.
         """
         with self._client.component.loop.lock:
             if not self._client.forget(self):
@@ -65,7 +62,7 @@ class PendingCommand:
                 self.cancel_event(self.event_id)
 
     def cancel_event(self, event_id: int) -> None:
-        """Tells the target that nobody awaits an event."""
+        """Sends the target CancelEvent for an event."""
         cancel = CancelEvent(request_id=self.request_id, event_id=event_id)
         self._client.component.send(cancel, self.target)
 
@@ -81,24 +78,24 @@ class PendingCommand:
         self._timer.set(timeout, self._on_silence)
 
     def await_end(self, event_id: int, margin: float) -> None:
-        """Awaits the end of a confirmed command, a little longer than the target has for it."""
+        """Waits for the result of a confirmed command, `margin` seconds longer than it may take."""
         self.event_id = event_id
         self._timer.set(self.max_duration + margin, self._on_timeout)
 
     def report_refusal(self, code: int | None, text: str) -> None:
-        """Tells the user that the command was not executed."""
+        """Ends the command, and calls `on_refused`."""
         self._client.forget(self)
         self._client.component.counters.add("command_client.refused")
         if self._on_refused is not None:
             self._client.component.call(self._on_refused, code, text)
 
     def report_end(self, *, succeeded: bool) -> None:
-        """Tells the user whether the command was done, if that is awaited still."""
+        """Ends the command, and calls `on_done` if it was not cancelled."""
         if self._client.forget(self) and self._on_done is not None:
             self._client.component.call(self._on_done, succeeded)
 
     def stop_waiting(self) -> None:
-        """Waits for nothing any more."""
+        """Cancels the timer."""
         self._timer.cancel()
 
     def _on_silence(self) -> None:
@@ -106,27 +103,27 @@ class PendingCommand:
         self.report_refusal(None, "no answer")
 
     def _withdraw(self) -> None:
-        """Has the command repeated no more: who is told of its end must not see it begin."""
+        """Ends repetitions of the command, which must not begin after its end was reported."""
         component, start = self._client.component, _start_of(self.request_id)
         component.transport.withdraw(component.address, self.target, start)
 
     def _on_timeout(self) -> None:
-        # The target may have done it. Nobody knows, and only what is known to be done succeeded.
+        # Unknown, and so no success.
         self._client.component.counters.add("command_client.lost")
         self.report_end(succeeded=False)
 
 
 class CommandClient:
-    """The commands of one component that wait for their ends."""
+    """The commands of one component whose results are awaited."""
 
     def __init__(self, component: Host) -> None:
         self.component = component
         self._pending: dict[tuple[JausAddress, int], PendingCommand] = {}
-        # The target has these, or will have: they are cancelled once it says by which event.
+        # Cancelled before the confirmation, which will tell the event to cancel.
         self._cancelled: dict[tuple[JausAddress, int], PendingCommand] = {}
         self._next_request = 0
-        # Messages may be reordered: results, by event id, that came before the confirmation. Only
-        # targets with an unconfirmed command have any, and one has no more than 256 event ids.
+        # Results by event id that came before the confirmation, as messages may be reordered. Only
+        # of targets with an unconfirmed command, with at most 256 ids each.
         self._early_results: dict[JausAddress, dict[int, int]] = {}
         component.on_message(ConfirmEventRequest, self._confirmed)
         component.on_message(RejectEventRequest, self._rejected)
@@ -143,7 +140,7 @@ class CommandClient:
         max_duration: int = 60,
         timeout: float = 3.0,
     ) -> PendingCommand:
-        """Sends a command as soon as the component runs, and awaits its end."""
+        """Sends a command as soon as the component runs; see ``Commander.command``."""
         if not target.is_concrete:
             raise ValueError(f"{target} does not name one component")
         if not 0 <= max_duration <= MAX_DURATION:
@@ -156,7 +153,7 @@ class CommandClient:
         return pending
 
     def forget(self, pending: PendingCommand) -> bool:
-        """Drops a command that has ended or is awaited no longer; returns whether it was."""
+        """Removes a command; returns whether it was pending."""
         pending.stop_waiting()
         key = (pending.target, pending.request_id)
         if self._pending.get(key) is not pending:
@@ -166,17 +163,17 @@ class CommandClient:
         return True
 
     def cancel_when_confirmed(self, pending: PendingCommand) -> None:
-        """Cancels a command by the event that its target will name."""
+        """Cancels the event of a command as soon as its target confirms it."""
         self._cancelled[pending.target, pending.request_id] = pending
 
     def stop(self) -> None:
-        """Awaits no end any more."""
+        """Forgets all commands."""
         self._cancelled.clear()
         for pending in list(self._pending.values()):
-            self.forget(pending)  # with the last one of a target go its early results
+            self.forget(pending)
 
     def _free_request(self, target: JausAddress) -> int:
-        """Returns an id that was not used lately: late answers must not meet another command."""
+        """Returns a request id that was not used lately; raises ValueError without a free one."""
         count = len(COMMAND_REQUESTS)
         for step in range(count):
             request_id = COMMAND_REQUESTS[(self._next_request + step) % count]
@@ -199,10 +196,9 @@ class CommandClient:
         pending = self._pending.get((sender, message.request_id))
         if pending is not None and pending.event_id is None:
             self._take_answer(pending)
-            # A target that has the same command under way replaces it, under the id that it has.
+            # A target replaces the same command under way, and keeps its event id.
             replaced = self._awaiting(sender, message.event_id)
-            # A target may use all its time, and its report is repeated on a bad link: it is given
-            # as long as any other component that is silent.
+            # With a margin, as the target may use all its time, and its report may be repeated.
             pending.await_end(message.event_id, self.component.settings.retry_max)
             result = self._early_results.get(sender, {}).pop(message.event_id, None)
             self._drop_early_results(sender)
@@ -219,7 +215,7 @@ class CommandClient:
             pending.report_refusal(message.response_code, message.error_message or "")
 
     def _take_answer(self, pending: PendingCommand) -> None:
-        """Lets the answer to CreateCommandEvent end its repetition."""
+        """Ends repetitions of an answered CreateCommandEvent."""
         start = _start_of(pending.request_id)
         self.component.transport.answered(self.component.address, pending.target, start)
 
@@ -235,15 +231,11 @@ class CommandClient:
             self.component.counters.add("command_client.unknown_event")
 
     def _awaiting(self, target: JausAddress, event_id: int) -> PendingCommand | None:
-        """Returns the confirmed command of an event; None where there is none."""
-        return next(
-            (
-                pending
-                for pending in self._pending.values()
-                if (pending.target, pending.event_id) == (target, event_id)
-            ),
-            None,
-        )
+        """Returns the confirmed command of an event; None without one."""
+        for pending in self._pending.values():
+            if (pending.target, pending.event_id) == (target, event_id):
+                return pending
+        return None
 
     def _has_unconfirmed(self, target: JausAddress) -> bool:
         return any(
@@ -252,9 +244,9 @@ class CommandClient:
         )
 
     def _drop_early_results(self, target: JausAddress) -> None:
-        """Drops and counts the results that no command of a target can be about any more.
+        """Drops and counts early results of a target without unconfirmed commands.
 
-        The target may use their event ids again, for commands that have not ended.
+        The target may use their event ids again.
         """
         if not self._has_unconfirmed(target):
             for _ in self._early_results.pop(target, {}):
@@ -262,7 +254,7 @@ class CommandClient:
 
 
 class Commander(Host):
-    """A component that commands others, and learns when that is done."""
+    """A component that sends others commands whose results are reported."""
 
     def command(
         self,
@@ -274,19 +266,22 @@ class Commander(Host):
         max_duration: int = 60,
         timeout: float = 3.0,
     ) -> PendingCommand:
-        """Sends a command and learns when it is done (AS5710 v1.1, CreateCommandEvent).
+        """Sends a command whose result is reported (AS5710 v1.1, CreateCommandEvent).
 
-        Components of core v1.0 do not know command events; they answer nothing, and the command
-        is not executed.
+        Components of core v1.0 have no command events: they do not answer, and do not execute the
+        command.
 
         Args:
             target: The component to command; it must be controlled if the command needs that.
-            on_done: Told whether the command was done; False also when it took too long, or when
-                the same command of this component took its place at the target.
-            on_refused: Told the code of RejectEventRequest and its text; the code is None when
-                the target did not answer.
+            on_done: Called with whether the command has succeeded; False also if it took too long,
+                or was replaced by the same command of this component.
+            on_refused: Called with code and text of RejectEventRequest; the code is None if the
+                target did not answer.
             max_duration: Seconds that the command may take.
             timeout: Seconds to wait for the confirmation.
+
+        Raises:
+            ValueError: The target or the duration is wrong, or too many commands are under way.
         """
         with self.loop.lock:
             return self.part(CommandClient).command(

@@ -14,7 +14,7 @@ from .event_client import EventClient
 
 
 class ControlSession:
-    """One user's share in the control of a target; made by ``JausComponent.control``."""
+    """Control of a target for one user; made by ``JausComponent.control``."""
 
     def __init__(
         self,
@@ -23,7 +23,6 @@ class ControlSession:
         resume: bool,  # noqa: FBT001
         on_change: Callable[[ControlState], None] | None,
     ) -> None:
-        """Use ``JausComponent.control`` instead."""
         self.target = control.target
         self.authority = authority
         self.resume = resume
@@ -32,17 +31,17 @@ class ControlSession:
 
     @property
     def state(self) -> ControlState:
-        """What is known now."""
+        """State of the control."""
         return self._control.state
 
     @property
     def status(self) -> Status | None:
-        """State of the target as it last reported it (AS5710, ReportStatus); None before."""
+        """Last reported Management state of the target (AS5710, ReportStatus); None before."""
         return self._control.status
 
     @property
     def controller(self) -> JausAddress | None:
-        """Who controls the target, as far as it has said; None when nobody does or is known."""
+        """Last reported controller of the target; None without one or a report."""
         return self._control.controller
 
     @property
@@ -56,13 +55,13 @@ class ControlSession:
             self._control.leave(self)
 
     def changed(self) -> None:
-        """Tells the user the present state, unless the session was released."""
+        """Calls `on_change` with the present state, unless the session was released."""
         if self._on_change is not None and self._control.has(self):
             self._control.component.call(self._on_change, self._control.state)
 
 
 class ControlClient:
-    """All control sessions of one component, and the messages that concern them."""
+    """All control sessions of one component, and their messages."""
 
     def __init__(self, component: Host) -> None:
         self._component = component
@@ -85,7 +84,7 @@ class ControlClient:
         resume: bool = True,
         on_change: Callable[[ControlState], None] | None = None,
     ) -> ControlSession:
-        """Joins the control of a target, which begins with the first session."""
+        """Returns a session; the first one of a target requests control. Raises ValueError."""
         if not target.is_concrete:
             raise ValueError(f"{target} does not name one component")
         if not 0 <= authority <= 255:
@@ -99,22 +98,22 @@ class ControlClient:
         return session
 
     def _permit(self, permitted: bool) -> None:  # noqa: FBT001
-        """Lets go of all targets while the component may not command, and takes them back after."""
+        """Releases all targets while the component may not command, and acquires them again."""
         for control in list(self._controls.values()):
             control.permit(permitted)
 
     def holds(self, target: JausAddress) -> bool:
-        """Tells whether this component controls a target, as far as it knows."""
-        return any(control.holds for control in self._of(target))
+        """Returns whether this component controls a target, by its last report."""
+        return any(control.holds for control in self._controls_of(target))
 
     def hand_over(self, target: JausAddress) -> None:
-        """Leaves control of a target to another component."""
-        for control in self._of(target):
+        """Stops requesting control of a target, in favour of another component."""
+        for control in self._controls_of(target):
             control.hand_over()
 
     def take_over(self, target: JausAddress) -> None:
-        """Goes on with control of a target that another component has handed over."""
-        for control in self._of(target):
+        """Requests control of a target again, after another component has handed it over."""
+        for control in self._controls_of(target):
             control.take_over()
 
     def stop(self) -> None:
@@ -125,26 +124,26 @@ class ControlClient:
     def _forget(self, control: ControlledTarget) -> None:
         self._controls.pop(control.target, None)
 
-    def _of(self, target: JausAddress) -> tuple[ControlledTarget, ...]:
+    def _controls_of(self, target: JausAddress) -> tuple[ControlledTarget, ...]:
         control = self._controls.get(target)
         return () if control is None else (control,)
 
     def _released(self, target: JausAddress) -> None:
-        for control in self._of(target):
+        for control in self._controls_of(target):
             control.returned()
 
     def _confirmed(self, message: ConfirmControl, sender: JausAddress) -> None:
-        for control in self._of(sender):
+        for control in self._controls_of(sender):
             control.confirmed(message.response_code)
 
     def _rejected(self, _message: RejectControl, sender: JausAddress) -> None:
-        for control in self._of(sender):
+        for control in self._controls_of(sender):
             control.rejected()
 
     def _timeout_reported(self, message: ReportTimeout, sender: JausAddress) -> None:
-        for control in self._of(sender):
+        for control in self._controls_of(sender):
             control.timeout_reported(message.timeout)
 
     def _reported(self, message: ReportControl | ReportStatus, sender: JausAddress) -> None:
-        for control in self._of(sender):
+        for control in self._controls_of(sender):
             control.reported(message)

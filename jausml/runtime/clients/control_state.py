@@ -1,4 +1,4 @@
-"""What a component knows of its control over another one, and how it learns that (AS5710)."""
+"""Parts of a controlled target: its states, releases, open queries and events (AS5710)."""
 
 from __future__ import annotations
 
@@ -26,44 +26,44 @@ from .presence import Presence
 
 
 class ControlState(Enum):
-    """What a component knows of its control over another one."""
+    """The state of control over a target, as far as the controlling component knows."""
 
     SEEKING = "seeking"  # the target does not answer, or control was lost; it is requested
     CONTROLLED = "controlled"  # the target is controlled, and not (yet) Ready
     READY = "ready"  # the target is controlled and obeys every command
+    # The target is not available, or its controller has the same or a higher authority.
     REFUSED = "refused"
-    """The target is not available or has a controller of the same or higher authority."""
 
 
 class Session(Protocol):
-    """One user's share, as the control sees it."""
+    """One user of a controlled target."""
 
     authority: int
     resume: bool
 
     def changed(self) -> None:
-        """Learns that the state is another one."""
+        """Called when the state of control has changed."""
 
 
 class Releases:
-    """Gives control back, and knows to whom that was not acknowledged yet.
+    """Sends ReleaseControl, and knows the targets that have not acknowledged it yet.
 
-    The transport repeats a ReleaseControl until it is acknowledged. A repetition that comes after
-    a new request ends the control which that request has brought, so requests wait for it.
+    The transport repeats a ReleaseControl until it is acknowledged. A repetition that arrives after
+    a new request would end the control just granted, so requests wait for the acknowledgement.
     """
 
     def __init__(self, component: Host, on_done: Callable[[JausAddress], None]) -> None:
-        """Has nothing under way; `on_done` is told each target to which nothing is any more."""
+        """Calls `on_done` with a target once no release to it is under way any more."""
         self._component = component
         self._on_done = on_done
         self._under_way: dict[JausAddress, int] = {}
 
     def are_under_way(self, target: JausAddress) -> bool:
-        """Returns whether a target may still take a release that was sent."""
+        """Returns whether a release to a target is neither acknowledged nor given up."""
         return target in self._under_way
 
     def send(self, target: JausAddress, *, acknowledge: bool) -> None:
-        """Sends ReleaseControl, which may be repeated until it is acknowledged."""
+        """Sends ReleaseControl; `acknowledge` has it repeated until it is acknowledged."""
         if not acknowledge:
             self._component.send(ReleaseControl(), target)
             return
@@ -77,15 +77,15 @@ class Releases:
         )
 
     def _ended(self, target: JausAddress, _acknowledged: bool) -> None:  # noqa: FBT001
-        left = self._under_way.pop(target) - 1
-        if left:
-            self._under_way[target] = left
+        remaining = self._under_way.pop(target) - 1
+        if remaining:
+            self._under_way[target] = remaining
         else:
             self._on_done(target)
 
 
 class Questions:
-    """Questions to a target by their kind: which are open, and how often each was asked in vain."""
+    """Queries and requests to a target by class: the unanswered ones, and their vain tries."""
 
     def __init__(self, component: Host, target: JausAddress) -> None:
         self._component = component
@@ -96,11 +96,11 @@ class Questions:
 
     @property
     def urgent(self) -> list[type[Message]]:
-        """The open questions that were not asked in vain too often."""
+        """The open questions with less than `QUICK_TRIES` vain tries."""
         return [kind for kind in self._open if self.are_worth(kind)]
 
     def are_worth(self, kind: type[Message]) -> bool:
-        """Returns whether a question was not asked in vain too often."""
+        """Returns whether a question has less than `QUICK_TRIES` vain tries."""
         return self._tries.get(kind, 0) < QUICK_TRIES
 
     def ask(self, question: Message) -> None:
@@ -111,10 +111,7 @@ class Questions:
         self.send(question)
 
     def answered(self, kind: type[Message]) -> bool:
-        """Takes a question off the list; returns whether it was the last one that is worth asking.
-
-        One that was asked in vain too often does not keep the others from their pace.
-        """
+        """Closes a question; returns whether it was open and no urgent one is left."""
         self._tries[kind] = 0
         if kind not in self._open:
             return False
@@ -122,24 +119,23 @@ class Questions:
         return not self.urgent
 
     def go_on(self, kind: type[Message]) -> None:
-        """Keeps a question open that was answered, though not as wanted."""
+        """Keeps a question open after an unwanted answer, and forgets its vain tries."""
         self._tries[kind] = 0
 
     def close(self) -> None:
-        """Waits for no answer any more."""
+        """Closes all questions."""
         self._open.clear()
 
     def forget(self) -> None:
-        """Begins anew: nothing is open, and nothing was asked in vain."""
+        """Closes all questions, and forgets their vain tries."""
         self._open.clear()
         self._tries.clear()
 
     def send(self, message: Message) -> None:
         """Sends a message.
 
-        The transport repeats commands until they are acknowledged, as long as anyone may be there;
-        of a question that is asked again and again, the first one. The others would wait for each
-        other where the way is long.
+        The first try of a command is repeated until it is acknowledged, if the target may be there.
+        Later tries are not: over a slow network they would wait for each other.
         """
         is_first = self._tries.get(type(message), 0) <= 1
         is_command = not message.NAME.startswith("Query")
@@ -148,13 +144,13 @@ class Questions:
 
     @property
     def are_hopeful(self) -> bool:
-        """Whether anybody may be there to acknowledge."""
+        """Whether the target may be there to acknowledge."""
         is_new = self._tries.get(RequestControl, 0) <= QUICK_TRIES
         return is_new or self._presence.heard_lately(self._target)
 
 
+# Seconds after which a component that confirms no event is taken for one without Events.
 PATIENCE = 5.0
-"""Seconds after which a component that confirms no event is taken for one without Events."""
 
 _WATCHED: tuple[tuple[type[Message], type[Message]], ...] = (
     (QueryStatus, ReportStatus),
@@ -165,8 +161,8 @@ _WATCHED: tuple[tuple[type[Message], type[Message]], ...] = (
 class TargetWatch:
     """Subscribes to every change of a component's state and of its controller.
 
-    What a component does by itself, such as leaving Ready, is known at once so. A component without
-    Events is asked now and then all the same, by who controls it.
+    So its controller learns at once when it leaves Ready by itself. A component without the
+    service Events is only queried now and then, by `ControlledTarget`.
     """
 
     def __init__(
@@ -180,7 +176,7 @@ class TargetWatch:
         self._timer = Alarm(component.loop)
 
     def start(self) -> None:
-        """Subscribes, unless that was done."""
+        """Subscribes, unless subscribed already."""
         if self._subscriptions:
             return
         self._subscriptions = [
@@ -192,10 +188,7 @@ class TargetWatch:
         self._timer.set(PATIENCE, self._give_up)
 
     def verify(self) -> None:
-        """Has all events of the target renewed.
-
-        One that has lost its controller, or does not obey it any more, may have been restarted.
-        """
+        """Renews all events of the target, which may have been restarted."""
         self._events.suspect(self._target)
 
     def stop(self) -> None:
@@ -206,6 +199,6 @@ class TargetWatch:
             subscription.cancel()
 
     def _give_up(self) -> None:
-        """Asks no longer for events that the target does not know; it may do so when restarted."""
+        """Unsubscribes from a target that has confirmed no event."""
         if not any(subscription.active for subscription in self._subscriptions):
             self.stop()

@@ -25,9 +25,9 @@ from .control_state import ControlState, Questions, Releases, Session, TargetWat
 from .pace import QUICK_TRIES, Pace
 from .presence import Presence
 
+# Renewals of control within the target's timeout, each repeated until it is confirmed. When so many
+# in a row are not confirmed, control is taken for lost.
 RENEWALS = 4
-"""Renewals of control in the target's timeout, each repeated until it is confirmed; when none of
-so many is confirmed, control is taken for lost."""
 
 _ACCEPTED = ConfirmControl.ResponseCode.CONTROL_ACCEPTED
 _NOT_AVAILABLE = ConfirmControl.ResponseCode.NOT_AVAILABLE
@@ -40,9 +40,9 @@ _NOBODY = (0, 0, 0)  # what a component without a controller reports
 class ControlledTarget:
     """Requests control of a target, renews it in time, resumes the target, and asks again.
 
-    Each request is repeated until it is answered, without a long pause as long as anything is heard
-    of the target. While control is refused the target is asked who controls it and how it is, so
-    that control is requested as soon as it can be had.
+    Each request is repeated until it is answered, at short pauses while any packet arrives from the
+    target. While control is refused, the target is queried for its controller and its status, so
+    that control is requested as soon as it can be granted.
     """
 
     def __init__(
@@ -82,7 +82,7 @@ class ControlledTarget:
         self._timer = Alarm(component.loop)
         self._presence.watch(target, self.returned)
 
-    # ---- what users want ----------------------------------------------------------------------
+    # ---- sessions -----------------------------------------------------------------------------
 
     @property
     def authority(self) -> int:
@@ -111,7 +111,7 @@ class ControlledTarget:
         return f"{self.target} demands a higher authority than {self.authority}"
 
     def join(self, session: Session) -> None:
-        """Adds a session; the first one starts."""
+        """Adds a session; the first one starts to request control."""
         self._sessions.append(session)
         self._is_handed_over = False
         if len(self._sessions) == 1:
@@ -122,7 +122,7 @@ class ControlledTarget:
             self._loop.call_soon(session.changed)
 
     def has(self, session: Session) -> bool:
-        """Tells whether a session has not left."""
+        """Returns whether a session has joined and not left."""
         return session in self._sessions
 
     def leave(self, session: Session) -> None:
@@ -133,7 +133,7 @@ class ControlledTarget:
                 self.stop()
 
     def stop(self) -> None:
-        """Releases control; also when a request may just be on its way."""
+        """Removes all sessions, and releases control, also while a request is under way."""
         self._sessions.clear()
         if not self._is_handed_over:
             self._release()
@@ -143,12 +143,12 @@ class ControlledTarget:
         self.state = ControlState.SEEKING
 
     def permit(self, permitted: bool) -> None:  # noqa: FBT001
-        """Lets go of the target while this component may not command, and asks again afterwards."""
+        """Releases control while this component may not command; requests it afterwards."""
         if permitted is self._is_permitted:
             return
         self._is_permitted = permitted
         if permitted:
-            # Long pauses are for a target that does not answer; it was not asked.
+            # Long pauses are for a target that does not answer; this one was not asked.
             self._pace.answered()
             self._start()
         else:
@@ -156,24 +156,24 @@ class ControlledTarget:
             self._change(ControlState.SEEKING)
 
     def hand_over(self) -> None:
-        """Requests control no more, and does not release it: the target passes it on."""
+        """Stops requesting control without releasing it: the target passes it on."""
         self._is_handed_over = True
         self._timer.cancel()
         self._questions.forget()
         self._change(ControlState.SEEKING)
 
     def take_over(self) -> None:
-        """Requests control at once: the target has it for this component."""
+        """Requests control at once: the target has reserved it for this component."""
         self._is_handed_over = False
         self._pace.answered()
         if self._is_permitted and self._sessions and not self.holds:
             self._request()
             self._check_in(self._settings.retry_min)
 
-    # ---- what the target says -----------------------------------------------------------------
+    # ---- messages of the target ---------------------------------------------------------------
 
     def confirmed(self, code: int) -> None:
-        """Takes the answer to a request."""
+        """Takes a ConfirmControl with this response code."""
         self._awaits_answer = False
         self._take_answer()
         if not self._is_permitted:
@@ -201,7 +201,7 @@ class ControlledTarget:
             self._check_in(self._settings.retry_min)
 
     def _take_answer(self) -> None:
-        """Lets the answer end the repetition of the request; learns of a peer that answers more."""
+        """Ends the repetition of the request; notes a target that answers repetitions, too."""
         transport = self.component.transport
         transport.answered(self.component.address, self.target, _REQUEST)
         self._answers += 1
@@ -210,28 +210,28 @@ class ControlledTarget:
             transport.quirks.learn(self.target, Quirk.NO_DUPLICATE_FILTER, how)
 
     def rejected(self) -> None:
-        """Takes the word that control has ended, and asks again at once."""
+        """Takes a RejectControl: control has ended, and is requested again at once."""
         if self.holds:
             self._lose()
 
     def timeout_reported(self, seconds: int) -> None:
-        """Takes the time after which the target lets control lapse."""
+        """Takes the seconds after which the target lets control lapse; 0 means never."""
         self._timeout = seconds
         self._answered(QueryTimeout)
 
     def reported(self, report: Message) -> None:
-        """Takes a ReportStatus or ReportControl, be it an answer or an event."""
+        """Takes a ReportStatus or ReportControl, as an answer or as an event."""
         if not self._sessions:
             return
         if isinstance(report, ReportStatus):
-            # On its way, a state may be overtaken by the one that followed it.
+            # On the network, a report may be overtaken by the next one.
             if not self._ordering.is_late(self.target):
                 self._status_reported(report.status)
         elif isinstance(report, ReportControl):
             self._control_reported(report)
 
     def _status_reported(self, code: int) -> None:
-        """Takes the state of the target; a code that no standard has is none of those that obey."""
+        """Takes the status of the target; an unknown code counts as FAILURE."""
         status = self.status = Status(code) if code in _STATES else Status.FAILURE
         if not self.holds:
             self._answered(QueryStatus)
@@ -241,10 +241,10 @@ class ControlledTarget:
         if obeys:
             self._resumes = 0
             if self.state is ControlState.READY:
-                # Nobody is Ready without control, and who had lost it was told so.
+                # The target is Ready only under control, and would have rejected ours.
                 self._confirmed_at = self._loop.now()
         elif self.state is ControlState.READY:
-            # It may have been restarted, and know nothing of its events.
+            # The target may have been restarted, and have lost its events.
             self._watch.verify()
         if not self._change(ControlState.READY if obeys else ControlState.CONTROLLED):
             return
@@ -261,11 +261,11 @@ class ControlledTarget:
         self._answered(QueryControl)
         self._try_again()
 
-    # ---- what is sent to the target -----------------------------------------------------------
+    # ---- requests to the target ---------------------------------------------------------------
 
     @property
     def holds(self) -> bool:
-        """Whether control was granted and not lost since, as far as is known."""
+        """Whether control was granted and, as far as known, not lost since."""
         return self.state in (ControlState.CONTROLLED, ControlState.READY)
 
     @property
@@ -279,7 +279,7 @@ class ControlledTarget:
                 self._check()
 
     def returned(self) -> None:
-        """Does not wait for the end of a pause: the target speaks again, or a release has ended."""
+        """Ends a pause between requests: the target is back, or a release to it has ended."""
         is_wanted = self._is_started and self._may_request and self._sessions
         if is_wanted and self.state is ControlState.SEEKING:
             self._pace.answered()
@@ -289,18 +289,18 @@ class ControlledTarget:
         if self.holds:
             self._keep()
         elif self.state is ControlState.REFUSED:
-            self._look()
+            self._wait_for_control()
         else:
             self._request()
             self._check_in(self._pace.next_pause())
 
     def _keep(self) -> None:
-        """Renews control and asks how the target is; again soon while an answer is missing."""
+        """Renews control and queries the status; repeats soon what was not answered."""
         if self._loop.now() >= self._confirmed_at + RENEWALS * self._interval:
             self._lose()
             return
         missing = self._questions.urgent
-        # The target counts from when it has a request, however long the answers take.
+        # The target counts from the arrival of the request, however long its answer takes.
         if self._renewal_due <= 0.0 and RequestControl not in missing:
             missing.append(RequestControl)
             missing.append(QueryStatus)
@@ -314,11 +314,11 @@ class ControlledTarget:
         pause = self._settings.retry_min if self._questions.urgent else self._interval
         self._check_in(min(pause, self._renewal_pause))
 
-    def _look(self) -> None:
-        """Asks why control is refused, and now and then for control itself."""
+    def _wait_for_control(self) -> None:
+        """Queries why control is refused; each `refused_retry` seconds requests it again."""
         now, settings = self._loop.now(), self._settings
         silence = max(settings.refused_retry, RENEWALS * settings.watch_interval)
-        # Heard of nothing: it is gone, rather than unwilling.
+        # The target is silent: it is gone, rather than refusing.
         if not self._presence.heard_since(self.target, now - silence):
             self._lose()
             return
@@ -343,7 +343,7 @@ class ControlledTarget:
         if self.state is ControlState.REFUSED:
             return
         self._questions.forget()
-        # What it demands now is asked for below.
+        # The authority now in force is queried below.
         self._authority_in_force = None
         if self._change(ControlState.REFUSED):
             self._watch.start()
@@ -352,7 +352,7 @@ class ControlledTarget:
             self._check_in(self._settings.watch_interval)
 
     def _try_again(self) -> None:
-        """Requests control that was refused, when the target says that it can be had now."""
+        """Requests control that was refused, when the reports say that it would be granted now."""
         if (
             self.state is ControlState.REFUSED
             and self._is_free
@@ -367,13 +367,13 @@ class ControlledTarget:
         )
         if self._authority_in_force is None or not is_available:
             return False
-        # To equal authority a target without another controller gives in, one with needs a higher.
+        # A target under another controller demands a higher authority, else the same will do.
         if self.controller in (None, self.component.address):
             return self._authority_in_force <= self.authority
         return self._authority_in_force < self.authority
 
     def _seek_when_due(self) -> None:
-        """Requests control now, unless that was done a moment ago."""
+        """Requests control now, or `retry_min` seconds after the last request."""
         due = self._requested_at + self._settings.retry_min - self._loop.now()
         if due > 0:
             self._check_in(due)
@@ -381,7 +381,7 @@ class ControlledTarget:
             self._check()
 
     def _resume(self) -> None:
-        """Resumes the target, but not again at every answer of one that does not obey."""
+        """Resumes the target, at growing pauses if it stays in Standby."""
         settings = self._settings
         is_quick = self._resumes < QUICK_TRIES
         pause = settings.retry_min if is_quick else settings.watch_interval
@@ -398,33 +398,33 @@ class ControlledTarget:
 
     def _request(self) -> None:
         if self._releases.are_under_way(self.target):
-            return  # ``returned`` comes back to it
+            return  # `returned` requests it when the release has ended
         self._awaits_answer = True
         self._requests += 1
         self._requested_at = self._loop.now()
         self._questions.ask(RequestControl(authority_code=self.authority))
 
     def _answered(self, kind: type[Message]) -> None:
-        """Takes an answer; after the last one the next round begins in time."""
+        """Closes a question; after the last one, waits for the next renewal."""
         if self._questions.answered(kind) and self.holds:
             self._check_in(self._renewal_pause)
 
     def _release(self) -> None:
         self._timer.cancel()
-        is_asked = self._requested_at > _LONG_AGO
-        # An answer that is under way may grant control, which nobody would release then.
-        if is_asked and (self._awaits_answer or self.state is not ControlState.REFUSED):
+        was_requested = self._requested_at > _LONG_AGO
+        # An answer under way may grant control, which would not be released then.
+        if was_requested and (self._awaits_answer or self.state is not ControlState.REFUSED):
             self._releases.send(self.target, acknowledge=self._questions.are_hopeful)
 
     @property
     def _renewal_due(self) -> float:
-        """Seconds until control is to be renewed, below 0 when that is late."""
+        """Seconds until control is to be renewed; negative when overdue."""
         return self._requested_at + self._interval - self._loop.now()
 
     @property
     def _renewal_pause(self) -> float:
-        """Seconds until control is renewed: at once when that is late, if it can be requested."""
-        # It has to wait for the release; at once would mean again and again.
+        """Seconds until the next check of control: 0 when a renewal is overdue."""
+        # The renewal has to wait for the release; 0 would mean a busy loop.
         if self._releases.are_under_way(self.target):
             return self._settings.retry_min
         return max(self._renewal_due, 0.0)
@@ -439,10 +439,10 @@ class ControlledTarget:
         self._timer.set(delay, self._check)
 
     def _change(self, state: ControlState) -> bool:
-        """Tells the sessions a new state; returns whether control is wanted any longer then."""
+        """Sets the state and calls the sessions; returns whether any session is left."""
         if state is not self.state:
             self.state = state
-            # A copy: a session that is told may leave.
+            # A copy: a session may leave in its call.
             for session in tuple(self._sessions):
                 session.changed()
         return bool(self._sessions)

@@ -16,9 +16,9 @@ from .registration import Registration
 
 
 def query_services(component: JausAddress = BROADCAST) -> QueryServices:
-    """Returns the query for the services of one component, or of all that are there.
+    """Returns the query for the services of one component, or of all by wildcards.
 
-    There are stacks that know no wildcards, and report nothing.
+    Some stacks know no wildcards, and report nothing.
     """
     record = QueryServices.ComponentRec(component_id=component.component)
     node = QueryServices.NodeSeq(
@@ -28,7 +28,7 @@ def query_services(component: JausAddress = BROADCAST) -> QueryServices:
 
 
 def query_service_lists(component: JausAddress = BROADCAST) -> QueryServiceList:
-    """Returns the query of v1.1 for the services of one component, or of all."""
+    """Returns the query of v1.1 for the services of one component, or of all by wildcards."""
     record = QueryServiceList.ComponentRec(component_id=component.component)
     node = QueryServiceList.NodeSeq(
         node_rec=QueryServiceList.NodeRec(node_id=component.node), component_list=[record]
@@ -43,55 +43,51 @@ def query_service_lists(component: JausAddress = BROADCAST) -> QueryServiceList:
 def reported_services(
     report: ReportServices | ReportServiceList, subsystem: int
 ) -> Iterator[tuple[JausAddress, tuple[ServiceIdentity, ...]]]:
-    """Yields components of a report, which does not tell their subsystem, and their services."""
+    """Yields the components of a report and their services.
+
+    ReportServices names no subsystem: its components are of `subsystem`.
+    """
     if isinstance(report, ReportServices):
-        parts = [(subsystem, report.node_list)]
+        subsystems = [(subsystem, report.node_list)]
     else:
-        lists = report.subsystem_list
-        parts = [
-            (subsystem_entry.subsystem_rec.subsystem_id, subsystem_entry.node_list)
-            for subsystem_entry in lists
+        subsystems = [
+            (entry.subsystem_rec.subsystem_id, entry.node_list) for entry in report.subsystem_list
         ]
-    for number, nodes in parts:
+    for subsystem_id, nodes in subsystems:
         for node in nodes:
-            for component_entry in node.component_list:
-                component = component_entry.component_rec.component_id
-                yield (
-                    JausAddress(number, node.node_rec.node_id, component),
-                    services_of(component_entry),
-                )
+            for component in node.component_list:
+                component_id = component.component_rec.component_id
+                address = JausAddress(subsystem_id, node.node_rec.node_id, component_id)
+                yield address, services_of(component)
 
 
 INTERVAL = 5.0  # seconds after which a component that reports nothing is asked again
-_MOST_ASKED = 4096
+_MAX_ASKED = 4096
+MAX_FOUND = 4096  # components that a search remembers; a peer may invent any number
 
 
 class ServicesById:
-    """Asks who reports no component to a query with wildcards for its own services."""
+    """Asks peers whose report to a query with wildcards was empty for their own services."""
 
     def __init__(self, component: Host) -> None:
         self._component = component
-        self._asked: dict[JausAddress, float] = {}
+        self._asked_at: dict[JausAddress, float] = {}
 
     def take(self, report: ReportServices, sender: JausAddress) -> None:
-        """Asks if a report is empty; learns of who reports something then."""
+        """Asks the sender of an empty report; notes a sender that knows no wildcards."""
         now = self._component.loop.now()
-        asked = self._asked.get(sender, -math.inf)
+        asked_at = self._asked_at.get(sender, -math.inf)
         if any(node.component_list for node in report.node_list):
-            if now < asked + INTERVAL:
+            if now < asked_at + INTERVAL:
                 quirks = self._component.transport.quirks
                 quirks.learn(sender, Quirk.NO_WILDCARDS, "it reported nothing to a wildcard")
             return
-        if now < asked + INTERVAL:
+        if now < asked_at + INTERVAL:
             return
-        if len(self._asked) >= _MOST_ASKED:
-            self._asked.clear()
-        self._asked[sender] = now
+        if len(self._asked_at) >= _MAX_ASKED:
+            self._asked_at.clear()
+        self._asked_at[sender] = now
         self._component.send(query_services(sender), sender)
-
-
-MAX_FOUND = 4096
-"""Components that a search remembers; inventions of a peer must not fill the memory."""
 
 
 @dataclass(frozen=True)
@@ -116,7 +112,7 @@ class DiscoveryClient:
         self._component = component
         self._searches: list[_Search] = []
         self._watchers: list[Callable[[FoundComponent], None]] = []
-        self._asking_by_id = ServicesById(component)
+        self._services_by_id = ServicesById(component)
         component.on_message(ReportServices, self._services_reported)
         component.on_message(ReportServiceList, self._take)
 
@@ -130,33 +126,33 @@ class DiscoveryClient:
             registration.start()
 
     def watch(self, on_sighting: Callable[[FoundComponent], None]) -> None:
-        """Tells every component that an answer names, each time; nobody is asked for that."""
+        """Calls `on_sighting` with each component of each report; sends no query."""
         self._watchers.append(on_sighting)
 
     def ask_for_services(self, place: JausAddress) -> None:
-        """Asks a component, or several by a wildcard, for components and their services."""
-        # Peers of v1.0 know the first alone.
+        """Sends the queries for services to an address, which may have wildcards."""
+        # Peers of v1.0 know the first one alone.
         self._component.send(query_services(), place)
         self._component.send(query_service_lists(), place)
 
     def _services_reported(self, report: ReportServices, sender: JausAddress) -> None:
         if self._searches or self._watchers:
-            self._asking_by_id.take(report, sender)
+            self._services_by_id.take(report, sender)
         self._take(report, sender)
 
     def _take(self, report: ReportServices | ReportServiceList, sender: JausAddress) -> None:
-        """Tells what was found; nothing is read when nobody wants to know."""
+        """Calls watchers and searches; the report is not read without any of them."""
         is_wanted = self._searches or self._watchers
         for address, services in reported_services(report, sender.subsystem) if is_wanted else ():
             component = FoundComponent(address, services)
             for watcher in self._watchers:
                 watcher(component)
             for search in tuple(self._searches):
-                self._tell(search, component)
+                self._add(search, component)
 
-    def _tell(self, search: _Search, component: FoundComponent) -> None:
-        offered = any(service.urn == search.urn for service in component.services)
-        if not offered or component.address in search.addresses:
+    def _add(self, search: _Search, component: FoundComponent) -> None:
+        is_provider = any(service.urn == search.urn for service in component.services)
+        if not is_provider or component.address in search.addresses:
             return
         if len(search.addresses) >= MAX_FOUND:
             self._component.counters.count(

@@ -1,4 +1,4 @@
-"""Client of events: all those of other components that one component has subscribed to (AS5710)."""
+"""Client of the service Events: the subscriptions of one component (AS5710)."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ from .event_subscription import EventSubscription
 from .query import QueryClient
 
 EVENT_REQUESTS = range(224)  # request ids of the events of one provider
-STRAY_REQUEST = 255  # request id with which events that nobody here wants are cancelled
+STRAY_REQUEST = 255  # request id that cancels events without a subscriber here
 
+# Minutes assumed until the provider reports its timeout; peers of v1.0 never do.
 DEFAULT_EVENT_TIMEOUT = 1
-"""Minutes assumed until the provider reports its timeout; peers of v1.0 never do."""
 
 
 class EventClient:
-    """All subscriptions of one component, and the messages of Events that concern them."""
+    """All subscriptions of one component; takes the messages of the service Events for them."""
 
     def __init__(self, component: Host) -> None:
         self._component = component
@@ -82,8 +82,8 @@ class EventClient:
             on_silence,
             takes_payloads=payloads,
         )
-        take = subscription.answer
-        ask = partial(self._queries.ask, provider, query, report_class, take, payloads=payloads)
+        answer = subscription.answer
+        ask = partial(self._queries.ask, provider, query, report_class, answer, payloads=payloads)
         subscription.ask = lambda timeout: ask(timeout=timeout, retries=0)
         stream.join(subscription)
         return subscription
@@ -118,7 +118,7 @@ class EventClient:
             self._component.loop.revision.changed()
 
     def suspect(self, provider: JausAddress) -> None:
-        """Verifies all events of a provider that lost one or fell silent: was it restarted?"""
+        """Renews all events of a provider that may have been restarted."""
         for stream in list(self._streams.values()):
             if stream.provider == provider:
                 stream.verify()
@@ -135,16 +135,15 @@ class EventClient:
 
     def event_timeout(self, provider: JausAddress) -> int:
         """Returns the event timeout of a provider in minutes, 0 for never; asks it if unknown."""
-        known = self._timeouts.get(provider)
-        if known is None:
-            self._component.send(QueryEventTimeout(), provider)
-            return DEFAULT_EVENT_TIMEOUT
-        return known
+        if provider in self._timeouts:
+            return self._timeouts[provider]
+        self._component.send(QueryEventTimeout(), provider)
+        return DEFAULT_EVENT_TIMEOUT
 
     # ---- messages ---------------------------------------------------------------------------
 
     def _event(self, payload: bytes, sender: JausAddress) -> None:
-        """Hands the report of an event to its stream; the event itself is read on its bytes."""
+        """Hands the report of an Event to its stream, without decoding the Event."""
         if (
             len(payload) < EVENT_HEADER
             or int.from_bytes(payload[4:8], "little") != len(payload) - EVENT_HEADER
@@ -153,7 +152,7 @@ class EventClient:
         event_id = payload[2]
         stream = self._by_event.get((sender, event_id))
         if stream is None:
-            self._stray(event_id, sender)
+            self._take_stray(event_id, sender)
         else:
             stream.receive(payload[3], payload[EVENT_HEADER:])
 
@@ -174,11 +173,11 @@ class EventClient:
                 if stream.provider == sender:
                     stream.reschedule()
 
-    def _stray(self, event_id: int, sender: JausAddress) -> None:
-        """Acts on an event that is not ours: its creation is not confirmed yet, or is unwanted.
+    def _take_stray(self, event_id: int, sender: JausAddress) -> None:
+        """Takes an event of unknown id: hurries unconfirmed streams, or cancels the event.
 
-        The event may be left from before a restart of this component, or its confirmation was
-        lost; creating it again yields its id. What nobody wants is cancelled.
+        Its confirmation may be late or lost; creating the event again yields its id. Without an
+        unconfirmed stream, the event is left from before a restart of this component.
         """
         self._component.counters.add("event_client.unknown_event")
         expected = False
@@ -186,7 +185,7 @@ class EventClient:
             if stream.provider != sender:
                 continue
             if stream.former_id == event_id:
-                # Its reports go on beside those of the event that took its place.
+                # The provider goes on with the former event beside its successor.
                 how = f"event {event_id} went on beside event {stream.event_id}"
                 self._component.transport.quirks.learn(sender, Quirk.DOUBLED_EVENTS, how)
             if not stream.active:
@@ -199,7 +198,7 @@ class EventClient:
             self._component.send(message, sender)
 
     def _free_request(self, provider: JausAddress, stream: EventStream) -> int:
-        """Returns an id that was not used lately: late answers must not meet another stream."""
+        """Gives a stream the id that was free for longest: late answers must not meet another."""
         for step in EVENT_REQUESTS:
             request_id = (self._last_request + 1 + step) % len(EVENT_REQUESTS)
             if (provider, request_id) not in self._by_request:

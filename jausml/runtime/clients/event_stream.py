@@ -22,18 +22,11 @@ from .presence import SILENCE, Presence
 
 SILENT_PERIODS = 3  # periods of a periodic event without a report after which it is created again
 MIN_SILENCE = 1.0  # shortest silence in seconds that counts; reports of fast events may be late
-
-MAX_SILENCE = 30.0
-"""Longest wait in seconds for the reports of a provider that confirms but does not report."""
-
+MAX_SILENCE = 30.0  # longest silence in seconds until an event without reports is created again
 MAX_RENEWALS = 8  # unanswered renewals after which an event is created again
-
-SETTLING = 1.0
-"""Seconds after a confirmation in which nobody asks whether the provider knows the event."""
-
+SETTLING = 1.0  # seconds after a confirmation in which an event is not verified
+# Bytes before the report in an Event: code 2, event 1, sequence number 1, size of the report 4.
 EVENT_HEADER = 8
-"""Bytes before the report in an Event: code 2, event 1, sequence number 1, size of the report 4."""
-
 HALF_SEQUENCE = 128  # sequence numbers from here on are older than the last one
 _CREATE = CreateEvent.CODE.to_bytes(2, "little")
 
@@ -45,7 +38,7 @@ class _State(Enum):
 
 
 class Listener(Protocol):
-    """Who hands streams their messages, and knows the other streams."""
+    """Hands streams their messages, and knows all streams of a component."""
 
     def bind(self, stream: EventStream, event_id: int) -> None:
         """Delivers the events of an id to a stream from now on."""
@@ -54,7 +47,7 @@ class Listener(Protocol):
         """Delivers no events to a stream any more."""
 
     def suspect(self, provider: JausAddress) -> None:
-        """Verifies all events of a provider that lost one or fell silent."""
+        """Renews all events of a provider that may have been restarted."""
 
     def has(self, stream: EventStream) -> bool:
         """Returns whether a stream is among those with subscribers."""
@@ -67,7 +60,7 @@ class Listener(Protocol):
 
 
 class EventStream:
-    """Creates an event, renews it, and creates it again when the provider lost it."""
+    """Creates an event, renews it, and creates it again when the provider has lost it."""
 
     def __init__(
         self, listener: Listener, component: Host, provider: JausAddress, payload: bytes
@@ -77,11 +70,11 @@ class EventStream:
         self.payload = payload  # the encoded query
         self.request_id = 0  # marks our requests in the provider's answers
         self.event_id: int | None = None  # the provider's id of the event, once confirmed
-        # The id that it had before, if the provider gave it another one.
+        # The id of the event before the provider gave it another one.
         self.former_id: int | None = None
         self.missing = 0  # reports that did not arrive, by the gaps between their numbers
         self.late = 0  # reports that arrived after newer ones
-        # Why the provider gives no such event, in its words; empty when it has not refused.
+        # Error message and code of the provider's rejection; empty without one.
         self.refusal = ""
         self._listener = listener
         self._loop = component.loop
@@ -112,7 +105,7 @@ class EventStream:
     # ---- subscribers ------------------------------------------------------------------------
 
     def join(self, subscription: EventSubscription) -> None:
-        """Adds a subscriber; it gets the last report of an event that is under way."""
+        """Adds a subscriber, and hands it the last report of an active event."""
         self._subscribers.append(subscription)
         self._loop.revision.changed()
         self.component.when_started(subscription.start_watching)
@@ -121,8 +114,8 @@ class EventStream:
             if len(self._subscribers) == 1:
                 self.component.when_started(self._start)
         elif self._last is not None:
-            give = partial(self._deliver, [subscription], self._last)
-            self._loop.call_soon(lambda: give(self._loop.now()))
+            deliver = partial(self._deliver, [subscription], self._last)
+            self._loop.call_soon(lambda: deliver(self._loop.now()))
 
     def leave(self, subscription: EventSubscription) -> None:
         """Removes a subscriber; the event is cancelled with the last one."""
@@ -150,7 +143,7 @@ class EventStream:
         self._state = _State.IDLE
 
     def fast_path(self) -> FastPath | None:
-        """Returns the fast path of the reports to who alone subscribes; None without one."""
+        """Returns the fast path of the reports to the only subscriber; None without one."""
         if len(self._subscribers) != 1 or self._is_renewed:
             return None
         (subscription,) = self._subscribers
@@ -170,7 +163,7 @@ class EventStream:
         return replace(path, passed=note, expected=lambda: self._expected)
 
     def _agree_on_rate(self) -> None:
-        """Asks for every change when a subscriber wants that by now; else for the highest rate."""
+        """Requests every change if any subscriber wants that, else the highest rate."""
         rates = [subscription.rate for subscription in self._subscribers]
         periodic = [rate for rate in rates if rate is not None]
         rate = max(periodic) if len(periodic) == len(rates) else None
@@ -181,7 +174,7 @@ class EventStream:
         self._pace_subscriptions()
 
     def _pace_subscriptions(self) -> None:
-        """Tells each subscriber what it gets, to have its own rate of it."""
+        """Has each subscriber derive its own rate from that of the event."""
         event_rate = None if self._rate is None else self._confirmed_rate or self._rate
         for subscription in self._subscribers:
             subscription.follow(event_rate)
@@ -189,7 +182,7 @@ class EventStream:
     # ---- requests ---------------------------------------------------------------------------
 
     def hurry(self) -> None:
-        """Asks again now, unless that was done a moment ago."""
+        """Repeats an unanswered creation now, unless sent less than `retry_min` seconds ago."""
         if (
             self._state is _State.CREATING
             and self._loop.now() >= self._asked_at + self._settings.retry_min
@@ -197,9 +190,9 @@ class EventStream:
             self._create()
 
     def _returned(self) -> None:
-        """The provider speaks after a silence: it may be a new one, which knows no event.
+        """Verifies the event after a silence of the provider, which may have been restarted.
 
-        Not where it was about this event that it spoke.
+        Not if the provider has just reported or confirmed this event.
         """
         if max(self._heard, self._confirmed_at) < self._loop.now() - SILENCE:
             self.verify()
@@ -216,7 +209,7 @@ class EventStream:
         if self._state is _State.IDLE or not self._subscribers:
             return
         if self._state is _State.ACTIVE and not self._renewals:
-            # Nothing was asked: the provider says that the event has timed out, or answers twice.
+            # No request is open: the event has timed out, or the provider answers twice.
             self._renew()
             return
         if self._rate is not None and rate <= 0:
@@ -227,7 +220,7 @@ class EventStream:
             is_new = True
             self.former_id = self.event_id
             if not self.component.transport.quirks.has(self.provider, Quirk.DOUBLED_EVENTS):
-                self._reborn()
+                self._note_restart()
         changed, self._confirmed_rate = rate != self._confirmed_rate, rate
         self._is_renewed = not is_new and not changed
         self._listener.bind(self, event_id)
@@ -267,7 +260,7 @@ class EventStream:
         self.component.transport.answered(self.component.address, self.provider, start)
 
     def lost(self) -> None:
-        """Creates the event again: the provider does not know it any more."""
+        """Creates the event again, which the provider does not know any more."""
         self._counters.add("event_client.lost")
         self._listener.unbind(self)
         self.event_id = None
@@ -276,7 +269,7 @@ class EventStream:
     def verify(self) -> None:
         """Renews the event now, to learn whether the provider still knows it.
 
-        A provider that has just confirmed it knows it, and is left alone.
+        An event that was confirmed less than `SETTLING` seconds ago is not renewed.
         """
         is_settled = self._loop.now() >= self._confirmed_at + SETTLING
         if self._state is _State.ACTIVE and not self._renewals and is_settled:
@@ -288,7 +281,7 @@ class EventStream:
             self._create()
 
     def _recreate(self) -> None:
-        """Creates the event again, with growing pauses as long as that is of no use."""
+        """Creates the event again, at growing pauses while the provider does not confirm."""
         self._state = _State.CREATING
         if self._loop.now() >= self._asked_at + self._settings.retry_min:
             self._create()
@@ -317,10 +310,10 @@ class EventStream:
         self._ask()
 
     def _ask(self) -> None:
-        """Asks for the event, whether or not the provider has it.
+        """Sends CreateEvent, to create the event as well as to renew it.
 
-        Each provider knows CreateEvent, and answers for an event that it has with that event
-        (AS5710, Events). UpdateEvent would do the same, but there are peers that die of it.
+        A provider that has the event already confirms it by its id (AS5710, Events). UpdateEvent
+        would do the same, but some peers crash at it.
         """
         message = CreateEvent(
             request_id=self.request_id,
@@ -330,35 +323,35 @@ class EventStream:
         )
         self._send(message)
 
-    def _reborn(self) -> None:
-        """The provider has begun a new life: it knows nothing of the other events either."""
+    def _note_restart(self) -> None:
+        """Has all events of the provider renewed: a restart has lost the others, too."""
         self._counters.add("event_client.lost")
         self._loop.call_soon(partial(self._listener.suspect, self.provider))
 
     def _send(self, message: Message) -> None:
-        """Sends a request; the transport repeats it where somebody is there to acknowledge."""
+        """Sends a request; the transport repeats it if the provider was heard lately."""
         is_heard = self._presence.heard_lately(self.provider)
         self.component.send(message, self.provider, acknowledge=is_heard)
 
     def _schedule_renewal(self) -> None:
         """Renews at half the provider's timeout, and an every-change event not much later.
 
-        The reports of an every-change event may rightly stay away; only a renewal tells that its
-        provider was restarted. A periodic event without timeout needs no renewal at all.
+        Where nothing changes, an every-change event has no reports, and only a renewal shows that
+        the provider was restarted. A periodic event without timeout needs no renewal.
         """
         minutes = self._listener.event_timeout(self.provider)
-        waits = [30.0 * minutes] if minutes else []
+        pauses = [30.0 * minutes] if minutes else []
         if self._rate is None:
-            waits.append(self._settings.check_interval)
-        if waits:
-            self._timer.set(min(waits), self._renew)
+            pauses.append(self._settings.check_interval)
+        if pauses:
+            self._timer.set(min(pauses), self._renew)
         else:
             self._timer.cancel()
 
     # ---- reports ----------------------------------------------------------------------------
 
     def receive(self, sequence: int, payload: bytes) -> None:
-        """Hands a report to the subscribers."""
+        """Takes a report with its sequence number, and hands it to the subscribers."""
         if self._expected is not None and sequence != self._expected:
             missing = (sequence - self._expected) & 0xFF
             if missing >= HALF_SEQUENCE and not self._is_renewed:
@@ -369,7 +362,7 @@ class EventStream:
                 self._counters.add("event_client.sequence_gap", missing)
                 self.missing += missing
             else:
-                self._reborn()
+                self._note_restart()
             self._is_renewed = False
         is_repeated = self._is_renewed and self._rate is None and payload == self._last
         self._is_renewed = False
@@ -384,35 +377,35 @@ class EventStream:
     def _deliver(
         self, subscriptions: Sequence[EventSubscription], payload: bytes, now: float
     ) -> None:
-        """Gives subscribers a report, which is read once for all that take it alike."""
-        read: dict[tuple[type[Message], bool], Message | bytes | None] = {}
+        """Hands subscribers a report, decoded once for each class."""
+        reports: dict[tuple[type[Message], bool], Message | bytes | None] = {}
         for subscription in subscriptions:
             group = subscription.report_class, subscription.takes_payloads
-            if group not in read:
-                read[group] = subscription.read(payload)
-            report = read[group]
+            if group not in reports:
+                reports[group] = subscription.read(payload)
+            report = reports[group]
             if report is not None and subscription in self._subscribers:  # not cancelled meanwhile
                 subscription.deliver(report, now)
 
     def count_bad(self, provider: JausAddress, error: DecodeError) -> None:
-        """Counts a report that cannot be read."""
+        """Counts a report that cannot be decoded."""
         self._counters.count("event_client.bad_report", f"{provider}: {error}")
 
     # ---- silence ----------------------------------------------------------------------------
 
     def _watch_silence(self) -> None:
-        """Waits for the reports of a periodic event, longer each time that they stay away."""
+        """Waits for reports of a periodic event, after each silence for longer."""
         self._silence_timer.cancel()
         if self._confirmed_rate > 0:
             shortest = max(SILENT_PERIODS / self._confirmed_rate, MIN_SILENCE)
             self._silence_wait = max(self._silence_wait, shortest)
-            self._silence_timer.set(self._silence_wait, self._look)
+            self._silence_timer.set(self._silence_wait, self._check_silence)
 
-    def _look(self) -> None:
+    def _check_silence(self) -> None:
         shortest = max(SILENT_PERIODS / self._confirmed_rate, MIN_SILENCE)
         wait = max(self._silence_wait, shortest)
         if self._loop.now() < self._heard + wait:
-            self._silence_timer.set_at(self._heard + wait, self._look)
+            self._silence_timer.set_at(self._heard + wait, self._check_silence)
             return
         self._counters.add("event_client.stalled")
         self._silence_wait = min(2 * wait, max(MAX_SILENCE, shortest))

@@ -1,4 +1,4 @@
-"""Components that subscribe to reports of others."""
+"""Components that subscribe to reports of other components."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ R = TypeVar("R", bound=Message)
 
 
 class EventSubscriber(Host):
-    """A component that subscribes to reports of others."""
+    """A component that subscribes to reports of other components."""
 
     def subscribe(
         self,
@@ -31,22 +31,21 @@ class EventSubscriber(Host):
         stands_by: bool = False,
         payloads: bool = False,
     ) -> EventSubscription:
-        """Receives a report of another component over an AS5710 event.
+        """Subscribes to a report of another component over an AS5710 event.
 
         The event is created as soon as the provider answers, renewed, and created anew when the
         provider was restarted. Subscriptions of this component to the same provider and query
-        share one event, and each has its own rate of it: the event comes at the highest rate, or
-        at every change when anybody wants that; who then asks for a rate is served by queries. A
-        later subscriber gets the last report at once.
+        share one event at their highest rate, or at every change if any of them wants that; those
+        with a rate are served by queries then. A later subscriber gets the last report at once.
 
         Args:
             query: Asks for the report; its presence vector selects the fields.
             rate: Reports each second, above 0 and up to 1092; None means every change.
             silence_timeout: Seconds without a report before ``on_silence``; 0 means never.
             on_silence: Called once each time the provider falls silent.
-            stands_by: Whether the component leaves Ready for Standby then, before that call.
-            payloads: Whether ``on_report`` takes the encoded report, message code and body, as it
-                came. It raises DecodeError for one that it cannot read, which is counted.
+            stands_by: Whether silence puts the component into Standby, before ``on_silence``.
+            payloads: Whether ``on_report`` takes the encoded report, message code and body. It
+                may raise DecodeError, which is counted.
         """
         if stands_by:
             on_silence = partial(self._jaus_stand_by, provider, on_silence)

@@ -15,15 +15,15 @@ from ..wire.message import DecodeError, Message
 
 
 class QueryTimer:
-    """Queries at a rate, for a subscriber who shares an event that comes at every change.
+    """Queries at a rate, for a subscriber with a rate to an event of every change.
 
-    A provider has one event for each query of a client (AS5710, CreateEvent): a second one with
-    another type would replace it. It asks at absolute times, so that the rate does not drift; a
-    late loop does not catch up.
+    A provider has one event for each query of a client (AS5710, CreateEvent): a periodic one would
+    replace that of every change. Queries are due at absolute times, so that their rate does not
+    drift; a late loop skips some.
     """
 
     def __init__(self, loop: Loop, rate: float, ask: Callable[[float], object]) -> None:
-        """Asks at once for the first time; what asks is given the seconds until the next query."""
+        """Queries at once; `ask` takes the seconds until the next query."""
         self._loop = loop
         self._period = 1 / rate
         self._ask = ask
@@ -31,7 +31,7 @@ class QueryTimer:
         self._timer: Timer = loop.call_at(self._next, self._due)
 
     def stop(self) -> None:
-        """Asks no more."""
+        """Sends no more queries."""
         self._timer.cancel()
 
     def _due(self) -> None:
@@ -41,9 +41,7 @@ class QueryTimer:
 
 
 _LONG_AGO = float("-inf")
-
-_ALIKE = 0.999
-"""Share of a rate from which on another one is the same: on the wire a rate has 16 bits."""
+_SAME_RATE = 0.999  # ratio from which on two rates are the same: on the wire a rate has 16 bits
 
 
 class Stream(Protocol):
@@ -63,11 +61,11 @@ class Stream(Protocol):
         """Removes a subscriber."""
 
     def count_bad(self, provider: JausAddress, error: DecodeError) -> None:
-        """Counts a report that cannot be read."""
+        """Counts a report that cannot be decoded."""
 
 
 class EventSubscription:
-    """One subscriber's share in an event; made by ``JausComponent.subscribe``."""
+    """One subscriber of an event; made by ``JausComponent.subscribe``."""
 
     ask: Callable[[float], object]  # asks the provider for one report, which `answer` takes
 
@@ -84,7 +82,6 @@ class EventSubscription:
         # Whether the subscriber takes encoded reports.
         takes_payloads: bool = False,
     ) -> None:
-        """Use ``JausComponent.subscribe`` instead."""
         self.provider = stream.provider
         self.report_class = report_class
         self.rate = rate
@@ -93,7 +90,7 @@ class EventSubscription:
         self._missing_before, self._late_before = stream.missing, stream.late
         self._component = stream.component
         self._on_report = on_report
-        self._take: Callable[[Any, JausAddress], object] = (
+        self._hand_on: Callable[[Any, JausAddress], object] = (
             self._component.payload_caller(on_report, stream.count_bad)
             if takes_payloads
             else partial(self._component.call, on_report)
@@ -115,7 +112,7 @@ class EventSubscription:
 
     @property
     def refusal(self) -> str:
-        """Why the provider gives no such event, in its words; empty when it has not refused."""
+        """Error message and code of the provider's rejection; empty without one."""
         return self._stream.refusal
 
     @property
@@ -140,13 +137,13 @@ class EventSubscription:
             self._stream.leave(self)
 
     def fast_path(self) -> FastPath | None:
-        """Returns the fast path of the reports of the event; None where they do not all go on."""
+        """Returns the fast path of the reports; None if the subscriber does not get each one."""
         if self._query_timer is not None or self._period or self._silent:
             return None
         return fast_path_of(self._on_report, self.provider)
 
     def note_heard(self, at: float) -> None:
-        """Notes that a report went on without passing here."""
+        """Notes the loop time of a report that took the fast path."""
         self._heard = at
 
     def start_watching(self) -> None:
@@ -156,15 +153,15 @@ class EventSubscription:
             self._watch_from(self._heard)
 
     def stop_watching(self) -> None:
-        """Detects no silence any more."""
+        """Stops the detection of silence and the queries."""
         self._watch.cancel()
         self._stop_asking()
 
     def follow(self, event_rate: float | None) -> None:
-        """Has the own rate of an event that others share, whose rate is None at every change."""
+        """Derives the own rate from that of the shared event, which is None at every change."""
         self._component.loop.revision.changed()
         is_slower = (
-            self.rate is not None and event_rate is not None and self.rate < _ALIKE * event_rate
+            self.rate is not None and event_rate is not None and self.rate < _SAME_RATE * event_rate
         )
         self._period = 1 / self.rate if is_slower and self.rate else 0.0
         self._slack = 0.5 / event_rate if event_rate else 0.0
@@ -184,7 +181,7 @@ class EventSubscription:
             self._query_timer = None
 
     def read(self, payload: bytes) -> Message | bytes | None:
-        """Returns a report as the subscriber takes it; None if it is of another message."""
+        """Returns a report, decoded unless the subscriber takes payloads; None if not decodable."""
         if self.takes_payloads and int.from_bytes(payload[:2], "little") == self.report_class.CODE:
             return payload
         try:
@@ -194,7 +191,7 @@ class EventSubscription:
             return None
 
     def deliver(self, report: Message | bytes, now: float) -> None:
-        """Hands a report of the event to the subscriber, unless it has another rate."""
+        """Hands a report of the event to the subscriber, if due at its rate."""
         if self._query_timer is not None:
             return
         if self._period:
@@ -205,7 +202,7 @@ class EventSubscription:
         self._hand_over(report, now)
 
     def answer(self, report: Message | bytes, _provider: JausAddress) -> None:
-        """Hands the answer to a query to the subscriber."""
+        """Hands the answer to a query of the timer to the subscriber."""
         if self._query_timer is not None:
             self._hand_over(report, self._component.loop.now())
 
@@ -214,13 +211,13 @@ class EventSubscription:
         if self._silent:
             self._silent = False
             self._watch_from(now)
-        self._take(report, self.provider)
+        self._hand_on(report, self.provider)
 
     def _watch_from(self, heard: float) -> None:
-        self._watch.set_at(heard + self._silence_timeout, self._look)
+        self._watch.set_at(heard + self._silence_timeout, self._check_silence)
 
-    def _look(self) -> None:
-        """Re-arm for the last report instead of re-arming at every report."""
+    def _check_silence(self) -> None:
+        # The alarm is set anew here, rather than at every report.
         if self._component.loop.now() < self._heard + self._silence_timeout:
             self._watch_from(self._heard)
             return

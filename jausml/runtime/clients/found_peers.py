@@ -1,4 +1,4 @@
-"""Reports of those that a search finds, subscribed to or asked for."""
+"""Reports of the peers that a search finds, by subscription or by query."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ R = TypeVar("R", bound=Message)
 
 
 class PeerSubscriber(EventSubscriber):
-    """A component that subscribes to reports of those that it finds."""
+    """A component that subscribes to reports of the peers that it finds."""
 
     def subscribe_to_found(
         self,
@@ -32,19 +32,18 @@ class PeerSubscriber(EventSubscriber):
         on_silence: Callable[[JausAddress], None] | None = None,
         stands_by: bool = False,
     ) -> None:
-        """Receives a report of what a search finds, as ``subscribe`` does of one provider.
+        """Subscribes to a report of each peer that a search finds; see ``subscribe``.
 
         Args:
             rate: Reports each second of each provider; None means every change.
             silence_timeout: Seconds without a report before ``on_silence``; 0 means never.
-            on_silence: Told a provider each time that it falls silent.
-            stands_by: Whether the component leaves Ready for Standby then, before that call, and
-                when a provider is gone.
+            on_silence: Called with a provider each time that it falls silent.
+            stands_by: Whether the component goes into Standby when a provider falls silent,
+                before ``on_silence``, or is gone.
         """
         subscriptions: dict[JausAddress, EventSubscription] = {}
 
         def join(peer: JausAddress) -> None:
-            silent = None if on_silence is None else partial(on_silence, peer)
             subscriptions[peer] = self.subscribe(
                 peer,
                 query,
@@ -52,7 +51,7 @@ class PeerSubscriber(EventSubscriber):
                 on_report,
                 rate=rate,
                 silence_timeout=silence_timeout,
-                on_silence=silent,
+                on_silence=None if on_silence is None else partial(on_silence, peer),
                 stands_by=stands_by,
             )
 
@@ -65,7 +64,7 @@ class PeerSubscriber(EventSubscriber):
 
 
 class PeerQuerier(Querier):
-    """A component that asks those that it finds."""
+    """A component that queries the peers that it finds."""
 
     def query_found(
         self,
@@ -74,7 +73,7 @@ class PeerQuerier(Querier):
         report_class: type[R],
         on_report: Callable[[R, JausAddress], None],
     ) -> None:
-        """Asks each component that a search finds for a report once, when it is found."""
+        """Queries each peer that a search finds for a report, once when it is found."""
 
         def join(peer: JausAddress) -> None:
             self.query(peer, query, report_class, on_report)

@@ -1,4 +1,4 @@
-"""Greetings to components that say nothing before they are asked who they are."""
+"""Greetings to components that send nothing before they are queried for their identification."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ GREETING_INTERVAL = 5.0  # seconds between two greetings
 
 
 class Greeter:
-    """Asks peers for their identification until they speak, and again when they fall silent.
+    """Queries peers for their identification until they send, and again when they fall silent.
 
     Operator units of competitions, and components behind a router without multicast, learn of this
-    component by that alone. Each peer gets one small query in ``GREETING_INTERVAL`` seconds at
-    most, which is not repeated otherwise, and none while it was heard, with whatever message,
-    within ``discovery_timeout`` of the settings: it may have been restarted after such a silence.
+    component only so. Each peer gets at most one query in ``GREETING_INTERVAL`` seconds, which the
+    transport does not repeat. It gets none if it has sent any message within the last
+    ``discovery_timeout`` seconds; after a longer silence, it may have been restarted.
     """
 
     def __init__(self, component: Host) -> None:
         self._component = component
         self._presence = component.part(Presence)
-        # How often each peer was greeted since it spoke last.
+        # Greetings to each peer since its last message.
         self.unanswered = dict.fromkeys(component.settings.greeted, 0)
         self._timer = Alarm(component.loop)
         component.unanswered_greetings = self.unanswered
@@ -32,26 +32,25 @@ class Greeter:
         component.when_stopped(self.stop)
 
     def start(self) -> None:
-        """Greets now, and whoever is silent again and again."""
+        """Greets silent peers now, and every ``GREETING_INTERVAL`` seconds."""
         for peer in self.unanswered:
-            self._presence.watch(peer, self._heard)
+            self._presence.watch(peer, self._log_returned)
         if self.unanswered:
-            self._look()
+            self._greet_silent_peers()
 
     def stop(self) -> None:
-        """Greets no more."""
+        """Stops greeting."""
         self._timer.cancel()
         for peer in self.unanswered:
-            self._presence.forget(peer, self._heard)
+            self._presence.forget(peer, self._log_returned)
 
-    def _look(self) -> None:
-        """Greets whoever was not heard for long."""
+    def _greet_silent_peers(self) -> None:
         component = self._component
         since = component.loop.now() - component.settings.discovery_timeout
         for peer in self.unanswered:
             if not self._presence.heard_since(peer, since):
                 self._greet(peer)
-        self._timer.set(GREETING_INTERVAL, self._look)
+        self._timer.set(GREETING_INTERVAL, self._greet_silent_peers)
 
     def _greet(self, peer: JausAddress) -> None:
         self.unanswered[peer] += 1
@@ -63,10 +62,10 @@ class Greeter:
                 "greeter.unanswered", f"{peer} has answered none of {GREETING_PATIENCE} greetings"
             )
 
-    def _heard(self) -> None:
-        """Tells once of each peer that speaks after it was greeted."""
+    def _log_returned(self) -> None:
+        """Logs each peer that sends for the first time since its greeting."""
         since = self._component.loop.now() - self._component.settings.discovery_timeout
-        for peer, tries in self.unanswered.items():
-            if tries and self._presence.heard_since(peer, since):
+        for peer, greetings in self.unanswered.items():
+            if greetings and self._presence.heard_since(peer, since):
                 LOGGER.info("%s speaks, and is greeted no more", peer)
                 self.unanswered[peer] = 0

@@ -1,4 +1,4 @@
-"""Handoff of control between operators (IOP, HandoffController): asked for, and decided."""
+"""Handoff of control between operators (IOP, HandoffController): requests and decisions."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ from ..services.definitions import HandoffRequest
 from ..services.host import Host
 from .control_session import ControlClient
 
-RENEWALS = 3  # how often a request is sent again in the time in which it would lapse
-RENEWAL = 3.0  # seconds between two requests to a component that has not said when they lapse
+RENEWALS = 3  # how often a request is sent within the timeout after which it lapses
+RENEWAL = 3.0  # seconds between two requests to a component that has not reported its timeout
 
+# How often a decision is given to the transport, which repeats it each time. A lost GRANTED would
+# leave the target without a controller.
 DECISION_TRIES = 3
-"""How often a decision is given to the transport, which repeats it each time: who has granted
-commands no more, and control would lapse."""
 
 HandoffAnswer = ConfirmHandoffRequest.ResponseCode
 
@@ -43,7 +43,6 @@ class PendingHandoff:
         message: RequestHandoff,
         on_answer: Callable[[HandoffAnswer], None] | None,
     ) -> None:
-        """Use ``JausComponent.request_handoff`` instead."""
         self.target = target
         self.number: int | None = None
         self.pause = RENEWAL
@@ -53,7 +52,7 @@ class PendingHandoff:
         self._timer = Alarm(host.loop)
 
     def cancel(self) -> None:
-        """Takes the request back; no effect once it is decided."""
+        """Withdraws the request; no effect once it is decided."""
         with self._host.loop.lock:
             if self._timer.is_set and self.number is not None:
                 removal = RemoveHandoffRequest(id_=self.number)
@@ -61,11 +60,11 @@ class PendingHandoff:
             self.end()
 
     def end(self) -> None:
-        """Asks no more."""
+        """Stops sending the request."""
         self._timer.cancel()
 
     def ask(self) -> None:
-        """Sends the request, and again before it lapses."""
+        """Sends the request now, and again before it lapses."""
         self._timer.set(self.pause, self.ask)
         self._host.send(self._message, self.target, acknowledge=True)
 
@@ -84,16 +83,16 @@ class PendingHandoff:
 
 
 class HandoffClient:
-    """Requests of one component, and those that it is to decide."""
+    """Handoff requests by one component, and those that it decides as a controller."""
 
     def __init__(self, host: Host) -> None:
         self._host = host
         self._control = host.part(ControlClient)
         self._pending: dict[JausAddress, PendingHandoff] = {}
-        self._open: dict[JausAddress, tuple[HandoffRequest, ...]] = {}
+        self._undecided: dict[JausAddress, tuple[HandoffRequest, ...]] = {}
         host.on_message(ConfirmHandoffRequest, self._answered)
         host.on_message(ReportEnhancedTimeout, self._timeout_reported)
-        host.on_message(RequestReleaseControl, self._asked)
+        host.on_message(RequestReleaseControl, self._take_requests)
         host.when_stopped(self.stop)
 
     def request(
@@ -103,7 +102,7 @@ class HandoffClient:
         explanation: str,
         on_answer: Callable[[HandoffAnswer], None] | None,
     ) -> PendingHandoff:
-        """Asks for control; a request of the same target before is replaced."""
+        """Requests control of a target; replaces a former request to it."""
         if not target.is_concrete:
             raise ValueError(f"{target} does not name one component")
         message = RequestHandoff(authority_code=authority, explanation=explanation)
@@ -117,46 +116,46 @@ class HandoffClient:
         return handoff
 
     def decide(self, request: HandoffRequest, decision: HandoffDecision) -> None:
-        """Tells the target of a request what was decided of it; who grants gives control up.
+        """Sends the decision on a request to its target; GRANTED gives up control of it.
 
-        At most one request can be granted, and all others are denied then (IOP).
+        At most one request can be granted; all others are denied then (IOP).
         """
-        waiting = self._open.get(request.target, ())
+        waiting = self._undecided.get(request.target, ())
         if request not in waiting:
             raise JausError(f"{request.client} does not ask for {request.target} any more")
-        decided = {request: decision}
+        decisions = {request: decision}
         if decision is HandoffDecision.GRANTED:
-            decided = dict.fromkeys(waiting, HandoffDecision.DENIED) | decided
+            decisions = dict.fromkeys(waiting, HandoffDecision.DENIED) | decisions
         record = ConfirmReleaseControl.ReleaseControlRec
-        records = [
-            record(pending_request.number, code) for pending_request, code in decided.items()
-        ]
+        records = [record(decided.number, code) for decided, code in decisions.items()]
         message = ConfirmReleaseControl(release_control_list=records)
-        self._tell(request.target, message, DECISION_TRIES)
+        self._send_decision(request.target, message, DECISION_TRIES)
         if decision is not HandoffDecision.WAIT:
-            self._open[request.target] = tuple(
-                pending_request for pending_request in waiting if pending_request not in decided
+            self._undecided[request.target] = tuple(
+                undecided for undecided in waiting if undecided not in decisions
             )
         if decision is HandoffDecision.GRANTED:
             self._control.hand_over(request.target)
 
-    def _tell(self, target: JausAddress, message: ConfirmReleaseControl, tries: int) -> None:
-        """Tells a decision, again when no repetition of the transport was acknowledged."""
+    def _send_decision(
+        self, target: JausAddress, message: ConfirmReleaseControl, tries: int
+    ) -> None:
+        """Sends a decision, and again when the transport got no acknowledgement."""
 
         def ended(acknowledged: bool) -> None:  # noqa: FBT001
             if not acknowledged and tries > 1 and self._host.running:
-                self._tell(target, message, tries - 1)
+                self._send_decision(target, message, tries - 1)
 
         self._host.transport.send(
             self._host.address, target, message.encode(), acknowledge=True, on_result=ended
         )
 
     def stop(self) -> None:
-        """Asks for nothing any more."""
+        """Ends all requests."""
         for pending_handoff in self._pending.values():
             pending_handoff.end()
         self._pending.clear()
-        self._open.clear()
+        self._undecided.clear()
 
     def _answered(self, message: ConfirmHandoffRequest, sender: JausAddress) -> None:
         pending = self._pending.get(sender)
@@ -168,12 +167,12 @@ class HandoffClient:
         if pending is not None and message.timeout:
             pending.pause = message.timeout / RENEWALS
 
-    def _asked(self, message: RequestReleaseControl, sender: JausAddress) -> None:
+    def _take_requests(self, message: RequestReleaseControl, sender: JausAddress) -> None:
         if not self._control.holds(sender):
             self._host.counters.add("handoff_client.not_controlled")
             return
-        before = self._open.get(sender, ())
-        self._open[sender] = waiting = tuple(
+        before = self._undecided.get(sender, ())
+        self._undecided[sender] = waiting = tuple(
             HandoffRequest(
                 sender,
                 record.id_,

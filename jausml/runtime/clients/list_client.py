@@ -1,4 +1,4 @@
-"""Editing and reading the lists of other components (AS5710, ListManager, client side)."""
+"""Client of the service ListManager: edits and reads the lists of other components (AS5710)."""
 
 from __future__ import annotations
 
@@ -23,17 +23,15 @@ from ..wire.message import Message
 from .query import QueryClient
 
 MAX_ELEMENTS = 255  # elements that one request holds (AS5710, SetElement)
-
+# Bytes of elements in one request, to fit an Ethernet frame; a single element may have more.
 MAX_BYTES = 1400
-"""Bytes of elements in one request, unless one element alone has more: fits an Ethernet frame."""
-
 ELEMENT_HEADER = 9  # bytes of an element next to its data: three UIDs, format and count
 
 
 class ListRequest:
-    """A change of another component's list, under way; made by ``JausComponent``.
+    """A change of another component's list, made by ``set_list`` or ``delete_elements``.
 
-    The requests are sent one after the other, each again until it is answered.
+    Its requests are sent one after the other; each is repeated until it is answered.
     """
 
     def __init__(
@@ -46,7 +44,6 @@ class ListRequest:
         timeout: float,
         retries: int,
     ) -> None:
-        """Use ``JausComponent.set_list`` or ``JausComponent.delete_elements`` instead."""
         self.target = target
         self._client = client
         self._requests = list(requests)
@@ -69,7 +66,7 @@ class ListRequest:
             self._client.forget(self)
 
     def send_next(self) -> None:
-        """Sends the next request, or tells the user that all are confirmed."""
+        """Sends the next request; calls `on_done` if all are confirmed."""
         if not self._requests:
             self._client.forget(self)
             if self._on_done is not None:
@@ -81,19 +78,19 @@ class ListRequest:
         self._send()
 
     def confirmed(self, request_id: int) -> None:
-        """Goes on after the confirmation of the request under way."""
+        """Takes a confirmation; that of the request under way begins the next request."""
         if request_id == self._request_id:
             self.stop_waiting()
             del self._requests[0]
             self.send_next()
 
     def rejected(self, request_id: int, code: int) -> None:
-        """Gives up after the refusal of the request under way."""
+        """Takes a rejection; that of the request under way ends the change."""
         if request_id == self._request_id:
             self._refuse(code)
 
     def stop_waiting(self) -> None:
-        """Waits for no answer any more."""
+        """Stops waiting for an answer."""
         self._request_id = -1
         self._timer.cancel()
 
@@ -113,7 +110,7 @@ class ListRequest:
 
 
 class ListClient:
-    """The changes that one component makes to the lists of others."""
+    """The changes that one component makes to the lists of other components."""
 
     def __init__(self, component: Host) -> None:
         self.component = component
@@ -132,7 +129,7 @@ class ListClient:
         timeout: float,
         retries: int,
     ) -> None:
-        """Asks for the order, then for one element after the other."""
+        """Queries the UIDs of the elements, then one element after the other."""
         elements: list[ListElement] = []
 
         def ask(query: Message, report: type[Message], take: Callable[..., None]) -> None:
@@ -141,7 +138,7 @@ class ListClient:
             )
 
         def take_list(report: ReportElementList, _sender: JausAddress) -> None:
-            read_next([element_list.element_uid for element_list in report.element_list])
+            read_next([record.element_uid for record in report.element_list])
 
         def read_next(uids: list[int]) -> None:
             if not uids:
@@ -160,22 +157,18 @@ class ListClient:
         ask(QueryElementList(), ReportElementList, take_list)
 
     def next_request_id(self) -> int:
-        """Returns an id that marks a request in its answer."""
+        """Returns the id of a new request, which its answer repeats."""
         self._last_request_id = (self._last_request_id + 1) & 0xFF
         return self._last_request_id
 
     def forget(self, request: ListRequest) -> None:
-        """Drops a change that is done, refused or cancelled; the next one to the target begins."""
+        """Drops a change that has ended; the next one to its target begins."""
         request.stop_waiting()
         if request in self._pending:
             self._pending.remove(request)
-            following = [
-                list_request
-                for list_request in self._pending
-                if list_request.target == request.target
-            ]
-            if following:
-                self.component.loop.call_soon(lambda: self._begin(following[0]))
+            following = self._first(request.target)
+            if following is not None:
+                self.component.loop.call_soon(lambda: self._begin(following))
 
     def stop(self) -> None:
         """Cancels all changes."""
@@ -193,7 +186,7 @@ class ListClient:
         timeout: float = 1.0,
         retries: int = 3,
     ) -> ListRequest:
-        """Sends requests to a target one after the other, each when the one before is confirmed."""
+        """Sends requests to a target, each when the previous one is confirmed."""
         if not target.is_concrete:
             raise ValueError(f"{target} does not name one component")
         for message in requests:
@@ -204,17 +197,12 @@ class ListClient:
         return request
 
     def _begin(self, request: ListRequest) -> None:
-        """Starts a change if it is the first one to its target; they happen one at a time."""
-        first = next(
-            (
-                list_request
-                for list_request in self._pending
-                if list_request.target == request.target
-            ),
-            None,
-        )
-        if first is request and not request.under_way:
+        """Starts a change, unless it waits for a former one of the same list."""
+        if self._first(request.target) is request and not request.under_way:
             request.send_next()
+
+    def _first(self, target: JausAddress) -> ListRequest | None:
+        return next((request for request in self._pending if request.target == target), None)
 
     def _confirmed(self, message: ConfirmElementRequest, sender: JausAddress) -> None:
         for request in tuple(self._pending):
@@ -237,8 +225,8 @@ def deletion(uids: Sequence[int]) -> DeleteElement:
 def replacement(elements: list[ListElement]) -> list[SetElement | DeleteElement]:
     """Returns the requests that delete the list and append the elements piece by piece.
 
-    The list must be valid after each: the last element of a piece has no next one until the next
-    piece appends to it, and the circle is closed by the last piece.
+    The list must be valid after each request: the last element of a piece has no next UID until
+    the next piece is appended; only the last piece may close a circle.
     """
     requests: list[SetElement | DeleteElement] = [deletion([ALL_UIDS])]
     while elements:
@@ -277,7 +265,7 @@ def _element(report: ReportElement) -> ListElement:
 
 
 class ListEditor(Host):
-    """A component that edits and reads the lists of others."""
+    """A component that edits and reads the lists of other components."""
 
     def set_list(
         self,
@@ -294,8 +282,8 @@ class ListEditor(Host):
         Args:
             elements: The list, in order; see ``chain``.
             on_done: Called when the whole list is confirmed.
-            on_refused: Told the code of RejectElementRequest, or None when the target did not
-                answer; the list may then be set in part.
+            on_refused: Called with the code of RejectElementRequest, or None when the target did
+                not answer; the list may then be set in part.
             timeout: Seconds to wait for each answer before the request is repeated.
         """
         with self.loop.lock:
@@ -322,7 +310,7 @@ class ListEditor(Host):
 
         Args:
             uids: The elements, at most 255; 65535 means all.
-            on_refused: Told the code of RejectElementRequest, or None without an answer.
+            on_refused: Called with the code of RejectElementRequest, or None without an answer.
             timeout: Seconds to wait for each answer before the request is repeated.
         """
         with self.loop.lock:
@@ -347,8 +335,8 @@ class ListEditor(Host):
         """Reads the list of another component; control is not needed.
 
         Args:
-            on_failure: Called when a query stayed unanswered, for example because the list was
-                changed meanwhile.
+            on_failure: Called when a query stayed unanswered, as when the list has changed
+                meanwhile.
             timeout: Seconds to wait for each report before the query is repeated.
         """
         with self.loop.lock:

@@ -12,8 +12,8 @@ QUICK_TRIES = 8  # requests without an answer after which the pauses between the
 class Pace:
     """Pauses between requests that stay unanswered: short ones first, then growing ones.
 
-    They grow up to ``retry_max`` while the other side is silent. While it is heard the link is
-    there and only loses datagrams: then no pause is longer than ``watch_interval``.
+    While the peer is silent, they grow up to ``retry_max``. While messages of it arrive, the link
+    only loses datagrams, and no pause is longer than ``watch_interval``.
     """
 
     def __init__(self, component: Host, address: JausAddress) -> None:
@@ -24,12 +24,12 @@ class Pace:
         self._pause = settings.retry_min
 
     def answered(self) -> None:
-        """Begins anew: an answer has come."""
+        """Begins with short pauses again, after an answer."""
         self._tries = 0
         self._pause = self._settings.retry_min
 
     def next_pause(self) -> float:
-        """Returns the seconds to wait for the answer to a request that is sent now."""
+        """Counts a request sent now; returns the seconds to wait for its answer."""
         self._tries += 1
         if self._tries < QUICK_TRIES:
             return self._pause

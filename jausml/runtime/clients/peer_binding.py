@@ -1,4 +1,4 @@
-"""Who is at the other end of a connection: components that are named, or what a search finds."""
+"""The peers of a connection: named components, or those that a search finds."""
 
 from __future__ import annotations
 
@@ -12,23 +12,23 @@ OnChange = Callable[[Sequence["JausAddress"]], None]
 
 
 class Search(Protocol):
-    """A search for components; `PeerSearch` is the one."""
+    """A search for components, as `PeerSearch` is."""
 
     def find(self, component: Host, on_change: OnChange) -> None:
-        """Looks for them until a component stops, and tells all of them whenever they change."""
+        """Searches until a component stops; calls `on_change` with all peers at each change."""
 
 
 class PeerBinding:
-    """Who is at the other end of a connection now."""
+    """The peers of a connection at present."""
 
     def __init__(self, peers: Sequence[JausAddress] | Search) -> None:
         self.search = None if isinstance(peers, Sequence) else peers
-        # Replaced when it changes, so any thread may read it.
+        # Any thread may read it: a change replaces the tuple.
         self.present: tuple[JausAddress, ...] = tuple(peers) if isinstance(peers, Sequence) else ()
         self._on_change: list[Callable[[], None]] = []
 
     def on_change(self, action: Callable[[], None]) -> None:
-        """Calls a function whenever they are others, before who comes is met."""
+        """Has a function called when the peers have changed, before `join` and `leave`."""
         self._on_change.append(action)
 
     def follow(
@@ -37,7 +37,7 @@ class PeerBinding:
         join: Callable[[JausAddress], None],
         leave: Callable[[JausAddress], None],
     ) -> None:
-        """Meets those that are named, or each that is found from now on."""
+        """Calls `join` with each named or found peer, and `leave` with each one that is lost."""
 
         def change(peers: Sequence[JausAddress]) -> None:
             before, self.present = self.present, tuple(peers)
@@ -57,16 +57,16 @@ class PeerBinding:
 
     @property
     def is_anybody(self) -> bool:
-        """Whether nobody is named or searched for: messages of anybody are meant."""
+        """Whether no peer is named or searched for: any component is a peer."""
         return self.search is None and not self.present
 
     @property
     def is_lacking(self) -> bool:
-        """Whether a search has found nobody."""
+        """Whether a search has found no peer."""
         return self.search is not None and not self.present
 
     def describe(self) -> list[tuple[str, str]]:
-        """What a search has found, for diagnostics; nothing for named peers."""
+        """Returns keys and values for diagnostics: the peers of a search; none for named peers."""
         if self.search is None:
             return []
         bound = ", ".join(map(str, self.present))

@@ -1,4 +1,4 @@
-"""Components that control others."""
+"""Components that control other components."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .handoff_client import HandoffAnswer, HandoffClient, PendingHandoff
 
 
 class PeerController(Host):
-    """A component that controls others."""
+    """A component that controls other components."""
 
     def control(
         self,
@@ -31,13 +31,13 @@ class PeerController(Host):
 
         Args:
             authority: Authority code to request control with, 0 to 255.
-            resume: Whether to take the target from Standby to Ready whenever it is found there.
+            resume: Whether to take the target from Standby to Ready whenever it is in Standby.
 
         Returns:
             A handle to read the state from and to release control with.
         """
         with self.loop.lock:
-            self.part(HandoffClient)  # others may ask for what is controlled
+            self.part(HandoffClient)  # takes the handoff requests of other clients
             return self.part(ControlClient).control(
                 target, authority, resume=resume, on_change=on_change
             )
@@ -50,18 +50,18 @@ class PeerController(Host):
         explanation: str = "",
         on_answer: Callable[[HandoffAnswer], None] | None = None,
     ) -> PendingHandoff:
-        """Asks for control of another component that somebody else controls (IOP).
+        """Requests control of a component that another client controls (IOP).
 
-        The target has its controller decide. The request is sent again until that is done or it is
+        The controller of the target decides. The request is repeated until it is decided or
         cancelled. Once it is granted, sessions of ``control`` with the target go on at once.
 
         Args:
             authority: Authority code to control the target with, 0 to 255.
-            explanation: Why, for the person who decides; at most 255 bytes of Latin-1.
-            on_answer: Told each answer; after QUEUED and DEFERRED others follow.
+            explanation: The reason, for the operator who decides; at most 255 bytes of Latin-1.
+            on_answer: Called with each answer; after QUEUED and DEFERRED others follow.
 
         Returns:
-            A handle to take the request back with.
+            A handle to withdraw the request.
 
         Raises:
             EncodeError: The authority or the explanation does not fit.
@@ -71,13 +71,13 @@ class PeerController(Host):
             return self.part(HandoffClient).request(target, authority, explanation, on_answer)
 
     def decide_handoff(self, request: HandoffRequest, decision: HandoffDecision) -> None:
-        """Tells a controlled component what a person has decided of a request (IOP).
+        """Sends an operator's decision on a handoff request to the controlled target (IOP).
 
-        Who grants controls the target no more: its sessions wait until a request of their own is
-        granted, or ``control`` is called again. All other requests are denied then.
+        GRANTED ends control of the target: sessions of this component with it wait until its own
+        request is granted, or ``control`` is called again. All other requests are denied then.
 
         Raises:
-            JausError: Nobody asks for that any more.
+            JausError: The request is not open any more.
         """
         with self.loop.lock:
             self.part(HandoffClient).decide(request, decision)

@@ -1,8 +1,8 @@
-"""Peers that are named, or found by the services that they provide, and kept while they live.
+"""Peers found by the services that they provide, and kept while they are alive.
 
-Who provides a service is told by Discovery, also by that of somebody who does not know that a
-component is gone. A component is taken for a peer when its own transport acknowledges a message,
-and let go when it acknowledges no more: that needs no service of it.
+Discovery reports the providers of a service, and may report components that are gone. So a provider
+becomes a peer when its own transport acknowledges a message, and is dropped when its transport
+acknowledges no more; no service of the peer is needed for that.
 """
 
 from __future__ import annotations
@@ -22,27 +22,25 @@ from .peer_binding import OnChange
 
 
 class PeerChoice(Enum):
-    """Which of the components that a search finds are taken."""
+    """Which of the components that a search finds become peers."""
 
+    # One: of the same node, else of the same subsystem, else any; of these the lowest address.
     NEAREST = "nearest"
-    """One: of the same node, else of the same subsystem, else any; then the lowest address."""
-    FIRST = "first"
-    """One: that which answers first."""
+    FIRST = "first"  # the one that answers first
     ALL = "all"
-    """Every one."""
 
 
 @dataclass(frozen=True)
 class PeerSearch:
-    """A search for components by what they provide and where they are.
+    """A search for components by their services and their place.
 
     Attributes:
         services: URNs of services that a component must provide, all of them, of any version.
-        subsystem: Where it must be, 1 to 65534; 0 means any subsystem.
-        node: Where it must be, 1 to 254; 0 means any node.
-        within: Where it must be, as seen from who searches: SYSTEM means anywhere, SUBSYSTEM in
-            the same subsystem, NODE on the same node.
-        choice: Which of those that are found are taken.
+        subsystem: Its subsystem, 1 to 65534; 0 means any.
+        node: Its node, 1 to 254; 0 means any.
+        within: Its distance from the searching component: SYSTEM means any, SUBSYSTEM the same
+            subsystem, NODE the same node.
+        choice: Which of the found components become peers.
 
     Raises:
         ValueError: A number is out of its range, or the scope is COMPONENT.
@@ -63,7 +61,7 @@ class PeerSearch:
             raise ValueError(f"nothing can be found: {self}")
 
     def matches(self, own: JausAddress, address: JausAddress, urns: Collection[str]) -> bool:
-        """Returns whether a component is one that the search looks for: never who searches."""
+        """Returns whether another component than the own one has the services and the place."""
         return (
             address != own
             and self.subsystem in (0, address.subsystem)
@@ -74,15 +72,15 @@ class PeerSearch:
         )
 
     def where_to_ask(self, own: JausAddress) -> JausAddress:
-        """Returns the wildcard address of those who may know such components.
+        """Returns the wildcard address to which the queries of the search are sent.
 
-        Every node of a subsystem is asked, since one component may answer for all of them.
+        It names every node of a subsystem, as one component may answer for all of them.
         """
         subsystem = self.subsystem if self.within is Scope.SYSTEM else own.subsystem
         return JausAddress(subsystem or WILDCARD_SUBSYSTEM, WILDCARD_NODE, WILDCARD_COMPONENT)
 
     def find(self, component: Host, on_change: OnChange) -> None:
-        """Looks for such components until one stops, and tells all of them whenever they change."""
+        """Searches until a component stops; calls `on_change` with all peers at each change."""
         component.part(PeerClient).find(self, on_change)
 
     def __str__(self) -> str:
@@ -96,46 +94,35 @@ class PeerSearch:
 
 
 def distance(own: JausAddress, address: JausAddress) -> int:
-    """Returns how far another component is: 0 on the same node, 1 in the same subsystem, else 2."""
+    """Returns 0 for a component on the same node, 1 in the same subsystem, else 2."""
     if address.subsystem != own.subsystem:
         return 2
     return 0 if address.node == own.node else 1
 
 
-CHECK_INTERVAL = 1.0
-"""Seconds between two checks of a peer, and between two looks around at the fastest."""
-
-MISSED_CHECKS = 3
-"""Checks without acknowledgement after which a peer is taken for gone."""
-
-COLLECTING_TIME = 0.3
-"""Seconds from the first answer to the choice, in which further components may answer."""
-
-SLOWEST_SEARCH = 5.0
-"""Longest time in seconds between two looks around while a search has found nobody."""
-
-STEADY_SEARCH = 15.0
-"""Seconds between two looks around of a search that takes all and has some."""
-
-MAX_PROVIDERS = 1024
-"""Components that are remembered; inventions of a peer must not fill the memory."""
+CHECK_INTERVAL = 1.0  # seconds between two checks of a peer; the shortest between two queries
+MISSED_CHECKS = 3  # checks in a row without acknowledgement after which a peer is gone
+COLLECTING_TIME = 0.3  # seconds from the first answer to the choice, for further answers
+SLOWEST_SEARCH = 5.0  # longest time in seconds between two queries while a search has no peer
+STEADY_SEARCH = 15.0  # seconds between two queries of a search for all peers that has some
+MAX_PROVIDERS = 1024  # providers that are remembered; a peer may invent any number
 
 
 @dataclass
 class _Provider:
-    """A component of which Discovery says that it provides what somebody searches for."""
+    """A component that matches a search, according to Discovery."""
 
     address: JausAddress
     urns: frozenset[str]
-    lives: bool = False
-    missed: int = 0
+    is_alive: bool = False
+    missed: int = 0  # checks in a row without acknowledgement
 
 
 class _RunningSearch:
-    """A search under way, and all of the component who are told what it finds."""
+    """A search under way, and its listeners in the component."""
 
     def __init__(self, component: Host, search: PeerSearch) -> None:
-        self.search = search
+        self.criteria = search
         self.bound: tuple[JausAddress, ...] = ()
         self._component = component
         self._listeners: list[OnChange] = []
@@ -143,15 +130,15 @@ class _RunningSearch:
     def add(self, listener: OnChange) -> None:
         self._listeners.append(listener)
         if self.bound:
-            self._component.loop.call_soon(partial(self._tell, listener))
+            self._component.loop.call_soon(partial(self._call, listener))
 
     def matches(self, provider: _Provider) -> bool:
-        return self.search.matches(self._component.address, provider.address, provider.urns)
+        return self.criteria.matches(self._component.address, provider.address, provider.urns)
 
-    def choose(self, living: Sequence[_Provider]) -> None:
-        """Keeps the peers that live, and takes others when they are wanted."""
-        addresses = [provider.address for provider in living if self.matches(provider)]
-        if self.search.choice is PeerChoice.ALL:
+    def choose(self, alive: Sequence[_Provider]) -> None:
+        """Keeps the peers that are alive, and replaces lost ones; calls listeners at a change."""
+        addresses = [provider.address for provider in alive if self.matches(provider)]
+        if self.criteria.choice is PeerChoice.ALL:
             chosen = tuple(sorted(addresses))
         else:
             kept = [address for address in self.bound if address in addresses]
@@ -159,15 +146,15 @@ class _RunningSearch:
         if chosen != self.bound:
             self.bound = chosen
             for listener in self._listeners:
-                self._tell(listener)
+                self._call(listener)
 
     def _best(self, addresses: list[JausAddress]) -> list[JausAddress]:
-        if self.search.choice is PeerChoice.FIRST:
+        if self.criteria.choice is PeerChoice.FIRST:
             return addresses[:1]
         own = self._component.address
         return sorted(addresses, key=lambda address: (distance(own, address), address))[:1]
 
-    def _tell(self, listener: OnChange) -> None:
+    def _call(self, listener: OnChange) -> None:
         self._component.call(listener, self.bound)
 
 
@@ -175,79 +162,79 @@ class PeerClient:
     """The searches of one component, and the peers that they have found."""
 
     def __init__(self, component: Host) -> None:
-        """Listens to what Discovery tells; nothing is asked before there is a search."""
+        """Sends nothing before the first search."""
         self._component = component
         self._discovery = component.part(DiscoveryClient)
-        self._finders: dict[PeerSearch, _RunningSearch] = {}
-        # In the order in which they were found to live.
+        self._searches: dict[PeerSearch, _RunningSearch] = {}
+        # In the order of their first acknowledgements.
         self._providers: dict[JausAddress, _Provider] = {}
         self._timer = Alarm(component.loop)
         self._choice = Alarm(component.loop)
         self._next_search = 0.0
         self._interval = CHECK_INTERVAL
-        component.on_message(QueryIdentification, self._newcomer)
+        component.on_message(QueryIdentification, self._take_identification_query)
         component.when_stopped(self.stop)
 
     def find(self, search: PeerSearch, on_change: OnChange) -> None:
-        """Looks for peers until the component stops; tells all of them whenever they change."""
-        if not self._finders:
-            self._discovery.watch(self._sighted)
+        """Searches until the component stops; calls `on_change` with all peers at each change."""
+        if not self._searches:
+            self._discovery.watch(self._add_provider)
             self._component.when_started(self._check)
-        if search not in self._finders:
-            self._finders[search] = _RunningSearch(self._component, search)
+        if search not in self._searches:
+            self._searches[search] = _RunningSearch(self._component, search)
             self._interval, self._next_search = CHECK_INTERVAL, 0.0
-        self._finders[search].add(on_change)
+        self._searches[search].add(on_change)
 
     def stop(self) -> None:
-        """Looks for nobody any more."""
+        """Stops all searches."""
         self._timer.cancel()
         self._choice.cancel()
 
-    # ---- looking around ---------------------------------------------------------------------
+    # ---- queries ----------------------------------------------------------------------------
 
     def _check(self) -> None:
-        """Looks after the peers, and looks around when somebody is missing."""
+        """Probes the peers, and sends the queries of open searches when due."""
         loop = self._component.loop
         self._timer.set(CHECK_INTERVAL, self._check)
         for address in self._bound():
             self._probe(self._providers[address])
-        searching = [finder for finder in self._finders.values() if self._is_open(finder)]
-        if searching and loop.now() >= self._next_search:
-            self._look_around(searching)
+        open_searches = [search for search in self._searches.values() if self._is_open(search)]
+        if open_searches and loop.now() >= self._next_search:
+            self._query(open_searches)
 
-    def _look_around(self, searching: Sequence[_RunningSearch]) -> None:
+    def _query(self, searches: Sequence[_RunningSearch]) -> None:
         own = self._component.address
-        for place in {finder.search.where_to_ask(own) for finder in searching}:
+        for place in {search.criteria.where_to_ask(own) for search in searches}:
             self._discovery.ask_for_services(place)
-        if all(finder.bound for finder in searching):
+        if all(search.bound for search in searches):
             self._interval = STEADY_SEARCH
         else:
             self._interval = min(self._interval * 2, SLOWEST_SEARCH)
         self._next_search = self._component.loop.now() + self._interval
 
     def _bound(self) -> set[JausAddress]:
-        return {address for finder in self._finders.values() for address in finder.bound}
+        return {address for search in self._searches.values() for address in search.bound}
 
     @staticmethod
-    def _is_open(finder: _RunningSearch) -> bool:
-        return not finder.bound or finder.search.choice is PeerChoice.ALL
+    def _is_open(search: _RunningSearch) -> bool:
+        return not search.bound or search.criteria.choice is PeerChoice.ALL
 
-    def _newcomer(self, _query: QueryIdentification, sender: JausAddress) -> None:
-        """Asks a component that speaks at its start at once, not at the next look around."""
-        if sender not in self._providers and any(map(self._is_open, self._finders.values())):
+    def _take_identification_query(self, _query: QueryIdentification, sender: JausAddress) -> None:
+        """Queries a component at once that identifies others, as components do at their start."""
+        if sender not in self._providers and any(map(self._is_open, self._searches.values())):
             self._discovery.ask_for_services(sender)
 
     # ---- providers --------------------------------------------------------------------------
 
-    def _sighted(self, component: FoundComponent) -> None:
+    def _add_provider(self, component: FoundComponent) -> None:
         urns = frozenset(service.urn for service in component.services)
         provider = _Provider(component.address, urns)
-        known = self._providers.get(component.address)
-        if known is not None:
-            known.urns = urns
-            if known.lives:
+        former = self._providers.get(component.address)
+        if former is not None:
+            former.urns = urns
+            if former.is_alive:
                 self._choose_soon()
-        elif not any(finder.matches(provider) for finder in self._finders.values()):
+        elif not any(search.matches(provider) for search in self._searches.values()):
             return
         elif len(self._providers) >= MAX_PROVIDERS:
             self._component.counters.count("peer_client.too_many_found", str(component.address))
@@ -256,37 +243,37 @@ class PeerClient:
             self._probe(provider)
 
     def _probe(self, provider: _Provider) -> None:
-        """Sends something that the provider's transport acknowledges, whatever it provides."""
+        """Sends a message that the transport of any component acknowledges."""
         self._component.transport.send(
             self._component.address,
             provider.address,
             QueryHeartbeatPulse().encode(),
             acknowledge=True,
-            on_result=partial(self._probed, provider),
+            on_result=partial(self._take_probe_result, provider),
         )
 
-    def _probed(self, provider: _Provider, acknowledged: bool) -> None:  # noqa: FBT001 - OnResult
+    def _take_probe_result(self, provider: _Provider, acknowledged: bool) -> None:  # noqa: FBT001
         if self._providers.get(provider.address) is not provider or not self._component.running:
             return
         provider.missed = 0 if acknowledged else provider.missed + 1
-        if acknowledged and not provider.lives:
-            provider.lives = True
+        if acknowledged and not provider.is_alive:
+            provider.is_alive = True
             del self._providers[provider.address]
             self._providers[provider.address] = provider
             self._choose_soon()
-        elif not acknowledged and (provider.missed >= MISSED_CHECKS or not provider.lives):
+        elif not acknowledged and (provider.missed >= MISSED_CHECKS or not provider.is_alive):
             self._forget(provider)
 
     def _forget(self, provider: _Provider) -> None:
-        """Lets a provider go that is gone; whoever needs another looks around at once."""
+        """Drops a provider that is gone; searches for another one are due at once."""
         del self._providers[provider.address]
-        if not provider.lives:
+        if not provider.is_alive:
             return
         self._component.counters.count("peer_client.lost", str(provider.address))
         bound = self._bound()
         for other in list(self._providers.values()):
-            if other.lives and other.address not in bound:  # that was a while ago
-                other.lives = False
+            if other.is_alive and other.address not in bound:  # when last probed
+                other.is_alive = False
                 self._probe(other)
         self._interval, self._next_search = CHECK_INTERVAL, 0.0
         self._choose()
@@ -299,30 +286,31 @@ class PeerClient:
 
     def _choose(self) -> None:
         self._choice.cancel()
-        living = [provider for provider in self._providers.values() if provider.lives]
-        for finder in self._finders.values():
-            finder.choose(living)
+        alive = [provider for provider in self._providers.values() if provider.is_alive]
+        for search in self._searches.values():
+            search.choose(alive)
 
 
 class PeerFinder(Host):
-    """A component that finds others by what they provide."""
+    """A component that finds other components by their services."""
 
     def discover(self, urn: str, on_found: Callable[[FoundComponent], None]) -> None:
-        """Reports each component that provides a service, by its URN, once for each found."""
+        """Calls `on_found` once with each component that provides the service of a URN."""
         with self.loop.lock:
             self.part(DiscoveryClient).discover(urn, on_found)
 
     def find_peers(
         self, search: PeerSearch, on_change: Callable[[Sequence[JausAddress]], None]
     ) -> None:
-        """Finds components by what they provide, and looks after them, until the component stops.
+        """Searches for components by their services until this component stops.
 
-        Discovery tells who provides the services; a component is taken when its transport
-        acknowledges a message, and let go when three in a row stay unacknowledged. One that is
-        taken is kept while it lives, also when a nearer one appears.
+        Discovery reports the providers of the services. One becomes a peer when its transport
+        acknowledges a message, and is dropped when three in a row stay unacknowledged. A peer is
+        kept while it is alive, also when a nearer one appears.
 
         Args:
-            on_change: Told all of them, in order, whenever they change; none when they are gone.
+            on_change: Called with all peers, in order, whenever they change; empty when all are
+                gone.
         """
         with self.loop.lock:
             self.part(PeerClient).find(search, on_change)

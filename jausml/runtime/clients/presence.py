@@ -1,4 +1,4 @@
-"""When each component was last heard."""
+"""The times at which other components have sent their last message."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ SILENCE = 2.0  # seconds without a message after which a component that speaks a
 
 
 class Presence:
-    """When each component that is waited for has sent its last message, of whatever kind."""
+    """The time of the last message of each watched component, whatever its class."""
 
     def __init__(self, component: Host) -> None:
         self._loop = component.loop
-        # By component when that was; kept by who takes the messages.
+        # Loop times of the last messages; kept up to date by the component's inbox.
         self.heard: dict[JausAddress, float] = {}
         self._on_return: dict[JausAddress, list[Callable[[], None]]] = {}
 
     def watch(self, address: JausAddress, on_return: Callable[[], None]) -> None:
-        """Waits for a component; the action is called when it speaks first, or after a silence."""
+        """Watches a component; its first message, or one after a silence, calls the action."""
         self.heard.setdefault(address, -math.inf)
         self._on_return.setdefault(address, []).append(on_return)
 
     def note(self, address: JausAddress, at: float) -> None:
-        """Notes a message of a component, which did not pass those who take messages."""
+        """Notes the time of a message that took the fast path."""
         last = self.heard.get(address)
         if last is not None:
             self.heard[address] = at
@@ -43,14 +43,14 @@ class Presence:
             self.heard.pop(address, None)
 
     def returned(self, address: JausAddress) -> None:
-        """Tells who waits for a component that it speaks again, after what its message says."""
+        """Calls the actions of a component that sends again, after its message is handled."""
         for action in self._on_return[address]:
             self._loop.call_soon(action)
 
     def heard_since(self, address: JausAddress, when: float) -> bool:
-        """Tells whether a component that is waited for has sent a message since a time."""
+        """Returns whether a watched component has sent a message since a loop time."""
         return self.heard.get(address, -math.inf) >= when
 
     def heard_lately(self, address: JausAddress) -> bool:
-        """Tells whether a component that is waited for is audible now."""
+        """Returns whether a watched component has sent a message within `SILENCE` seconds."""
         return self.heard_since(address, self._loop.now() - SILENCE)

@@ -1,4 +1,4 @@
-"""Components that ask others once."""
+"""Components that query other components."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ R = TypeVar("R", bound=Message)
 
 
 class Querier(Host):
-    """A component that asks others once."""
+    """A component that queries other components."""
 
     def query(
         self,
@@ -28,13 +28,13 @@ class Querier(Host):
         retries: int = 3,
         payloads: bool = False,
     ) -> PendingQuery:
-        """Asks another component for a report once.
+        """Queries another component for one report.
 
         Args:
             on_failure: Called when every attempt stayed unanswered.
             timeout: Seconds to wait for the report before the query is repeated.
-            payloads: Whether ``on_report`` takes the encoded report, message code and body, as it
-                came. It raises DecodeError for one that it cannot read, which is counted.
+            payloads: Whether ``on_report`` takes the encoded report, message code and body. It
+                may raise DecodeError, which is counted.
         """
         with self.loop.lock:
             return self.part(QueryClient).ask(

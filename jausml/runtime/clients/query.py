@@ -1,4 +1,4 @@
-"""One-time queries: ask, wait for the report, ask again."""
+"""One-time queries, repeated until their report arrives."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ class PendingQuery:
     timer: Alarm
 
     def cancel(self) -> None:
-        """Waits no longer; neither callback is called."""
+        """Ends the query; neither callback is called."""
         with self._client.component.loop.lock:
             self._client.forget(self)
 
 
 class QueryClient:
-    """The one-time queries of one component; answers resolve them in the order of asking."""
+    """The one-time queries of one component; reports answer them in the order of their calls."""
 
     def __init__(self, component: Host) -> None:
         self.component = component
@@ -80,7 +80,7 @@ class QueryClient:
         return pending
 
     def forget(self, pending: PendingQuery) -> None:
-        """Drops a query that is given up or cancelled; no effect when it does not wait."""
+        """Drops a query; no effect if it does not wait."""
         queries = self._pending[pending.report_class]
         if pending in queries:
             queries.remove(pending)
@@ -112,13 +112,13 @@ class QueryClient:
 
     def _reported(self, queries: list[PendingQuery], payload: bytes, sender: JausAddress) -> None:
         """Gives a report to the first query that waits for one of its sender."""
-        pending = next((waiting for waiting in queries if waiting.target == sender), None)
+        pending = next((query for query in queries if query.target == sender), None)
         if pending is None:
             return
         report_class = pending.report_class
         try:
             report = payload if pending.takes_payloads else report_class.decode(payload)
-        except DecodeError as error:  # it goes on waiting
+        except DecodeError as error:  # the query goes on waiting
             self._count_bad(report_class, sender, error)
             return
         queries.remove(pending)
@@ -127,7 +127,7 @@ class QueryClient:
             self.component.payload_caller(pending.on_report, on_bad)(payload, sender)
         else:
             self.component.call(pending.on_report, report, sender)
-        # At last, as it is no part of the latency.
+        # Last, to keep it out of the latency.
         pending.timer.cancel()
 
     def _count_bad(

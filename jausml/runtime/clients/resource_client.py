@@ -1,4 +1,4 @@
-"""Registration of the streams and files of a component, wherever somebody collects them (IOP)."""
+"""Registration of a component's streams and files with the registry of its subsystem (IOP)."""
 
 from __future__ import annotations
 
@@ -20,15 +20,14 @@ from .query import QueryClient
 
 REGISTRY = PeerSearch((DIGITAL_RESOURCE_DISCOVERY,), within=Scope.SUBSYSTEM)
 
-CHECK_INTERVAL = 5.0
-"""Seconds between two looks at what the registry reports, which may have begun anew."""
+CHECK_INTERVAL = 5.0  # seconds between two queries to the registry
 
 
 class ResourceClient:
-    """Sees to it that the registry of the subsystem reports the endpoints of a component.
+    """Registers the endpoints of a component until the registry of its subsystem reports them.
 
-    What it reports decides, and no confirmation: a registration that was lost, and a registry that
-    was started again, are noticed in the same way.
+    The report is what counts, not a confirmation: so a lost registration and a restarted registry
+    are noticed in the same way.
     """
 
     def __init__(self, component: Host) -> None:
@@ -41,19 +40,19 @@ class ResourceClient:
         component.part(PeerClient).find(REGISTRY, self._registries_found)
 
     def stop(self) -> None:
-        """Looks at nothing any more."""
+        """Stops the queries."""
         self._timer.cancel()
 
     def _registries_found(self, registries: Sequence[JausAddress]) -> None:
         self.stop()
         self._registry = next(iter(registries), None)
-        self._look()
+        self._check()
 
-    def _look(self) -> None:
+    def _check(self) -> None:
         registry, component = self._registry, self._component
         if registry is None or not component.running:
             return
-        self._timer.set(CHECK_INTERVAL, self._look)
+        self._timer.set(CHECK_INTERVAL, self._check)
         self._queries.ask(
             registry,
             QueryDigitalResourceEndpoint(),
@@ -63,9 +62,9 @@ class ResourceClient:
         )
 
     def _compare(self, report: ReportDigitalResourceEndpoint, registry: JausAddress) -> None:
-        known = {endpoint.server_url for endpoint in report.endpoints}
+        registered = {endpoint.server_url for endpoint in report.endpoints}
         for number, endpoint in enumerate(self._own, 1):
-            if endpoint.server_url not in known:
+            if endpoint.server_url not in registered:
                 request = RequestIDRec(number)
                 message = RegisterDigitalResourceEndpoint(request, endpoint)
                 self._component.send(message, registry, acknowledge=True)

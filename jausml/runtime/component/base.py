@@ -1,4 +1,4 @@
-"""Base of a component, which serves others: its state and its life cycle."""
+"""Base class of components: core services, state and life cycle."""
 
 from __future__ import annotations
 
@@ -38,24 +38,24 @@ COMPONENT_TYPE = 60001  # type of a plain component (AS5710, ReportIdentificatio
 class Component(Host):
     """One JAUS component of this process.
 
-    The core services among ``services`` are provided: Events, AccessControl, Management, Time,
-    Liveness, Discovery and ListManager, as their versions say; every other message is handled by
-    what ``handle`` and ``provide`` are given. All methods may be called from any thread.
-    Handlers, providers, callbacks and hooks hold ``loop.lock`` and must not block; they run on
-    the loop's thread, or on the thread that calls ``start``, ``stop``, ``fail`` or
-    ``report_changed``. When one raises, the error is logged and counted as
-    ``component.handler_failed``. A value that does not fit its field is an EncodeError; an address
-    that is not one component, or a number out of its range, a ValueError. What is returned can be
-    cancelled.
+    It provides the core services among ``services``: Events, AccessControl, Management, Time,
+    Liveness, Discovery and ListManager, in the versions given there. Handlers and providers of
+    other messages are registered by ``handle`` and ``provide``. All methods may be called from any
+    thread. Handlers, providers, callbacks and hooks hold ``loop.lock`` and must not block; they run
+    on the thread of the loop, or on the thread that calls ``start``, ``stop``, ``fail`` or
+    ``report_changed``. An error of one is logged and counted as ``component.handler_failed``.
+    Methods raise EncodeError for a value that does not fit its field, and ValueError for an address
+    that is not one component or a number out of range. Objects that they return have ``cancel``.
 
-    A generated component derives from this class, and from what its model asks for besides, such as
+    A generated component derives from this class, and from others that its model needs, such as
     ``EventSubscriber``. It calls ``handle``, ``provide``, ``subscribe`` and ``control`` in its
     constructor, and overrides the ``on_...`` hooks.
 
     Attributes:
-        core_services: The core services that it may provide; ``services`` says which it does.
-        clients: Clients of others that it has from the start, used or not.
-        clock: The time, for user code that shall run in virtual time as well.
+        core_services: Classes of the core services that the component can provide; those among
+            ``services`` are.
+        clients: Classes of clients of other components that are made at the start.
+        clock: The time, for user code that may also run in virtual time.
     """
 
     core_services: Sequence[Callable[[Host], CoreService]] = (
@@ -77,7 +77,7 @@ class Component(Host):
         component_type: int = COMPONENT_TYPE,
         settings: ComponentSettings | None = None,
     ) -> None:
-        """Describes a component; nothing is sent or received before ``start``.
+        """Makes a component, which neither sends nor receives before ``start``.
 
         Args:
             component_type: Type that Discovery reports (AS5710, ReportIdentification), e.g.
@@ -113,8 +113,8 @@ class Component(Host):
             service.urn.removeprefix(CORE): (service.major, service.minor)
             for service in self.services
         }
-        # Each keeps a part of the state whatever is provided: one without Management is ready for
-        # nobody, one without AccessControl is never controlled.
+        # Made even if they are not provided, since they hold the state: a component without
+        # Management is never Ready, one without AccessControl never controlled.
         self._jaus_events = self.part(EventsService)
         self._jaus_access = self.part(AccessControlService)
         self._jaus_management = self.part(ManagementService)
@@ -142,12 +142,12 @@ class Component(Host):
 
     @property
     def controller(self) -> JausAddress | None:
-        """The component that controls this one."""
+        """The component that controls this one; None without one."""
         return self._jaus_access.controller
 
     @property
     def has_control_lapsed(self) -> bool:
-        """Whether the last controller let control lapse: it did not request it again in time."""
+        """Whether the last controller lost control because it did not request it again in time."""
         return self._jaus_access.has_lapsed
 
     @property
@@ -168,7 +168,7 @@ class Component(Host):
                 self.core_state_changed()
 
     def allows(self, guard: Guard, sender: JausAddress) -> bool:
-        """Whether a message of ``sender`` is obeyed under ``guard``."""
+        """Returns whether a message of ``sender`` is obeyed under ``guard``."""
         if guard is Guard.ANY:
             return True
         access = self._jaus_access
@@ -179,20 +179,20 @@ class Component(Host):
     # ---- others -----------------------------------------------------------------------------
 
     def set_emergency(self, target: JausAddress) -> None:
-        """Stops another component; no control is needed (AS5710, SetEmergency)."""
+        """Sets an emergency of another component, without control of it (AS5710, SetEmergency)."""
         self.send(SetEmergency(), target, priority=Priority.SAFETY_CRITICAL, acknowledge=True)
 
     def clear_emergency(self, target: JausAddress) -> None:
-        """Takes back the emergency that this component has set (AS5710, ClearEmergency)."""
+        """Clears an emergency that this component has set (AS5710, ClearEmergency)."""
         self.send(ClearEmergency(), target, priority=Priority.SAFETY_CRITICAL, acknowledge=True)
 
     @property
     def discovery_server(self) -> JausAddress | None:
-        """Where the component is registered: the Discovery service of its subsystem, if known."""
+        """The component with which this one has registered its services; None before."""
         return self._jaus_registration.server
 
     def _jaus_stand_by(self, provider: JausAddress, on_silence: Callable[[], None] | None) -> None:
-        """Leaves Ready for Standby, as a report that is needed there does not come."""
+        """Leaves Ready for Standby, as a report of `provider` that Ready requires is missing."""
         if self.status is Status.READY:
             LOGGER.warning("%s stands by: %s is silent", self.address, provider)
             self._jaus_management.stand_by()
@@ -202,7 +202,7 @@ class Component(Host):
     # ---- for the services and clients of the component --------------------------------------
 
     def permissions_changed(self) -> None:
-        """Ends the commands under way that are not allowed any more; called by the services."""
+        """Ends commands under way that are not allowed any more; called by the services."""
         self.loop.revision.changed()
         self._jaus_events.permissions_changed()
 
@@ -216,8 +216,9 @@ class Component(Host):
     def start(self) -> None:
         """Receives messages, initialises, and begins subscriptions and sessions.
 
-        A RuntimeError says that the component runs already, a ValueError that another one of this
-        process has the address.
+        Raises:
+            RuntimeError: The component runs already.
+            ValueError: Another component of this process has the address.
         """
         with self.loop.lock:
             if self._jaus_running:
@@ -236,10 +237,10 @@ class Component(Host):
                 self._jaus_registration.start()
 
     def stop(self) -> None:
-        """Leaves in good order; no effect when the component does not run.
+        """Stops the component; no effect when it does not run.
 
-        Releases control that is held, cancels subscriptions, tells the controller that control
-        is released and reports the status SHUTDOWN to whoever watches it.
+        It releases control of others, cancels subscriptions, rejects its controller, and reports
+        the status SHUTDOWN to subscribers.
         """
         with self.loop.lock:
             if self._jaus_running:
@@ -258,23 +259,23 @@ class Component(Host):
             self._jaus_management.fail(reason)
 
     def lift_emergency(self, clients: JausAddress) -> None:
-        """Lifts emergencies whose clients are gone, by the decision of a person at the robot.
+        """Lifts emergencies whose clients have gone, by the decision of a person at the robot.
 
         The component is then in Standby without a controller.
 
         Args:
-            clients: Who set them; a wildcard means several.
+            clients: The clients that set them; a wildcard means several.
 
         Raises:
-            JausError: Nobody of them set one, or somebody of them was heard within 10 s.
+            JausError: None of the clients has set one, or one of them was heard within 10 s.
         """
         with self.loop.lock:
             self._jaus_management.lift(clients)
 
-    # ---- what comes in -----------------------------------------------------------------------
+    # ---- received messages -------------------------------------------------------------------
 
     def _jaus_dispatcher(self) -> Take:
-        """Returns what takes every message for the component, payload and sender."""
+        """Returns the function that takes each message for the component: payload and sender."""
         takers, unknown = self._jaus_router.takers, self._jaus_router.unknown
         heard, returned = self._jaus_presence.heard, self._jaus_presence.returned
         clock = self.loop.now
@@ -292,7 +293,7 @@ class Component(Host):
         return take
 
     def fast_path(self, code: int, event_id: int, sender: JausAddress) -> FastPath | None:
-        """The fast path of messages of a component, by code and for events by id, None without."""
+        """Returns the fast path of messages of a sender and code, or of an event; None without."""
         if code != Event.CODE:
             return self._jaus_router.fast_path(code, sender)
         if self.event_path is None or len(self._jaus_router.takers.get(code, ())) != 1:
@@ -300,5 +301,5 @@ class Component(Host):
         return self.event_path(sender, event_id)
 
     def note_heard(self, sender: JausAddress, at: float) -> None:
-        """Notes a message of a component that has taken the fast path."""
+        """Records that a message of a sender has come on the fast path."""
         self._jaus_presence.note(sender, at)

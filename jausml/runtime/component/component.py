@@ -1,4 +1,4 @@
-"""A JAUS component with all parts: what it provides to others and how it uses others."""
+"""The JAUS component with all core services and clients."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ class JausComponent(
     ListHolder,
     Component,
 ):
-    """A component that can do whatever components can.
+    """A component with all core services and clients.
 
-    A generated one derives from the bases alone that its model asks for, so that its workspace has
-    no more than that. User code that goes further names another base, as in
+    A generated component only derives from the bases that its model needs, so that its workspace
+    contains no others. User code that needs more adds a base, as in
     ``class Lamp(Querier, LampBase)``, or this class for all of them.
     """
 
@@ -42,5 +42,5 @@ class JausComponent(
         DigitalResourceService,
         MachineStatesService,
     )
-    # They answer what comes unasked: events of a former life, and ends of former commands.
+    # Made at the start, to cancel events and command events of an earlier process.
     clients = (EventClient, CommandClient, Greeter)

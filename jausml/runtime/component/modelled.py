@@ -1,4 +1,4 @@
-"""Components that behave as they are modelled: by state machines (AS5684), or simulated."""
+"""Components with modelled behaviour: state machines (AS5684), or simulated reports."""
 
 from __future__ import annotations
 
@@ -45,40 +45,40 @@ def _path(status: Status, *, controlled: bool) -> str:
     return f"{outer}.Available.Standby"
 
 
+# Paths of states of ReceiveFSM by Management state and control (AS5710, Management).
 CORE_STATES = {
     (status, controlled): _path(status, controlled=controlled)
     for status in Status
     for controlled in (False, True)
 }
-"""Paths of states of ReceiveFSM by Management state and control (AS5710, Management)."""
 
 
 class ModelledComponent(Component):
     """A component with state machines.
 
-    A generated component derives from this class when one of its services has a machine. It adds
-    the machines in its constructor and ties messages to them. Messages and internal events that no
-    transition takes are ignored, as AS5684 demands, and counted as ``component.no_transition``.
-    Guards, actions, entries and exits hold ``loop.lock`` and must not block. When one raises, the
-    error is logged and counted as ``component.handler_failed``; a guard that raises does not hold.
+    A generated component derives from this class if one of its services has a machine. In its
+    constructor it adds the machines and registers their messages. Messages and internal events
+    without a transition are ignored, as AS5684 demands, and counted as ``component.no_transition``.
+    Guards, actions, entries and exits hold ``loop.lock`` and must not block. An error of one is
+    logged and counted as ``component.handler_failed``; a guard that raises is false.
     """
 
     core_services = (*Component.core_services, MachineStatesService)
     _jaus_machines: tuple[StateMachine, ...] = ()
     _jaus_core_state = ""
-    # Actions that have answered the message at work: of former machines, and of the present one.
+    # Actions that have answered the present message: in earlier machines, and until now.
     _jaus_answered: frozenset[Action] = frozenset()
     _jaus_answers: frozenset[Action] = frozenset()
 
     def add_machine(
         self, name: str, states: Sequence[State], *, extends: str = "", service: str = ""
     ) -> StateMachine:
-        """Runs a state machine from the start of the component on.
+        """Adds a state machine, which runs from the start of the component on.
 
         Args:
-            extends: The core service whose ReceiveFSM it extends, Management, AccessControl, Events
-                or Transport: its outer states are those of that service and change with them.
-            service: Identifier of the service that has it, for those who ask for MachineStates.
+            extends: The core service whose ReceiveFSM it extends: Management, AccessControl, Events
+                or Transport. Its outer states are those of that service and change with them.
+            service: Identifier of its service, for reports of MachineStates.
         """
         entered = self.part(MachineStatesService).watch(service, name)
         machine = StateMachine(name, states, self, extends=extends, entered=entered)
@@ -88,7 +88,7 @@ class ModelledComponent(Component):
     def handle_by_machines(
         self, message_class: type[M], *, when: Guard | Callable[[M], Guard] = Guard.ANY
     ) -> None:
-        """Lets the machines take an input message, of those alone whom its guard obeys."""
+        """Lets the machines take an input message from senders that its guard allows."""
         self.handle(message_class, self._jaus_take, when=when)
 
     def provide_by_machines(
@@ -99,8 +99,10 @@ class ModelledComponent(Component):
     ) -> None:
         """Lets the machines answer a query, and serve events on it.
 
-        An event sends the report that the transition of the present state would send; the
-        transition itself is taken for a query alone. The makers are actions that make the report.
+        For an event the report is made, but the transition is not taken.
+
+        Args:
+            makers: The actions of transitions that make the report.
         """
         provider = partial(self._jaus_report, makers)
         provision = Provision(query_class, report_class, provider)
@@ -110,10 +112,7 @@ class ModelledComponent(Component):
             )
 
     def raise_event(self, name: str) -> None:
-        """Lets the machines take an internal event; callable from any thread.
-
-        An event that an action raises is taken when the transition is complete.
-        """
+        """Lets the machines take an internal event, after a transition under way; any thread."""
         with self.loop.lock:
             taken = [machine.raise_event(name) for machine in self._jaus_machines]
             if not any(taken):
@@ -124,27 +123,27 @@ class ModelledComponent(Component):
     def is_controlling_client(
         self, _message: Message | None = None, sender: JausAddress | None = None
     ) -> bool:
-        """Whether the sender of the message controls the component (isControllingClient)."""
+        """Returns whether the sender of the message is the controller (isControllingClient)."""
         return sender is not None and sender == self.controller
 
     def is_control_available(
         self, _message: Message | None = None, _sender: JausAddress | None = None
     ) -> bool:
-        """Whether control may be requested now (isControlAvailable)."""
+        """Returns whether control may be requested now (isControlAvailable)."""
         return self.control_available
 
     def is_id_stored(
         self, _message: Message | None = None, sender: JausAddress | None = None
     ) -> bool:
-        """Whether the sender has set an emergency that is not cleared (isIDStored)."""
+        """Returns whether the sender has set an emergency that is not cleared (isIDStored)."""
         return sender in self._jaus_access.emergency_clients
 
-    # ---- what machines ask ------------------------------------------------------------------
+    # ---- for the machines -------------------------------------------------------------------
 
     def core_state(self, of: str = "Management") -> str:
         """Returns the path of the core state, e.g. Receiving.Ready.Controlled.Available.Ready.
 
-        AccessControl knows no more than who controls, and whether control is available.
+        The path for AccessControl ends with whether control is available.
         """
         if of == "Management":
             return CORE_STATES[self.status, self.controller is not None]
@@ -154,11 +153,11 @@ class ModelledComponent(Component):
         return _WITHOUT_CONTROL[of]
 
     def request_core_state(self, path: str, of: str = "Management") -> None:
-        """Enters the core state of a path, or around it, when a component may do so by itself.
+        """Enters the core state that a path is in, if the component may do so by itself.
 
-        Of Management those are Standby, Failure and Shutdown; Standby without a controller lets go
-        of it. Of AccessControl, a component lets go of its controller, and says whether control is
-        available. Requests for others are counted as ``component.core_state_refused``.
+        For Management these are Standby, with a controller or without, Failure and Shutdown. For
+        AccessControl they are those without a controller, and those in which control is available
+        or not. Other requests are counted as ``component.core_state_refused``.
         """
         if of == "AccessControl" and (self.controller or path.startswith(_NOT_CONTROLLED)):
             self.control_available = ".Available" in path
@@ -178,12 +177,12 @@ class ModelledComponent(Component):
             self.ignored("component.core_state_refused", path)
 
     def core_event(self, name: str) -> None:
-        """Lets machines that extend the core services take one of their internal events."""
+        """Lets the machines take an internal event of a core service."""
         for machine in self._jaus_machines:
             machine.raise_event(name)
 
     def core_state_changed(self) -> None:
-        """Follows the core services; called by them after each change."""
+        """Lets the machines follow the core services; called by these after each change."""
         former, self._jaus_core_state = self._jaus_core_state, self.core_state()
         has_changed = former != self._jaus_core_state
         if not former or (has_changed and self.status is Status.INITIALIZE):
@@ -198,7 +197,7 @@ class ModelledComponent(Component):
             machine.follow()
 
     def run_condition(self, condition: Condition, arguments: tuple[Any, ...]) -> bool:
-        """Evaluates a guard; one that raises does not hold."""
+        """Evaluates a guard; returns False if it raises."""
         return bool(self.call(condition, *arguments))
 
     def run_action(self, action: Action, arguments: tuple[Any, ...]) -> None:
@@ -217,11 +216,11 @@ class ModelledComponent(Component):
             self.ignored("component.report_not_encodable", str(error))
 
     def ignored(self, reason: str, detail: str) -> None:
-        """Counts what could not be done."""
+        """Counts an effect that was ignored, by its reason."""
         self.counters.count(reason, detail)
 
     def _jaus_take(self, message: Message, sender: JausAddress) -> None:
-        """Lets each machine take a message; what several would answer alike is answered once."""
+        """Lets each machine take a message; an action of several machines answers it once."""
         is_taken = False
         self._jaus_answers = frozenset()
         for machine in self._jaus_machines:
@@ -246,11 +245,11 @@ class ModelledComponent(Component):
 
 
 class Simulation:
-    """Keeps what a component is told, and makes its reports of it.
+    """Stores the values of commands, and reports them.
 
-    Components that the model calls ``simulated`` have one: nothing is behind them yet, and each
-    Report says what the Set of the same quantity asked for (AS6009). Nothing has measured that:
-    every report is counted as ``component.simulated``, and a component says so when it begins.
+    A component that the model calls ``simulated`` has one: it has no hardware, and each Report has
+    the values of the Set of the same quantity (AS6009). Since nothing was measured, each report is
+    counted as ``component.simulated``, and a warning is logged at the start.
     """
 
     def __init__(self, component: Component) -> None:
@@ -259,16 +258,13 @@ class Simulation:
         component.when_started(self._warn)
 
     def keep(self, report_class: type[Message], **values: Any) -> None:
-        """Has reports say values by their attributes from now on, and sends events on them.
-
-        None is what a command left out: of that, the value before stays.
-        """
+        """Stores values of a report by attribute, and sends events; None keeps the last value."""
         stated_values = {name: value for name, value in values.items() if value is not None}
         self._kept.setdefault(report_class, {}).update(stated_values)
         self._component.report_changed(report_class)
 
     def report(self, at_rest: R) -> R:
-        """Returns a report that says what was kept, and of all else what it says at rest."""
+        """Returns the report `at_rest` with the stored values in place of its own."""
         for name, value in self._kept.get(type(at_rest), {}).items():
             setattr(at_rest, name, value)
         self._component.counters.add("component.simulated")

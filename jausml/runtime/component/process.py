@@ -1,4 +1,4 @@
-"""What processes of JAUS components have in common: command line, transport, watchdog."""
+"""Common parts of processes of JAUS components: command line, transport, watchdog."""
 
 from __future__ import annotations
 
@@ -24,15 +24,15 @@ _EMPTY_OPTION = re.compile("--[a-z-]+=")
 
 
 def given_options(line: Sequence[str]) -> list[str]:
-    """Returns a command line without options that are empty, such as ``--jaus-port=``.
+    """Returns a command line without empty options, such as ``--jaus-port=``.
 
-    Launch files pass on all of their arguments; an empty one leaves what model and parameters say.
+    Launch files pass on all of their arguments; an empty one keeps the value of the model.
     """
     return [word for word in line if not _EMPTY_OPTION.fullmatch(word)]
 
 
 def add_component_arguments(parser: argparse.ArgumentParser, address: JausAddress) -> None:
-    """Adds the options of a component that are not the transport's."""
+    """Adds the options of a component; those of the transport are not among them."""
     group = parser.add_argument_group("JAUS component")
     group.add_argument(
         "--jaus-id",
@@ -66,20 +66,20 @@ def add_component_arguments(parser: argparse.ArgumentParser, address: JausAddres
 def component_settings(
     arguments: argparse.Namespace, defaults: ComponentSettings | None = None
 ) -> ComponentSettings:
-    """Returns the settings that the options of ``add_component_arguments`` describe."""
-    known = ComponentSettings() if defaults is None else defaults
+    """Returns settings with the values of the options of ``add_component_arguments``."""
+    settings = ComponentSettings() if defaults is None else defaults
     if arguments.control_survives_emergency:
-        known = replace(known, control_survives_emergency=True)
+        settings = replace(settings, control_survives_emergency=True)
     if arguments.jaus_digital_resources:
-        known = replace(known, digital_resources=arguments.jaus_digital_resources)
+        settings = replace(settings, digital_resources=arguments.jaus_digital_resources)
     if arguments.discovery_scope is None:
-        return known
-    return replace(known, discovery_scope=Scope[arguments.discovery_scope.upper()])
+        return settings
+    return replace(settings, discovery_scope=Scope[arguments.discovery_scope.upper()])
 
 
 @contextmanager
 def running_transport(settings: TransportSettings) -> Iterator[Transport]:
-    """Opens a transport on a loop of its own for a block; OSError where the network refuses."""
+    """Runs a transport on a loop of its own within the block; raises OSError of the network."""
     with Loop() as loop:
         transport = create_transport(settings, loop)
         transport.open()
@@ -112,15 +112,15 @@ def _digital_resources(text: str) -> tuple[str, ...]:
     return urls
 
 
+# Modules and classes of transports that are only in workspaces whose model uses them.
 _OPTIONAL_TRANSPORTS = {
     TransportKind.JTCP: ("transports.jtcp", "JtcpTransport"),
     TransportKind.NODE_MANAGER: ("transports.node_manager", "NodeManagerTransport"),
 }
-"""Modules and classes of transports that a workspace has where its model asks for them."""
 
 
 def create_transport(settings: TransportSettings, loop: Loop) -> Transport:
-    """Returns the transport of settings, not yet open; JausError where the workspace has none."""
+    """Returns a transport, not yet open; raises JausError if the workspace does not have it."""
     if settings.transport is TransportKind.JUDP:
         return JudpTransport(settings, loop)
     kind: Callable[[TransportSettings, Loop], Transport] = optional_part(
@@ -129,39 +129,38 @@ def create_transport(settings: TransportSettings, loop: Loop) -> Transport:
     return kind(settings, loop)
 
 
-_TIMES_IN_TIME_OUT = 3
-"""Notifications within the time after which a silent process is killed and started again."""
+_NOTIFICATIONS = 3  # within the time after which systemd kills a silent process
 
 
 def feed_watchdog(loop: Loop, environment: Mapping[str, str] = os.environ) -> None:
-    """Tells systemd that the loop turns, as long as it does; nothing where nobody watches.
+    """Notifies systemd while the loop runs, if the process has a watchdog.
 
-    The lock of the loop is held.
+    The caller holds the lock of the loop.
     """
-    place, time_out = environment.get("NOTIFY_SOCKET", ""), environment.get("WATCHDOG_USEC", "")
-    # A process that this one starts inherits the environment, and is not who is watched.
+    path, time_out = environment.get("NOTIFY_SOCKET", ""), environment.get("WATCHDOG_USEC", "")
+    # A child process inherits the environment, but is not watched.
     watched = environment.get("WATCHDOG_PID", str(os.getpid()))
     is_time_out = time_out.isdecimal() and int(time_out) > 0
-    if not place or not is_time_out or watched != str(os.getpid()):
+    if not path or not is_time_out or watched != str(os.getpid()):
         return
     # A name that begins with @ is one of Linux's abstract sockets.
-    address = f"\0{place[1:]}" if place.startswith("@") else place
-    period, was_told = int(time_out) / 1e6 / _TIMES_IN_TIME_OUT, True
+    address = f"\0{path[1:]}" if path.startswith("@") else path
+    period, was_notified = int(time_out) / 1e6 / _NOTIFICATIONS, True
 
     def feed() -> None:
-        nonlocal was_told
+        nonlocal was_notified
         try:
             with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM | socket.SOCK_CLOEXEC) as sender:
-                # A manager that reads nothing must not hold up the loop.
+                # A manager that does not read must not block the loop.
                 sender.settimeout(0)
                 sender.sendto(b"WATCHDOG=1", address)
         except OSError as error:
-            if was_told:
+            if was_notified:
                 LOGGER.warning("the watchdog at %s cannot be told: %s", address, error)
-            was_told = False
+            was_notified = False
         else:
-            was_told = True
-        # Also where it failed: a manager that is away for a moment would kill a sound process.
+            was_notified = True
+        # Also after an error, as the manager may come back.
         loop.call_later(period, feed)
 
     feed()

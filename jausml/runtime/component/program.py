@@ -21,7 +21,7 @@ Factory = Callable[[Transport, JausAddress, ComponentSettings], Component]
 
 @dataclass(frozen=True)
 class ComponentProgram:
-    """What the model says of a component's process; options override it."""
+    """Settings of the process of a component from its model; options override them."""
 
     name: str
     description: str
@@ -36,7 +36,7 @@ def run_component(
     """Runs one component until SIGINT, SIGTERM or a JAUS Shutdown ends it.
 
     Args:
-        argv: Command line without the program's name; the process's own when None.
+        argv: Command line without the program's name; that of the process when None.
 
     Returns:
         The exit code: 0 after a clean shutdown, 1 when the component could not start.

@@ -1,8 +1,8 @@
 """Value conversions of attribute maps, as pure functions.
 
-Each literal of `ConversionKind` in bridge.ecore has the function of the same name here, but for
-`expression` and `with_units`, which generated code needs none for, and `user`, which the user
-writes. The positional parameters are the inputs and then the arguments of the conversion.
+Each literal of `ConversionKind` in bridge.ecore has a function of the same name here, except
+`expression` and `with_units`, which need none, and `user`, whose function the user writes. The
+positional parameters are the inputs and then the arguments of the conversion.
 """
 
 from .numbers import clamp as clamp

@@ -31,7 +31,7 @@ def linear(value: float, factor: float, offset: float) -> float:
 
 
 def clamp(value: float, minimum: float, maximum: float) -> float:
-    """The value limited to minimum .. maximum; not a number stays so."""
+    """The value limited to minimum .. maximum; NaN stays."""
     if value < minimum:
         return minimum
     if value > maximum:
@@ -40,7 +40,7 @@ def clamp(value: float, minimum: float, maximum: float) -> float:
 
 
 def limit(value: float, maximum: float) -> float:
-    """The value limited to -`maximum` .. `maximum`; not a number stays so."""
+    """The value limited to -`maximum` .. `maximum`; NaN stays."""
     return clamp(value, -maximum, maximum)
 
 
@@ -65,15 +65,14 @@ def radians_to_degrees(value: float) -> float:
 
 
 def square_root(value: float) -> float:
-    """The square root: variance to root mean square; not a number where the value is negative."""
+    """The square root: variance to root mean square; NaN for a negative value."""
     return math.sqrt(value) if value >= 0.0 else math.nan
 
 
 def covariance_to_rms(x: float, y: float, z: float) -> float:
     """The variances along three axes to one root mean square for each of the axes.
 
-    Three zeros are not a number, and neither are variances of which one is negative: ROS marks
-    unknown ones so (sensor_msgs/Imu).
+    Three zeros, or a negative variance, give NaN: ROS marks unknown variances so (sensor_msgs/Imu).
     """
     if x == y == z == 0.0 or not (x >= 0.0 and y >= 0.0 and z >= 0.0):
         return math.nan
@@ -97,10 +96,10 @@ def percent_to_value(value: float, maximum: float) -> float:
 
 
 def look_up(value: Key, table: Mapping[Key, Value]) -> Value:
-    """The counterpart of a value in a table.
+    """The value of a key in a table.
 
     Raises:
-        ConversionError: The table lacks the value.
+        ConversionError: The table lacks the key.
     """
     try:
         return table[value]

@@ -2,8 +2,8 @@
 
 Axes: JAUS has x forward or north, y right or east, z down, and angles that turn right-handed about
 them (AS6009, CommandClass). ROS has x forward, y left, z up on a body and x east, y north, z up on
-the earth (REP 103). Angles are radians. What is made of an infinite angle is not a number, which
-the out-of-range policy of the target judges.
+the earth (REP 103). Angles are radians. An infinite angle gives NaN, to which the out-of-range
+policy of the target applies, and so does a quaternion of length zero, which is no orientation.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ _VERTICAL = 1.0 - 1e-12
 
 
 def wrap_angle(value: float) -> float:
-    """The same direction in [-pi, pi]; an infinite angle has none, and is not a number then."""
+    """The same direction in [-pi, pi]; NaN for an infinite angle."""
     return math.nan if math.isinf(value) else math.remainder(value, math.tau)
 
 
@@ -37,7 +37,7 @@ def frd_angles_to_flu_quaternion(roll: float, pitch: float, yaw: float) -> Quate
 
 
 def frd_yaw_to_flu_quaternion(yaw: float) -> Quaternion:
-    """Yaw about the down axis alone to the orientation in forward-left-up."""
+    """Yaw about the down axis to the orientation in forward-left-up."""
     try:
         return Quaternion(0.0, 0.0, math.sin(-yaw / 2), math.cos(yaw / 2))
     except ValueError:  # of an infinite angle
@@ -45,34 +45,22 @@ def frd_yaw_to_flu_quaternion(yaw: float) -> Quaternion:
 
 
 def flu_quaternion_to_frd_roll(orientation: QuaternionLike) -> float:
-    """Orientation in forward-left-up to roll about forward-right-down axes, in [-pi, pi].
-
-    A quaternion of length zero is no orientation: the result is not a number.
-    """
+    """Orientation in forward-left-up to roll about forward-right-down axes, in [-pi, pi]."""
     return flu_quaternion_to_frd_angles(orientation).roll
 
 
 def flu_quaternion_to_frd_pitch(orientation: QuaternionLike) -> float:
-    """Orientation in forward-left-up to pitch about forward-right-down axes, in [-pi/2, pi/2].
-
-    A quaternion of length zero is no orientation: the result is not a number.
-    """
+    """Orientation in forward-left-up to pitch about forward-right-down axes, in [-pi/2, pi/2]."""
     return flu_quaternion_to_frd_angles(orientation).pitch
 
 
 def flu_quaternion_to_frd_yaw(orientation: QuaternionLike) -> float:
-    """Orientation in forward-left-up to yaw about forward-right-down axes, in [-pi, pi].
-
-    A quaternion of length zero is no orientation: the result is not a number.
-    """
+    """Orientation in forward-left-up to yaw about forward-right-down axes, in [-pi, pi]."""
     return flu_quaternion_to_frd_angles(orientation).yaw
 
 
 def flu_quaternion_to_frd_angles(orientation: QuaternionLike) -> Angles:
-    """Orientation in forward-left-up to roll, pitch and yaw about forward-right-down axes.
-
-    A quaternion of length zero is no orientation: the results are not numbers.
-    """
+    """Orientation in forward-left-up to roll, pitch and yaw about forward-right-down axes."""
     x, y, z, w = orientation.x, -orientation.y, -orientation.z, orientation.w
     squared_length = x * x + y * y + z * z + w * w
     if squared_length == 0.0:
@@ -86,7 +74,7 @@ def flu_quaternion_to_frd_angles(orientation: QuaternionLike) -> Angles:
             math.asin(sine),
             math.atan2(2 * (w * z + x * y), w * w + x * x - y * y - z * z),
         )
-    # Roll is taken as zero there, so that the three angles still give the orientation.
+    # Near the vertical, roll is taken as zero, and yaw gives the whole turn.
     yaw = math.atan2(-2 * (x * y - w * z), w * w - x * x + y * y - z * z)
     return Angles(0.0, math.asin(max(-1.0, min(1.0, sine))), yaw)
 
@@ -101,7 +89,7 @@ def ned_angles_to_enu_quaternion(roll: float, pitch: float, heading: float) -> Q
 
 
 def ned_heading_to_enu_quaternion(heading: float) -> Quaternion:
-    """Heading clockwise from north alone to the orientation of a level body in east-north-up."""
+    """Heading clockwise from north to the orientation of a level body in east-north-up."""
     half_yaw = (math.pi / 2 - heading) / 2
     try:
         return Quaternion(0.0, 0.0, math.sin(half_yaw), math.cos(half_yaw))
@@ -113,18 +101,15 @@ def enu_quaternion_to_ned_angles(orientation: QuaternionLike) -> Angles:
     """Orientation in east-north-up to roll, pitch and heading in north-east-down.
 
     The orientation is that of a forward-left-up body, the angles those of the same body, as
-    forward-right-down. A quaternion of length zero gives what are no numbers.
+    forward-right-down.
     """
     roll, pitch, yaw = flu_quaternion_to_frd_angles(orientation)
-    # A yaw of zero points east there, which is a heading of a quarter turn.
+    # A yaw of zero points east, a heading of a quarter turn.
     return Angles(roll, pitch, math.remainder(math.pi / 2 + yaw, math.tau))
 
 
 def enu_quaternion_to_ned_heading(orientation: QuaternionLike) -> float:
-    """Orientation of a body in east-north-up to its heading clockwise from north, in [-pi, pi].
-
-    A quaternion of length zero is no orientation: the result is not a number.
-    """
+    """Orientation of a body in east-north-up to its heading clockwise from north, in [-pi, pi]."""
     return enu_quaternion_to_ned_angles(orientation).yaw
 
 

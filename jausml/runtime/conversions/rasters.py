@@ -1,7 +1,7 @@
-"""Conversions of the cells of grids, and of the pixels of images and picture files.
+"""Conversions of the cells of grids, and of the pixels of images and PNM files.
 
-PGM has grey pixels and PPM coloured ones; PNM is what both are called (Netpbm). Numbers of 16 bits
-begin with the more significant octet.
+PGM files have grey pixels, PPM files coloured ones; PNM is the name of both (Netpbm). Numbers of 16
+bits begin with the more significant octet.
 """
 
 from __future__ import annotations
@@ -56,7 +56,11 @@ def reverse_rows(cells: Sequence[Cell], columns: float) -> list[Cell]:
 
 
 def row_starts(count: int, columns: float) -> range:
-    """Returns where rows of a grid begin, the last first; ConversionError where cells fill none."""
+    """Returns the index of each row's first cell, from the last row to the first.
+
+    Raises:
+        ConversionError: The cells do not fill rows of `columns` cells.
+    """
     if not count:
         return range(0)
     if not (columns >= 1.0 and columns % 1.0 == 0.0 and count % columns == 0.0):
@@ -64,7 +68,8 @@ def row_starts(count: int, columns: float) -> range:
     return range(count - int(columns), -1, -int(columns))
 
 
-_SIZES = {"mono8": 1, "mono16": 2, "rgb8": 3, "bgr8": 3}  # the octets of a pixel by encoding
+_SIZES = {"mono8": 1, "mono16": 2, "rgb8": 3, "bgr8": 3}  # octets of a pixel by encoding
+# Encodings by the number in the header and the greatest value of a file.
 _ENCODINGS = {(b"5", 255): "mono8", (b"5", 65535): "mono16", (b"6", 255): "rgb8"}
 _BETWEEN = rb"(?:\s|#[^\r\n]*[\r\n])"
 _HEADER = re.compile(
@@ -84,7 +89,8 @@ def pixels_to_pnm(
     """The pixels as a file of PGM or PPM.
 
     Raises:
-        ConversionError: The image is empty, has another encoding or other data than its rows.
+        ConversionError: The image is empty, its encoding is none of PNM, or its data do not fill
+            its rows.
     """
     size = _SIZES.get(encoding, 0)
     row, pitch, pixels = int(width) * size, int(step), bytes(data)
@@ -95,7 +101,7 @@ def pixels_to_pnm(
     if pitch != row:
         pixels = b"".join(pixels[at : at + row] for at in range(0, len(pixels), pitch))
     if encoding == "bgr8" or (encoding == "mono16" and not is_bigendian):
-        pixels = _turned(pixels, size)
+        pixels = _reverse_octets(pixels, size)
     kind, greatest = 6 if size == 3 else 5, 65535 if encoding == "mono16" else 255
     return b"P%d %d %d %d\n%b" % (kind, width, height, greatest, pixels)
 
@@ -104,7 +110,7 @@ def pnm_to_pixels(file: Sequence[int]) -> Pixels:
     """The pixels of a file of PGM or PPM.
 
     Raises:
-        ConversionError: It is no such file of 8 bits, or of 16 where it is grey, or is not whole.
+        ConversionError: The file is none of PGM of 8 or 16 bits or PPM of 8 bits, or is not whole.
     """
     octets = bytes(file)
     match = _HEADER.match(octets)
@@ -118,11 +124,11 @@ def pnm_to_pixels(file: Sequence[int]) -> Pixels:
     if not pixels or len(pixels) != height * step:
         raise ConversionError(f"{len(pixels)} octets are not {height} rows of {width} pixels")
     if encoding == "mono16":
-        pixels = _turned(pixels, 2)
+        pixels = _reverse_octets(pixels, 2)
     return Pixels(height, width, encoding, 0, step, pixels)
 
 
-def _turned(pixels: bytes, size: int) -> bytes:
+def _reverse_octets(pixels: bytes, size: int) -> bytes:
     """The octets of each pixel in the opposite order."""
     turned = bytearray(len(pixels))
     for part in range(size):

@@ -16,8 +16,8 @@ _EPOCH = date(1970, 1, 1).toordinal()
 def timestamp_to_time(stamp: TimeStampLike, *, near: TimeLike) -> Time:
     """A JAUS TimeStamp (day of month, UTC) to the instant nearest to `near`.
 
-    The TimeStamp names neither month nor year. Only a clock tells them, and only nearness makes a
-    stamp from just before midnight of the last of the month right when it arrives on the first.
+    The TimeStamp has neither month nor year. The nearest one is right also for a stamp of the last
+    day of a month that arrives on the first day of the next one.
 
     Raises:
         ConversionError: hour, minutes, seconds or milliseconds are no time of day.
@@ -30,19 +30,19 @@ def timestamp_to_time(stamp: TimeStampLike, *, near: TimeLike) -> Time:
     ):
         raise ConversionError("TimeStamp is no time of day")
     seconds = (stamp.hour * 60 + stamp.minutes) * 60 + stamp.seconds
-    of_day = (seconds * 1000 + stamp.milliseconds) * 10**6
+    since_midnight = (seconds * 1000 + stamp.milliseconds) * 10**6
     reference = near.sec * 10**9 + near.nanosec
     first, *others = _days_near(stamp.day, near.sec // _DAY)
-    nearest = first * _DAY_NS + of_day
+    nearest = first * _DAY_NS + since_midnight
     for other in others:
-        instant = other * _DAY_NS + of_day
+        instant = other * _DAY_NS + since_midnight
         if abs(instant - reference) < abs(nearest - reference):
             nearest = instant
     return Time(*divmod(nearest, 10**9))
 
 
 def time_to_timestamp(instant: TimeLike) -> TimeStamp:
-    """An instant to a JAUS TimeStamp (day of month, UTC); parts of a millisecond are cut off."""
+    """An instant to a JAUS TimeStamp (day of month, UTC), rounded down to milliseconds."""
     utc = time.gmtime(instant.sec)
     milliseconds = instant.nanosec // 1_000_000
     return TimeStamp(milliseconds, utc.tm_sec, utc.tm_min, utc.tm_hour, utc.tm_mday)
@@ -50,7 +50,7 @@ def time_to_timestamp(instant: TimeLike) -> TimeStamp:
 
 @lru_cache(maxsize=64)
 def _days_near(day_of_month: int, today: int) -> tuple[int, ...]:
-    """Days since 1970 around one of them that are the given day of their month."""
+    """Returns the days near `today`, in days since 1970, that are the given day of their month."""
     if not 1 <= day_of_month <= 31:
         # JAUS-DEVIATION: AS6009 has days 1..31, but known peers leave the day at 0. The nearest
         # day serves them better than the loss of every report.

@@ -1,7 +1,7 @@
-"""Types of what conversions of attribute maps take and yield.
+"""Types of the inputs and results of conversions.
 
-Messages of either side are read by attribute, so that conversions need neither; results are named
-tuples with the same attributes.
+Inputs are protocols of attributes, so that conversions import no messages of either side; results
+are named tuples with the same attributes.
 """
 
 from __future__ import annotations
@@ -12,11 +12,11 @@ from ..base.api import JausError
 
 
 class ConversionError(JausError):
-    """A value that has no counterpart on the other side."""
+    """A value has no counterpart on the other side."""
 
 
 class QuaternionLike(Protocol):
-    """What geometry_msgs/Quaternion offers."""
+    """The attributes of geometry_msgs/Quaternion."""
 
     @property
     def x(self) -> float:
@@ -36,7 +36,7 @@ class QuaternionLike(Protocol):
 
 
 class TimeLike(Protocol):
-    """What builtin_interfaces/Time offers."""
+    """The attributes of builtin_interfaces/Time."""
 
     @property
     def sec(self) -> int:
@@ -48,7 +48,7 @@ class TimeLike(Protocol):
 
 
 class TimeStampLike(Protocol):
-    """What the TimeStamp of a JAUS report offers (AS6009)."""
+    """The attributes of the TimeStamp of a JAUS report (AS6009)."""
 
     @property
     def milliseconds(self) -> int:

@@ -1,1 +1,1 @@
-"""The guardian: a small process beside a bridge, which says its stops when the bridge cannot."""
+"""The guardian: a small process that sends the stops of a bridge when the bridge cannot."""

@@ -1,4 +1,4 @@
-"""What a bridge and its guardian share: a page of memory, and frames on a socket."""
+"""Memory and frames that a bridge and its guardian share."""
 
 from __future__ import annotations
 
@@ -12,86 +12,80 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
-MOST_STOPS = 1024  # connections, and datagrams, that one page has room for
-MOST_OF_A_FRAME = 1 << 17  # bytes of the longest frame; a longer one is no stop of a robot
+MAX_STOPS = 1024  # connections, and routes of datagrams, for which a page has room
+MAX_FRAME_SIZE = 1 << 17  # bytes of the longest frame
 
-# CLOCK_MONOTONIC rests while the computer is suspended, and the robot may not.
+# CLOCK_MONOTONIC stops while the computer is suspended, but the robot may not.
 _CLOCK = getattr(time, "CLOCK_BOOTTIME", time.CLOCK_MONOTONIC)
 
 
 def steady_ns() -> int:
-    """Returns nanoseconds that never go back, also those for which the computer was suspended."""
+    """Returns nanoseconds of a steady clock, which goes on while the computer is suspended."""
     return time.clock_gettime_ns(_CLOCK)
 
 
 class Page(ctypes.Structure):
-    """The shared memory: each word of it is written by one side alone."""
+    """The shared memory; each word of it is written by one of the two processes only."""
 
     _fields_ = (
         ("beat", ctypes.c_uint64),
         ("taken", ctypes.c_uint64),
         ("simulated", ctypes.c_int64),
         ("refused", ctypes.c_uint64),
-        ("armed", ctypes.c_bool * MOST_STOPS),
-        ("numbers", ctypes.c_uint16 * MOST_STOPS),
+        ("armed", ctypes.c_bool * MAX_STOPS),
+        ("numbers", ctypes.c_uint16 * MAX_STOPS),
     )
-    beat: int  # when the bridge was there last, by `steady_ns`; 0 before anything moved
-    taken: int  # how often the guardian has spoken, or was about to
-    # Simulated ns when the bridge was there last; 0 where ROS has that of the system.
-    simulated: int
+    beat: int  # `steady_ns` of the last turn of the bridge; 0 before its first command
+    taken: int  # number of times that the guardian has begun to send stops
+    simulated: int  # simulated ns at the beat; 0 without simulated time
     refused: int  # topics and goals that the guardian cannot stop, as ROS refuses them
-    # By number of stops, whether something stands that they must end.
-    armed: ctypes.Array[ctypes.c_bool]
-    # By slot, the sequence number that its datagram should have.
-    numbers: ctypes.Array[ctypes.c_uint16]
+    armed: ctypes.Array[ctypes.c_bool]  # by number of a connection: whether it needs its stops
+    numbers: ctypes.Array[ctypes.c_uint16]  # by slot: sequence number of the next datagram
 
     @staticmethod
     def descriptor() -> int:
-        """Returns the descriptor of a new page, in which nothing is in motion yet."""
-        # A file without a name, in memory: nobody else finds it, and it ends with its last user.
+        """Returns the descriptor of a new page without armed stops: an unnamed file in memory."""
         memory_file = os.memfd_create("guardian")
         os.ftruncate(memory_file, ctypes.sizeof(Page))
         return memory_file
 
     @classmethod
     def at(cls, descriptor: int) -> Page:
-        """Returns the page of a descriptor; the memory is given back with it."""
+        """Returns the page of a descriptor."""
         return cls.from_buffer(mmap.mmap(descriptor, ctypes.sizeof(Page)))
 
 
 def frame(kind: str, content: Mapping[str, Any]) -> bytes:
-    """Returns what goes over the socket: `ros`, `stops`, `goal`, `done`, `nothing` or `bye`."""
+    """Returns a frame of a kind: `ros`, `stops`, `goal`, `done`, `nothing` or `bye`."""
     return json.dumps({"kind": kind, **content}).encode()
 
 
 def read_frame(channel: socket.socket) -> dict[str, Any] | None:
-    """Returns the next frame of a socket; None when the other side is gone."""
-    # SEQPACKET keeps frames apart: one read is one frame.
-    data = channel.recv(MOST_OF_A_FRAME)
+    """Returns the next frame of a SEQPACKET socket; None if the other process has closed it."""
+    data = channel.recv(MAX_FRAME_SIZE)
     if not data:
         return None
     content: dict[str, Any] = json.loads(data)
     return content
 
 
-Route: TypeAlias = tuple[int, int]
-"""Source and destination, which share one sequence of numbers."""
+Route: TypeAlias = tuple[int, int]  # source and destination, which have one sequence of numbers
 
 
 @dataclass
 class _Slot:
-    """Where the number of a route stands, how to find it out, and who sends on that route."""
+    """Index of the number of a route in the page, its source, and the users of the route."""
 
-    place: int
-    sequence: Callable[[], int]
+    index: int
+    next_number: Callable[[], int]
     users: set[object] = field(default_factory=set)
 
 
 class Slots:
-    """One place for each route, while somebody sends on it.
+    """Assigns an index in the page to each route while it has users.
 
-    Peers that a search finds are as many as the network says, and a page has an end: who finds no
-    place has no stop, which is told.
+    A search may find more peers than a page has slots; further ones have no stop, which is
+    reported.
     """
 
     def __init__(self) -> None:
@@ -100,28 +94,29 @@ class Slots:
 
     @property
     def refused(self) -> int:
-        """How many routes have found no place."""
+        """Number of routes without a slot."""
         return len(self._refused)
 
-    def take(self, user: object, route: Route, sequence: Callable[[], int]) -> int | None:
-        """Returns the place of a route until all users have given it back; None without room.
+    def take(self, user: object, route: Route, next_number: Callable[[], int]) -> int | None:
+        """Returns the index of a route until all users have given it back; None without room.
 
-        The sequence returns the number that the next datagram should have.
+        Args:
+            next_number: Returns the sequence number of the next datagram.
         """
         slot = self._slots.get(route)
         if slot is None:
-            if len(self._slots) >= MOST_STOPS:
+            if len(self._slots) >= MAX_STOPS:
                 self._refused.add(route)
                 return None
-            taken = {other.place for other in self._slots.values()}
-            place = next(place for place in range(MOST_STOPS) if place not in taken)
-            slot = self._slots[route] = _Slot(place, sequence)
+            used = {other.index for other in self._slots.values()}
+            index = next(index for index in range(MAX_STOPS) if index not in used)
+            slot = self._slots[route] = _Slot(index, next_number)
             self._refused.discard(route)
         slot.users.add(user)
-        return slot.place
+        return slot.index
 
     def give_back(self, user: object, route: Route) -> None:
-        """Takes note that somebody does not send on a route any more."""
+        """Removes a user of a route."""
         self._refused.discard(route)
         slot = self._slots.get(route)
         if slot is not None:
@@ -130,11 +125,11 @@ class Slots:
                 del self._slots[route]
 
     def clear(self) -> None:
-        """Takes all places back."""
+        """Removes all routes."""
         self._slots.clear()
         self._refused.clear()
 
     def write(self, page: Page) -> None:
-        """Notes the sequence numbers that datagrams should have now."""
+        """Writes the next sequence numbers into a page."""
         for slot in self._slots.values():
-            page.numbers[slot.place] = slot.sequence()
+            page.numbers[slot.index] = slot.next_number()

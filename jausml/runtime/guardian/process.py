@@ -1,8 +1,8 @@
-"""Process of a guardian: watches one bridge, and says its stops when the bridge cannot.
+"""Process of a guardian: watches one bridge, and sends its stops when the bridge cannot.
 
-It knows nothing of models, maps or messages. What may have to be said was handed over before, as
-octets; it is said when the bridge is dead, or has not run its loop for longer than the patience of
-a stop. Then, and never otherwise: a bridge that ends in good order has said its stops itself.
+It has no model, maps or messages: the bridge registers stops in advance, as octets. They are sent
+if the bridge has died, or has not run its loop for longer than the patience of a stop. A bridge
+that ends in good order has sent its stops itself.
 """
 
 from __future__ import annotations
@@ -18,33 +18,26 @@ from typing import Any, TypeVar
 
 from .page import Page, read_frame, steady_ns
 from .rcl import Rcl, RclError
-from .sayings import Cancel, Datagram, Stops, Told, Topic
+from .sayings import Announcement, Cancellation, Datagram, Stops, Topic
 
-POLL = 0.1  # seconds between two looks at the beat
-
-GOAL_PATIENCE = 1.5
-"""Seconds without a beat after which goals are cancelled: what is cancelled cannot be taken up."""
-
-SAID_FOR = 1.0  # seconds for which stops are said to whoever is found, and goals are cancelled
-
-SOUGHT_FOR = 5.0
-"""Seconds for which whoever listens to a topic is looked for, where nobody was found before.
-
-Participants of DDS find each other at once, or when one announces itself again, after 3 s.
-"""
-
-TIMES = 3  # how often each subscriber and each component is told, as the first message may get lost
-AGAIN = 0.1  # seconds between these
+POLL = 0.1  # seconds between two checks of the beat
+GOAL_PATIENCE = 1.5  # seconds without a beat after which goals are cancelled, which is final
+SENDING_TIME = 1.0  # seconds for which stops are published and goals are cancelled
+# Seconds for which subscribers of a topic are searched for, if there were none: participants of DDS
+# find each other at once, or after 3 s with the next announcement.
+SEARCH_TIME = 5.0
+REPETITIONS = 3  # of a stop to each subscriber and component, as messages may be lost
+INTERVAL = 0.1  # seconds between repetitions
 _PAUSE = 0.002
 _CANCEL = "action_msgs/srv/CancelGoal"
 _STAMP = struct.Struct("<iI")
-EXIT_OF_ROS = 3  # exit code of a guardian that cannot speak ROS
+EXIT_OF_ROS = 3  # exit code of a guardian that cannot join ROS
 
 _ResultT = TypeVar("_ResultT")
 
 
 class Guardian:
-    """One guardian of one bridge."""
+    """The guardian of one bridge."""
 
     def __init__(
         self, channel: socket.socket, page: Page, death: int, name: str, bridge: int
@@ -52,9 +45,10 @@ class Guardian:
         """Watches nothing before `run`.
 
         Args:
-            death: Descriptor of the process that the bridge is, which it opened itself: it may be
-                gone before this one runs.
-            name: What the bridge is, as people are told.
+            death: Descriptor of the process of the bridge, opened by the bridge, which may have
+                died before this process runs.
+            name: Kind of the bridge, for the log.
+            bridge: Process id of the bridge.
         """
         self._channel = channel
         self._page = page
@@ -62,10 +56,10 @@ class Guardian:
         self._bridge = bridge
         self._stops: dict[int, Stops] = {}
         self._goals: dict[bytes, str] = {}
-        self._said: set[int] = set()
-        self._missed = 0  # the beat after which they were said
+        self._sent: set[int] = set()  # numbers of stops
+        self._last_beat = 0  # before which they were sent
         self._numbered: dict[int, tuple[int, list[bytes]]] = {}
-        self._are_goals_said = False
+        self._are_goals_cancelled = False
         self._ros: Rcl | None = None
         self._cancel: Any = None
         self._complaints: set[str] = set()
@@ -73,7 +67,7 @@ class Guardian:
         self._death = death
 
     def run(self) -> None:
-        """Watches until the bridge ends or says that nothing is left to do."""
+        """Watches until the bridge has died or ends the guardian."""
         try:
             self._watch()
         finally:
@@ -88,28 +82,28 @@ class Guardian:
         while not self._is_over:
             ready = {descriptor for descriptor, _ in poll.poll(POLL * 1000)}
             now = steady_ns()
-            # Who was halted itself, with the bridge perhaps, looks again before it judges; once, as
-            # a slow machine must not keep it from that.
+            # If this process stood still itself, maybe with the bridge, it checks the beat only in
+            # the next turn; but not twice in a row, as on a slow machine.
             was_halted, last = now - last > 4 * POLL * 1e9 and not was_halted, now
             if self._death in ready:
-                # What the bridge has sent last may be a stop, or its goodbye.
+                # The last frames may have a stop, or end the guardian.
                 self._read()
                 if not self._is_over:
-                    # Without patience: a dead bridge will not say its stops any more.
-                    self._say(list(self._armed()), goals=True, why="has died")
+                    # At once, as a dead bridge cannot send its stops any more.
+                    self._send_stops(list(self._armed()), goals=True, why="has died")
                 return
             if ready:
                 self._read()
             if not was_halted:
                 self._judge()
 
-    # ------------------------------------------------------------------ what is handed over
+    # ------------------------------------------------------------------ frames
 
     def _read(self) -> None:
-        """Reads all that was handed over; what was sent first is there whatever happened next."""
+        """Reads all waiting frames."""
         while not self._is_over and select.select([self._channel], [], [], 0)[0]:
             content = read_frame(self._channel)
-            if content is None:  # the bridge is gone, which its process id tells as well
+            if content is None:  # the bridge has died, which `_death` tells as well
                 return
             self._take(content)
 
@@ -123,19 +117,20 @@ class Guardian:
                     content["arguments"],
                 )
             case "stops":
-                asked = [
-                    self._tried(topic["topic"], self._topic, topic) for topic in content["topics"]
+                attempts = [
+                    self._attempt(topic["topic"], self._make_topic, topic)
+                    for topic in content["topics"]
                 ]
-                topics = [topic for topic in asked if topic is not None]
+                topics = [topic for topic in attempts if topic is not None]
                 datagrams = [_datagram(datagram) for datagram in content["datagrams"]]
-                refused = len(asked) - len(topics)
+                refused = len(attempts) - len(topics)
                 self._stops[content["number"]] = Stops(
                     content["patience"], topics, datagrams, refused
                 )
             case "goal":
                 if self._cancel is None:
                     library = content["library"]
-                    self._cancel = self._tried(_CANCEL, self._support, library, _CANCEL)
+                    self._cancel = self._attempt(_CANCEL, self._load_support, library, _CANCEL)
                 self._goals[bytes.fromhex(content["id"])] = content["service"]
             case "done":
                 self._goals.pop(bytes.fromhex(content["id"]), None)
@@ -147,82 +142,82 @@ class Guardian:
         refused = sum(stop.refused for stop in self._stops.values())
         self._page.refused = refused + (len(self._goals) if self._cancel is None else 0)
 
-    def _tried(
+    def _attempt(
         self, subject: str, function: Callable[..., _ResultT], *arguments: Any
     ) -> _ResultT | None:
-        """Returns what a function does; None where ROS refuses: all else is to be stopped."""
+        """Returns the result of a function; None after an error of ROS, which is logged once."""
         try:
             return function(*arguments)
         except RclError as error:
-            # It may be tried again soon, and again.
             complaint = f"{subject} cannot be stopped: {error}"
             if complaint not in self._complaints:
                 self._complaints.add(complaint)
                 _log(complaint)
             return None
 
-    def _topic(self, content: dict[str, Any]) -> Topic:
-        support = self._support(content["library"], content["type"])
+    def _make_topic(self, content: dict[str, Any]) -> Topic:
+        support = self._load_support(content["library"], content["type"])
         data = bytearray.fromhex(content["data"])
         return Topic(content["topic"], support, content["qos"], data, content["stamps"])
 
-    def _support(self, library: str, name: str) -> Any:
+    def _load_support(self, library: str, name: str) -> Any:
         if self._ros is None:
             raise RclError("nothing is known of ROS")
-        # A service has no publisher that could prove the library.
         support = self._ros.type(library, *name.split("/"))
+        # The check needs a publisher, which a service does not have.
         if "/msg/" in name:
             self._ros.check(support)
         return support
 
-    # ------------------------------------------------------------------ when to speak
+    # ------------------------------------------------------------------ judging
 
     def _armed(self) -> list[int]:
         return [number for number in self._stops if self._page.armed[number]]
 
     def _age(self) -> float:
-        """Seconds since the bridge was there; very long before anything was in motion."""
+        """Returns the seconds since the last beat; very long before the first command."""
         return _seconds_since(self._page.beat)
 
     def _judge(self) -> None:
-        """Says what is due as the bridge does not run its loop."""
-        if self._page.beat != self._missed:
-            # It has turned since, however shortly: if it stands still now, that is another time.
-            self._said.clear()
-            self._are_goals_said = False
+        """Sends the stops that are due as the bridge does not run its loop."""
+        if self._page.beat != self._last_beat:
+            # The bridge has run since: another standstill begins.
+            self._sent.clear()
+            self._are_goals_cancelled = False
         age = self._age()
         due = [number for number in self._armed() if age > self._stops[number].patience]
-        # Said once, until the bridge was back: it may stand still for long.
-        due = [number for number in due if number not in self._said]
-        goals = bool(self._goals) and age > GOAL_PATIENCE and not self._are_goals_said
+        # Once in each standstill.
+        due = [number for number in due if number not in self._sent]
+        goals = bool(self._goals) and age > GOAL_PATIENCE and not self._are_goals_cancelled
         if due or goals:
-            self._say(due, goals=goals, why="does not run its loop")
+            self._send_stops(due, goals=goals, why="does not run its loop")
 
-    def _say(self, numbers: list[int], *, goals: bool, why: str) -> None:
-        """Says stops and cancels goals, until all were told or the bridge is back."""
-        # First the mark, then the look at the beat: the bridge does it the other way round, so
-        # that one of both always sees the other.
+    def _send_stops(self, numbers: list[int], *, goals: bool, why: str) -> None:
+        """Sends stops and cancels goals, until all are delivered or the bridge is back."""
+        # First `taken`, then the beat: the bridge does it the other way round, so that at least
+        # one of both notices the other.
         self._page.taken += 1
         is_halted, beat = not _is_ready(self._death), self._page.beat
-        # Back since it was judged: it sees the mark, and says its own stop.
+        # The bridge is back: it notices `taken`, and sends its own stops.
         if is_halted and _seconds_since(beat) <= POLL * 2:
             return
-        self._missed = beat
-        self._said.update(numbers)
-        self._are_goals_said = self._are_goals_said or goals
+        self._last_beat = beat
+        self._sent.update(numbers)
+        self._are_goals_cancelled = self._are_goals_cancelled or goals
         stops = [self._stops[number] for number in numbers]
         count = sum(len(stop.topics) + len(stop.datagrams) for stop in stops)
-        wanted = dict(self._goals) if goals else {}
-        if not (count or wanted):
+        cancelled = dict(self._goals) if goals else {}
+        if not (count or cancelled):
             return
-        _log(f"the {self._name} (process {self._bridge}) {why}: {count} stops, {len(wanted)} goals")
+        amount = f"{count} stops, {len(cancelled)} goals"
+        _log(f"the {self._name} (process {self._bridge}) {why}: {amount}")
         datagrams = [datagram for stop in stops for datagram in stop.datagrams]
         topics = [topic for stop in stops for topic in stop.topics]
-        self._tell(datagrams, topics, wanted, is_halted=is_halted)
+        self._deliver(datagrams, topics, cancelled, is_halted=is_halted)
 
-    # ------------------------------------------------------------------ speaking
+    # ------------------------------------------------------------------ sending
 
-    def _tell(
+    def _deliver(
         self,
         datagrams: list[Datagram],
         topics: list[Topic],
@@ -231,51 +226,50 @@ class Guardian:
         is_halted: bool,
     ) -> None:
         self._number(datagrams)
-        begun = time.monotonic()
-        sent = 0
+        start = time.monotonic()
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as outlet:
-            # Datagrams first: for topics, subscribers have to be found, which takes time.
+            # Datagrams first, as it takes time to find subscribers of topics.
             self._send(outlet, datagrams)
             sent = 1
-            asked = [self._tried(topic.name, self._topic_state, topic) for topic in topics]
-            announcements = [announcement for announcement in asked if announcement is not None]
-            cancels = [
-                Cancel(canceller, goal, service)
+            attempts = [self._attempt(topic.name, self._announce, topic) for topic in topics]
+            announcements = [announcement for announcement in attempts if announcement is not None]
+            cancellations = [
+                Cancellation(canceller, goal, service)
                 for goal, service in goals.items()
-                if (canceller := self._tried(service, self._canceller, service)) is not None
+                if (canceller := self._attempt(service, self._canceller, service)) is not None
             ]
-            while (past := time.monotonic() - begun) < SOUGHT_FOR:
-                if sent < TIMES and past >= sent * AGAIN:
+            while (elapsed := time.monotonic() - start) < SEARCH_TIME:
+                if sent < REPETITIONS and elapsed >= sent * INTERVAL:
                     self._send(outlet, datagrams)
                     sent += 1
-                # After the first while, only where nobody has heard it so far.
-                wanting = [
+                # Later, only topics that had no subscriber so far.
+                waiting = [
                     announcement
                     for announcement in announcements
-                    if past < SAID_FOR
-                    or self._tried(announcement.topic.name, self._is_sought, announcement)
+                    if elapsed < SENDING_TIME
+                    or self._attempt(announcement.topic.name, self._lacks_subscriber, announcement)
                 ]
-                for announcement in wanting:
-                    self._tried(announcement.topic.name, self._publish, announcement)
-                if not (wanting or cancels or sent < TIMES):
+                for announcement in waiting:
+                    self._attempt(announcement.topic.name, self._publish, announcement)
+                if not (waiting or cancellations or sent < REPETITIONS):
                     break
-                cancels = [
-                    cancel
-                    for cancel in cancels
-                    if not self._tried(cancel.service, self._is_cancelled, cancel)
+                cancellations = [
+                    cancellation
+                    for cancellation in cancellations
+                    if not self._attempt(cancellation.service, self._cancel_goal, cancellation)
                 ]
                 if is_halted and self._age() <= POLL * 2:
-                    break  # the bridge lives, and from here on its word counts
+                    break  # the bridge is back, and sends its own stops and commands
                 time.sleep(_PAUSE)
         for announcement in announcements:
-            self._tried(announcement.topic.name, self._known_ros.destroy, announcement.publisher)
+            self._attempt(announcement.topic.name, self._known_ros.destroy, announcement.publisher)
 
     def _number(self, datagrams: list[Datagram]) -> None:
-        """Numbers datagrams from where the bridge has counted to: those of one way differently."""
+        """Sets the sequence numbers of datagrams; those of one route with other content differ."""
         for datagram in datagrams:
             first, content = self._page.numbers[datagram.slot], bytes(datagram.data[:-2])
-            begun, contents = self._numbered.get(datagram.slot, (first, []))
-            contents = contents if begun == first else []
+            start, contents = self._numbered.get(datagram.slot, (first, []))
+            contents = contents if start == first else []
             self._numbered[datagram.slot] = first, contents
             if content not in contents:
                 contents.append(content)
@@ -295,15 +289,14 @@ class Guardian:
             raise RclError("nothing is known of ROS")
         return self._ros
 
-    def _topic_state(self, topic: Topic) -> Told:
+    def _announce(self, topic: Topic) -> Announcement:
         ros = self._known_ros
-        # With ours, which the graph may show later: it is nobody else who has begun to speak.
+        # With our own publisher, which the graph may not show yet.
         rivals = ros.publishers(topic.name) + 1
-        return Told(ros.publisher(topic.name, topic.support, topic.qos), topic, rivals)
+        return Announcement(ros.publisher(topic.name, topic.support, topic.qos), topic, rivals)
 
-    def _is_sought(self, announcement: Told) -> bool:
-        """Whether somebody may still be found who listens, and nobody else has begun to speak."""
-        # With more publishers than at first, somebody else has begun to speak.
+    def _lacks_subscriber(self, announcement: Announcement) -> bool:
+        """Returns whether a stop had no subscriber, and no other node has begun to publish."""
         return (
             not announcement.times
             and self._known_ros.publishers(announcement.topic.name) <= announcement.rivals
@@ -314,19 +307,25 @@ class Guardian:
             raise RclError("nothing is known of its cancelling")
         return self._known_ros.canceller(service, self._cancel)
 
-    def _is_cancelled(self, wanted: Cancel) -> bool:
-        """Asks once more; for a while, as the server may not have found the asker yet."""
-        now = time.monotonic()
-        if now - wanted.last >= AGAIN and self._known_ros.cancel(wanted.canceller, wanted.goal):
-            wanted.first, wanted.last = wanted.first or now, now
-        return wanted.first > 0 and now - wanted.first >= SAID_FOR
+    def _cancel_goal(self, cancellation: Cancellation) -> bool:
+        """Requests a cancellation again; returns whether there were enough requests.
 
-    def _publish(self, announcement: Told) -> None:
-        """Publishes a stop once more if a subscriber may not have it."""
+        They are repeated, as the server may not have found this client yet.
+        """
+        now, canceller = time.monotonic(), cancellation.canceller
+        is_due = now - cancellation.last >= INTERVAL
+        if is_due and self._known_ros.cancel(canceller, cancellation.goal):
+            cancellation.first, cancellation.last = cancellation.first or now, now
+        return cancellation.first > 0 and now - cancellation.first >= SENDING_TIME
+
+    def _publish(self, announcement: Announcement) -> None:
+        """Publishes a stop again if a subscriber may not have it."""
         subscriber_count = self._known_ros.subscribers(announcement.publisher)
-        # Nothing tells which subscribers have it: when their number changes, one may not.
+        # Counted by the number of subscribers, as a new one does not have it.
         times, now = announcement.times.get(subscriber_count, 0), time.monotonic()
-        if not subscriber_count or times >= TIMES or (times and now - announcement.last < AGAIN):
+        if not subscriber_count or times >= REPETITIONS:
+            return
+        if times and now - announcement.last < INTERVAL:
             return
         topic = announcement.topic
         seconds, nanoseconds = divmod(self._page.simulated or time.time_ns(), 10**9)
@@ -356,7 +355,7 @@ def _log(text: str) -> None:
 
 def main(channel: str, page: str, death: str, name: str, bridge: str) -> int:
     """Guards one bridge; returns the exit code: 0, or `EXIT_OF_ROS`."""
-    # It ends with its bridge, by itself: signals of a terminal or a service manager are for that.
+    # It ends with its bridge; signals of a terminal or a service manager are for the bridge.
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, signal.SIG_IGN)
     with socket.socket(fileno=int(channel)) as own:

@@ -1,9 +1,9 @@
-"""ROS without rclpy, by its client library in C: publishes serialized messages, cancels goals.
+"""ROS by its client library in C (rcl): publishes serialized messages, cancels goals.
 
-rclpy would cost the guardian three times the memory. Options are handed on in buffers larger than
-they are, as the library fills them; only the quality of service, which is public and stable within
-a distribution, is written into them, and read back from the first publisher to prove it. What the
-library refuses is an RclError.
+rclpy would take three times the memory. The library fills its structures of options in buffers that
+are larger than these. Only the quality of service, which is public and stable within a
+distribution, is written here, and `Rcl.check` proves its layout. Each error of the library raises
+RclError.
 """
 
 from __future__ import annotations
@@ -17,14 +17,12 @@ _RELIABILITY = {"reliable": 1, "best_effort": 2}
 _DURABILITY = {"transient_local": 1, "volatile": 2}
 _HISTORY = {"keep_last": 1, "keep_all": 2}
 _LIVELINESS = {"automatic": 1, "manual_by_topic": 3}
-_ROSOUT = 40 + 8 + 8
-"""Offset of enable_rosout in the options of a node: behind allocator, one bool and arguments."""
-
+_ROSOUT = 40 + 8 + 8  # offset of enable_rosout in node options: after allocator, bool and arguments
 _CHECK_TOPIC = "_guardian/check"
 
 
 def _words(count: int) -> Any:
-    """Returns a type for structures of so many machine words that nobody looks into."""
+    """Returns a type for opaque structures of `count` machine words."""
     return type("Words", (ctypes.Structure,), {"_fields_": [("words", ctypes.c_uint64 * count)]})
 
 
@@ -33,7 +31,7 @@ class _Duration(ctypes.Structure):
 
 
 class _Quality(ctypes.Structure):
-    """The profile of quality of service (rmw_qos_profile_t), with which options begin."""
+    """The profile of quality of service (rmw_qos_profile_t), the first field of options."""
 
     _fields_ = (
         ("history", ctypes.c_uint32),
@@ -47,26 +45,26 @@ class _Quality(ctypes.Structure):
     )
 
 
-# An allocator is returned by value and has exactly five words; the others have room to spare.
+# An allocator is returned by value, and has exactly five words; the others are larger than needed.
 _ALLOCATOR, _OPAQUE, _HANDLE = _words(5), _words(256), _words(8)
 
 
 class RclError(Exception):
-    """The library refused something, or is not as it was known."""
+    """The library reports an error, or differs from what this module expects."""
 
 
 class Publisher(NamedTuple):
-    """A publisher of the library, with what it was made for."""
+    """A publisher of the library, and its topic."""
 
     handle: Any
     topic: str
 
 
 class Rcl:
-    """One participant, from the start on: it takes a second until others know a new one."""
+    """One node, made at the start, as it takes a second until others have found it."""
 
     def __init__(self, rcl: str, utilities: str, name: str, arguments: list[str]) -> None:
-        """Joins ROS with the arguments of security; a name that begins with `_` is hidden."""
+        """Joins ROS with arguments of security; a `name` that begins with `_` is hidden."""
         try:
             self._rcl = ctypes.CDLL(rcl, ctypes.RTLD_GLOBAL)
             default = ctypes.CDLL(utilities, ctypes.RTLD_GLOBAL).rcutils_get_default_allocator
@@ -81,7 +79,7 @@ class Rcl:
             "rcl_init", len(arguments), words, ctypes.byref(options), ctypes.byref(self._context)
         )
         node_options = self._default("rcl_node_get_default_options")
-        # It shall be hidden, and says what it has to say on the stream of its bridge.
+        # No /rosout, since it logs to the stderr of its bridge.
         ctypes.c_bool.from_address(ctypes.addressof(node_options) + _ROSOUT).value = False
         self._call(
             "rcl_node_init",
@@ -93,13 +91,13 @@ class Rcl:
         )
 
     def close(self) -> None:
-        """Leaves ROS, which others are told."""
+        """Leaves ROS."""
         self._call("rcl_node_fini", ctypes.byref(self._node))
         self._call("rcl_shutdown", ctypes.byref(self._context))
         self._call("rcl_context_fini", ctypes.byref(self._context))
 
     def type(self, library: str, package: str, kind: str, name: str) -> Any:
-        """Returns the type support of a message or service, whose library it loads."""
+        """Returns the type support of a message or service from its library."""
         word = "service" if kind == "srv" else "message"
         symbol = f"rosidl_typesupport_c__get_{word}_type_support_handle__{package}__{kind}__{name}"
         try:
@@ -111,7 +109,7 @@ class Rcl:
         return ctypes.c_void_p(function())
 
     def publisher(self, topic: str, support: Any, qos: dict[str, Any]) -> Publisher:
-        """Makes a publisher of the quality that the model names; 0 seconds stand for no limit."""
+        """Makes a publisher; `qos` has the fields of `Qos`, in which 0 seconds is no limit."""
         options = self._default("rcl_publisher_get_default_options")
         quality = _Quality.from_address(ctypes.addressof(options))
         quality.history = _HISTORY.get(qos["history"], 1)
@@ -133,9 +131,9 @@ class Rcl:
         return Publisher(handle, topic)
 
     def check(self, support: Any) -> None:
-        """Proves that the library is as it was known: a publisher has the quality asked for."""
-        # Depth, reliability and durability are no defaults: read back, they prove the layout.
-        asked = {
+        """Raises RclError unless a publisher has the QoS that it was made with."""
+        # Depth, reliability and durability are no defaults, so that they prove the layout.
+        qos = {
             "history": "keep_last",
             "depth": 7,
             "reliability": "best_effort",
@@ -144,7 +142,7 @@ class Rcl:
             "deadline": 0.0,
             "lease_duration": 0.0,
         }
-        publisher = self.publisher(_CHECK_TOPIC, support, asked)
+        publisher = self.publisher(_CHECK_TOPIC, support, qos)
         actual = self._rcl.rcl_publisher_get_actual_qos
         actual.restype = ctypes.POINTER(_Quality)
         quality = actual(ctypes.byref(publisher.handle)).contents
@@ -154,7 +152,7 @@ class Rcl:
             raise RclError(f"a publisher has another quality of service than asked for: {values}")
 
     def subscribers(self, publisher: Publisher) -> int:
-        """Returns how many subscribers a publisher has found."""
+        """Returns the number of subscribers that a publisher has found."""
         count = ctypes.c_size_t()
         self._call(
             "rcl_publisher_get_subscription_count",
@@ -164,7 +162,7 @@ class Rcl:
         return count.value
 
     def publishers(self, topic: str) -> int:
-        """Returns how many publishers on a topic are known, with those of the dead."""
+        """Returns the number of known publishers of a topic, including those of dead processes."""
         count = ctypes.c_size_t()
         self._call(
             "rcl_count_publishers", ctypes.byref(self._node), topic.encode(), ctypes.byref(count)
@@ -174,16 +172,16 @@ class Rcl:
     def publish(self, publisher: Publisher, data: bytes) -> None:
         """Publishes a serialized message."""
         buffer = ctypes.create_string_buffer(data, len(data))
-        # rcutils_uint8_array_t: where the octets are, how many, how much room; no allocator.
+        # rcutils_uint8_array_t: address, length and capacity; no allocator.
         array = (ctypes.c_uint64 * 8)(ctypes.addressof(buffer), len(data), len(data))
         self._call("rcl_publish_serialized_message", ctypes.byref(publisher.handle), array, None)
 
     def destroy(self, publisher: Publisher) -> None:
-        """Gives a publisher back: two on one topic puzzle people and tools."""
+        """Destroys a publisher."""
         self._call("rcl_publisher_fini", ctypes.byref(publisher.handle), ctypes.byref(self._node))
 
     def canceller(self, service: str, support: Any) -> Any:
-        """Returns what cancels goals of an action."""
+        """Returns a client of the service that cancels goals of an action."""
         options = self._default("rcl_client_get_default_options")
         handle = _HANDLE()
         self._call(
@@ -197,7 +195,7 @@ class Rcl:
         return handle
 
     def cancel(self, canceller: Any, goal: bytes) -> bool:
-        """Asks that a goal, of 16 octets, ends; False while the server has not been found."""
+        """Requests the cancellation of a goal by its id; returns False without a server."""
         ready = ctypes.c_bool()
         self._call(
             "rcl_service_server_is_available",
@@ -207,7 +205,7 @@ class Rcl:
         )
         if not ready.value:
             return False
-        # GoalInfo: the id, and a stamp of zero, which means this goal alone.
+        # GoalInfo: the id, and a stamp of zero, which selects only this goal.
         request = ctypes.create_string_buffer(goal + bytes(8), len(goal) + 8)
         number = ctypes.c_int64()
         self._call("rcl_send_request", ctypes.byref(canceller), request, ctypes.byref(number))
@@ -215,14 +213,14 @@ class Rcl:
 
     def _default(self, name: str) -> Any:
         function = getattr(self._rcl, name)
-        # Returned through a hidden pointer, a structure with room to spare does no harm.
+        # Returned by a hidden pointer, so that a larger structure does no harm.
         function.restype = _OPAQUE
         return function()
 
     def _call(self, name: str, *arguments: Any) -> None:
         result = getattr(self._rcl, name)(*arguments)
         if result:
-            # Else the next error would be said to overwrite this one.
+            # Otherwise the library complains that the next error overwrites this one.
             self._rcl.rcutils_reset_error()
             raise RclError(f"{name} returned {result}")
 
@@ -234,7 +232,6 @@ def _duration(seconds: float) -> _Duration:
 def loaded_libraries() -> dict[str, str]:
     """Returns the paths of the shared libraries that this process has loaded, by file name."""
     paths_by_name: dict[str, str] = {}
-    # Not by name: the guardian is to load the very files that rclpy has found.
     for line in Path("/proc/self/maps").read_text(encoding="utf-8").splitlines():
         path = line.partition("/")[2]
         if ".so" in path:

@@ -1,4 +1,4 @@
-"""What a guardian may have to say in the place of its bridge, and how far it has said it."""
+"""Stops that a guardian sends in place of its bridge, and their progress."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class Topic:
     support: Any
     qos: dict[str, Any]
     data: bytearray
-    stamps: list[int]  # where the present time stands in it
+    stamps: list[int]  # offsets of the present time in `data`
 
 
 @dataclass
@@ -25,36 +25,36 @@ class Datagram:
 
     data: bytearray
     endpoint: tuple[str, int]
-    slot: int  # where the page has the sequence number
+    slot: int  # index of its sequence number in the page
 
 
 @dataclass
 class Stops:
-    """What ends what a connection has set in motion."""
+    """The stops of one connection."""
 
-    patience: float  # seconds without a beat after which it is said
+    patience: float  # seconds without a beat after which they are sent
     topics: list[Topic]
     datagrams: list[Datagram]
-    refused: int
+    refused: int  # topics that ROS has refused
 
 
 @dataclass
-class Told:
-    """How often whoever listens to a stop was told, by the number of those who do."""
+class Announcement:
+    """The publications of a stop on a topic."""
 
     publisher: Publisher
     topic: Topic
-    rivals: int  # publishers on the topic when the stop was due
-    times: dict[int, int] = field(default_factory=dict)
+    rivals: int  # publishers of the topic when the stop was due, with this one
+    times: dict[int, int] = field(default_factory=dict)  # by number of subscribers
     last: float = 0.0
 
 
 @dataclass
-class Cancel:
-    """What was asked of the server of an action."""
+class Cancellation:
+    """The requests to cancel a goal."""
 
     canceller: Any
     goal: bytes
     service: str
-    first: float = 0.0  # when it was asked first, 0 before its server was found
+    first: float = 0.0  # time of the first request; 0 before its server was found
     last: float = 0.0

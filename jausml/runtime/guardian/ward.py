@@ -1,4 +1,4 @@
-"""What a bridge tells its guardian: the stops to say in its place, and that it still runs."""
+"""The side of the bridge: registers stops with its guardian process, and writes the beat."""
 
 from __future__ import annotations
 
@@ -15,16 +15,15 @@ from ..base.counters import LOGGER
 from ..base.loop import Loop
 from ..conversions import Time
 from . import process
-from .page import MOST_OF_A_FRAME, MOST_STOPS, Page, Slots, frame, steady_ns
+from .page import MAX_FRAME_SIZE, MAX_STOPS, Page, Slots, frame, steady_ns
 
 PERIOD = 0.1  # seconds between two beats
 
-_REFRESH = 10
-"""Beats after which what is handed over is looked at again, as endpoints of components change."""
+_REFRESH = 10  # beats after which changed stops are sent, as endpoints of components change
+TOO_SOON = 10.0  # seconds after its start within which a guardian that ends is not replaced
+_GOODBYE = 2.0  # seconds within which a guardian must end
 
-TOO_SOON = 10.0  # seconds within which a second guardian that ends is one too many
-_GOODBYE = 2.0
-# The guardian alone is imported, not jausml, which would take more memory and time.
+# Imports the guardian without jausml, which would take more memory and time.
 _MODULE = ".".join(process.__name__.split(".")[-2:])
 _RUN = (
     "import sys; sys.path.append(sys.argv[1]);"
@@ -35,44 +34,42 @@ Content = dict[str, Any]
 
 
 class Guarded:
-    """One connection, whose stops the guardian says in its place."""
+    """The stops of one connection at the guardian."""
 
     def __init__(self, ward: Ward, number: int, stops: Callable[[], Content]) -> None:
-        """Use `Ward.guard` instead."""
+        """Made by `Ward.guard`."""
         self.number = number
         self._ward = ward
         self._stops = stops
-        self._handed: Content | None = None
-        self.is_armed = False
+        self._sent: Content | None = None
 
     def arm(self, armed: bool) -> None:  # noqa: FBT001
-        """Says whether something stands on the other side that the stops must end."""
-        self.is_armed = armed
+        """Sets whether the guardian has to send the stops if the bridge dies."""
         self._ward.arm(self, armed)
 
     @property
-    def is_handed(self) -> bool:
+    def is_sent(self) -> bool:
         """Whether the guardian has the stops."""
-        return self._handed is not None
+        return self._sent is not None
 
-    def hand(self, *, again: bool = False) -> None:
-        """Hands the stops over, if they are others than those that the guardian has."""
+    def send(self, *, again: bool = False) -> None:
+        """Sends the stops to the guardian, if they have changed."""
         stops = self._stops()
-        if again or stops != self._handed:
-            # Of a place that is new, the number first.
+        if again or stops != self._sent:
+            # First the number of a new slot.
             self._ward.number()
             was_sent = self._ward.send("stops", {"number": self.number, **stops})
-            self._handed = stops if was_sent else None
+            self._sent = stops if was_sent else None
 
 
 class Ward:
-    """What a bridge tells its guardian. All of it runs on the loop or with its lock.
+    """Registers stops and goals with a guardian, and writes the beat.
 
-    The guardian is started with the first thing that there is to guard: a bridge that only reports
-    has none.
+    The guardian is started with the first stop or goal. Everything runs on the loop, or with its
+    lock.
     """
 
-    # That stops are made for: where it stands in them, the guardian puts the present.
+    # Time in encoded stops, in place of which the guardian writes the present.
     moment = Time(0x01020304, 0x05060708)
 
     def __init__(
@@ -80,26 +77,26 @@ class Ward:
         loop: Loop,
         ros: Callable[[], Content],
         now: Callable[[], int],
-        taken: Callable[[], None],
+        on_stop: Callable[[], None],
         name: str = "bridge",
     ) -> None:
-        """Guards nothing yet.
+        """Starts no guardian yet.
 
         Args:
-            ros: Returns what the guardian needs to speak ROS; nothing where there is none.
-            now: Returns simulated time in nanoseconds, 0 where there is none.
-            taken: Told, on the loop, that the guardian has spoken.
-            name: What this process is, as people are told.
+            ros: Returns the settings by which the guardian joins ROS; empty without ROS.
+            now: Returns simulated time in nanoseconds, 0 without one.
+            on_stop: Called on the loop when the guardian has sent stops.
+            name: Kind of this process, for the log.
         """
         self._loop = loop
         self._ros = ros
         self._now = now
-        self._on_taken = taken
+        self._on_stop = on_stop
         self._name = name
         self._guarded: list[Guarded] = []
-        self._left_out = 0
+        self._unguarded = 0  # connections without room
         self._goals: dict[str, Content] = {}
-        self._handed_goals: set[str] = set()
+        self._sent_goals: set[str] = set()
         self.slots = Slots()
         self._page: Page | None = None
         self._page_descriptor = -1
@@ -107,31 +104,31 @@ class Ward:
         self._process: subprocess.Popen[bytes] | None = None
         self._timer = Alarm(loop)
         self._beats = self._taken = 0
-        self._begun = 0.0
+        self._start_time = 0.0
         self._end_reason = self._send_fault = self._logged = ""
 
     # ------------------------------------------------------------------ for connections
 
     def guard(self, stops: Callable[[], Content]) -> Guarded | None:
-        """Guards a connection from now on, of which `stops` returns patience and stops.
+        """Registers a connection; `stops` returns its `patience`, `topics` and `datagrams`.
 
-        What is returned arms them; None where there are too many.
+        Returns the object that arms the stops; None if there are too many connections.
         """
-        if len(self._guarded) >= MOST_STOPS:
-            self._left_out += 1
+        if len(self._guarded) >= MAX_STOPS:
+            self._unguarded += 1
             return None
-        guarded_connection = Guarded(self, len(self._guarded), stops)
-        self._guarded.append(guarded_connection)
+        connection = Guarded(self, len(self._guarded), stops)
+        self._guarded.append(connection)
         self._begin()
-        guarded_connection.hand()
-        return guarded_connection
+        connection.send()
+        return connection
 
     def arm(self, guarded: Guarded, armed: bool) -> None:  # noqa: FBT001
-        """Says whether something stands on the other side of a connection."""
+        """Sets whether the guardian has to send the stops of a connection if the bridge dies."""
         if self._page is not None:
             if armed:
-                # All else before the flag: the guardian may look at any time.
-                guarded.hand()
+                # The flag last, as the guardian may read it at any time.
+                guarded.send()
                 self.number()
                 self._mark(self._page)
             self._page.armed[guarded.number] = armed
@@ -139,73 +136,73 @@ class Ward:
     # ------------------------------------------------------------------ for goals
 
     def open_goal(self, goal: bytes, service: str, library: str) -> None:
-        """Hands a goal over, before it is sent."""
+        """Registers a goal, before it is sent."""
         content = {"id": goal.hex(), "service": service, "library": library}
         with self._loop.lock:
-            # Before `_begin`, which may start a guardian and hand over all that is known.
+            # Before `_begin`, which may start a guardian and send all goals.
             self._goals[goal.hex()] = content
             self._mark(self._begin())
-            self._hand_goals()
+            self._send_goals()
 
     def close_goal(self, goal: bytes) -> None:
-        """Takes a goal back that has ended."""
+        """Removes a goal that has ended."""
         with self._loop.lock:
             self._goals.pop(goal.hex(), None)
-            self._hand_goals()
+            self._send_goals()
 
-    def _hand_goals(self) -> None:
-        """Tells the guardian which goals are others than those that it has."""
+    def _send_goals(self) -> None:
+        """Sends the guardian new goals, and those that have ended."""
         for number, content in self._goals.items():
-            if number not in self._handed_goals and self.send("goal", content):
-                self._handed_goals.add(number)
-        for number in self._handed_goals - self._goals.keys():
+            if number not in self._sent_goals and self.send("goal", content):
+                self._sent_goals.add(number)
+        for number in self._sent_goals - self._goals.keys():
             if self.send("done", {"id": number}):
-                self._handed_goals.discard(number)
+                self._sent_goals.discard(number)
 
     # ------------------------------------------------------------------ life
 
     @property
     def is_guarding(self) -> bool:
-        """Whether there is something to guard."""
+        """Whether there are stops or goals."""
         return bool(self._guarded or self._goals)
 
     @property
     def description(self) -> str:
-        """What is guarded, in words."""
+        """The number of connections and goals, in words."""
         count, goals = len(self._guarded), len(self._goals)
         return f"watches {count} connection{'s' * (count != 1)}, {goals} goal{'s' * (goals != 1)}"
 
     @property
     def failure(self) -> str:
-        """What the guardian cannot do, to be said of it; empty while all is well."""
+        """The faults of the guardian, in words; empty without one."""
         if self._end_reason:
             return f"{self._end_reason}: nothing stops the robot if this {self._name} dies"
-        waiting = [connection for connection in self._guarded if not connection.is_handed]
+        waiting = [connection for connection in self._guarded if not connection.is_sent]
         counts = {
             f"not handed over ({self._send_fault})": len(waiting)
-            + len(self._goals.keys() - self._handed_goals),
-            "without room": self._left_out + self.slots.refused,
+            + len(self._goals.keys() - self._sent_goals),
+            "without room": self._unguarded + self.slots.refused,
             "refused by ROS": self._page.refused if self._page is not None else 0,
         }
-        lacking = ", ".join(f"{count} {what}" for what, count in counts.items() if count)
+        lacking = ", ".join(f"{count} {fault}" for fault, count in counts.items() if count)
         return f"cannot stop all if this {self._name} dies: {lacking}" if lacking else ""
 
     def release(self) -> None:
-        """Guards nothing any more: all stops were said."""
+        """Removes all stops and goals, as the bridge has sent all stops."""
         with self._loop.lock:
-            # The flags first: what was said must not be said again until the frame is read.
+            # The flags first, so that no stop is sent until the frame is read.
             if self._page is not None:
                 for connection in self._guarded:
                     self._page.armed[connection.number] = False
             self._guarded.clear()
-            self._left_out = 0
+            self._unguarded = 0
             self._goals.clear()
             self.slots.clear()
             if self.send("nothing", {}):
-                self._handed_goals.clear()
+                self._sent_goals.clear()
 
     def close(self) -> None:
-        """Ends the guardian; nothing is left to say."""
+        """Ends the guardian."""
         self._timer.cancel()
         self.send("bye", {})
         self._end()
@@ -214,16 +211,16 @@ class Ward:
             self._page = None
 
     def send(self, kind: str, content: Content) -> bool:
-        """Hands something over; whether there is a guardian that gets it."""
+        """Sends a frame; returns whether there is a guardian that gets it."""
         if self._channel is None:
             return False
         data = frame(kind, content)
         try:
-            if len(data) > MOST_OF_A_FRAME:
+            if len(data) > MAX_FRAME_SIZE:
                 raise OSError(f"{len(data)} octets are no stop")
-            # Never waits: a guardian that stands still must not hold up its bridge.
+            # Without waiting, as a guardian that stands still must not block its bridge.
             self._channel.send(data, socket.MSG_DONTWAIT)
-        except OSError as error:  # it is gone, which the next beat finds, or reads nothing
+        except OSError as error:  # it has died, which the next beat notices, or stands still
             self._send_fault = str(error)
             return False
         return True
@@ -232,7 +229,7 @@ class Ward:
         if self._page is None:
             self._page_descriptor = Page.descriptor()
             self._page = Page.at(self._page_descriptor)
-        # After a failure none is started again: the error was told, and stands.
+        # Not again after a failure, which is reported as long as the bridge runs.
         if self._process is None and not self._end_reason:
             self._start()
         if not self._timer.is_set:
@@ -240,12 +237,12 @@ class Ward:
         return self._page
 
     def _start(self) -> None:
-        """Starts a guardian, and hands everything over."""
+        """Starts a guardian, and sends all stops and goals."""
         own, other = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-        # Our copy of its end is closed, so that either side sees the other one go.
+        # Our copy of its socket is closed, so that each process notices the end of the other.
         with other:
-            # Room for several of the longest frames, as sending does not wait.
-            own.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 4 * MOST_OF_A_FRAME)
+            # Room for several frames, as `send` does not wait.
+            own.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 4 * MAX_FRAME_SIZE)
             try:
                 self._process = self._spawn(other)
             except OSError as error:
@@ -253,29 +250,29 @@ class Ward:
                 self._give_up(f"cannot be started: {error}")
                 return
         self._channel = own
-        self._begun = self._loop.now()
-        # ROS first: types of stops are found in it.
+        self._start_time = self._loop.now()
+        # ROS first, as stops need its types.
         ros = self._ros()
         if ros:
             self.send("ros", ros)
         for connection in self._guarded:
-            connection.hand(again=True)
-        self._hand_goals()
+            connection.send(again=True)
+        self._send_goals()
 
     def _spawn(self, channel: socket.socket) -> subprocess.Popen[bytes]:
-        # It is told of our death by a descriptor of ours: we may be gone before it runs.
+        # Opened here, as this process may have died before the guardian runs.
         death = os.pidfd_open(os.getpid())
-        passed = (channel.fileno(), self._page_descriptor, death)
+        descriptors = (channel.fileno(), self._page_descriptor, death)
         runtime = str(Path(__file__).parents[1])
-        # Isolated, without site-packages: no environment of the user changes what it runs.
-        line = [sys.executable, "-I", "-S", "-c", _RUN, runtime, *map(str, passed)]
+        # Isolated, without site-packages, so that no environment of the user changes it.
+        line = [sys.executable, "-I", "-S", "-c", _RUN, runtime, *map(str, descriptors)]
         try:
             return subprocess.Popen(  # noqa: S603 - itself
                 [*line, self._name, str(os.getpid())],
-                pass_fds=passed,
+                pass_fds=descriptors,
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
-                # Signals to a group, as of a terminal, are for the bridge.
+                # Signals to the group, as of a terminal, are only for the bridge.
                 start_new_session=True,
             )
         finally:
@@ -290,35 +287,35 @@ class Ward:
         taken = page.taken
         if taken != self._taken:
             self._taken = taken
-            self._on_taken()
+            self._on_stop()
         self.number()
         self._beats += 1
         if self._beats % _REFRESH == 0:
             for connection in self._guarded:
-                connection.hand()
-            self._hand_goals()
+                connection.send()
+            self._send_goals()
             self._log_failure()
         if self._process is not None and self._process.poll() is not None:
             self._replace(self._process.returncode)
 
     def _mark(self, page: Page) -> None:
-        """Notes that the bridge is there: with each beat, and before anything is in motion.
+        """Writes the beat: periodically, and before stops are armed or goals are sent.
 
-        What is armed has a beat, so that a bridge is missed that stands still before its loop ran.
+        So the guardian notices a bridge that stands still before its loop has run.
         """
         page.simulated = self._now()
         page.beat = steady_ns()
 
     def number(self) -> None:
-        """Notes the sequence numbers that datagrams should have now."""
+        """Writes the next sequence numbers of datagrams."""
         if self._page is not None:
             self.slots.write(self._page)
 
     def _replace(self, code: int) -> None:
-        """Starts another guardian in place of one that has ended."""
+        """Starts another guardian after one has ended."""
         self._end()
         # Another one would end as soon.
-        if self._loop.now() - self._begun < TOO_SOON:
+        if self._loop.now() - self._start_time < TOO_SOON:
             self._give_up(f"has ended with code {code} soon after its start")
         else:
             self._start()
@@ -330,18 +327,18 @@ class Ward:
         self._log_failure()
 
     def _log_failure(self) -> None:
-        """Says what the guardian cannot do, when that is something else than before."""
+        """Logs the faults of the guardian after each change."""
         failure = self.failure
         if failure and failure != self._logged:
             LOGGER.error("the guardian %s", failure)
         self._logged = failure
 
     def _end(self) -> None:
-        """Waits for the end of the guardian, which knows that it is to end."""
+        """Closes the channel, and waits for the end of the guardian."""
         if self._channel is not None:
             self._channel.close()
             self._channel = None
-        self._handed_goals.clear()
+        self._sent_goals.clear()
         process, self._process = self._process, None
         if process is None:
             return

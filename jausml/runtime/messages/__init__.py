@@ -1,9 +1,9 @@
 """Messages of the JAUS core services (SAE AS5710A), and of the handoff of control (IOP).
 
-Each class declares the fields of its message, in their order on the wire; `wire.layout` makes the
-codec of that. A message that begins with `Query` asks for the one that begins with `Report`. Names
-are those of the standard. Record classes are attributes of their message, e.g.
-`QueryServices.NodeRec`. Messages of IOP's digital resources are found in `digital_resources`, and
+Each class declares the fields of its message in their order on the wire, from which `wire.layout`
+makes the codec. A `Query` message asks for the `Report` message of the same name. Names are those
+of the standard. Record classes are attributes of their message, e.g.
+`QueryServices.NodeRec`. Messages of IOP's digital resources are in `digital_resources`, and
 those of this project's own MachineStates in `machine_states`.
 """
 

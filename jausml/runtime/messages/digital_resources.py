@@ -12,7 +12,7 @@ from ..wire.message import Message
 @record("DigitalResourceEndpointRec")
 @dataclass(slots=True)
 class Endpoint:
-    """Where a stream or file is, and which resource of which component it is."""
+    """The URL of a stream or file, and its component and resource."""
 
     server_type: Annotated[int, unsigned(1, upper=7)] = 0
     server_url: Text = ""
@@ -23,7 +23,7 @@ class Endpoint:
 @record("RequestIDRec")
 @dataclass(slots=True)
 class RequestIDRec:
-    """The request that an answer is to name."""
+    """The id of a request, which its answer repeats."""
 
     request_id: U8 = 0
 
@@ -36,7 +36,7 @@ class QueryDigitalResourceEndpoint(Bodiless):
 @message(0xE703)
 @dataclass(slots=True, repr=False, eq=False)
 class RegisterDigitalResourceEndpoint(Message):
-    """Adds an endpoint to those that are known."""
+    """Adds an endpoint to the registry."""
 
     request_id_rec: RequestIDRec = field(default_factory=RequestIDRec)
     endpoint: Endpoint = field(default_factory=Endpoint)
@@ -45,7 +45,7 @@ class RegisterDigitalResourceEndpoint(Message):
 @message(0xE704)
 @dataclass(slots=True, repr=False, eq=False)
 class RemoveDigitalResourceEndpoint(Message):
-    """Removes an endpoint by the id that it was confirmed with."""
+    """Removes an endpoint by the id of its confirmation."""
 
     id: U8 = 0
     request_id: U8 = 0
@@ -54,7 +54,7 @@ class RemoveDigitalResourceEndpoint(Message):
 @message(0xF702)
 @dataclass(slots=True, repr=False, eq=False)
 class ReportDigitalResourceEndpoint(Message):
-    """The endpoints that are known."""
+    """Reports all endpoints of the registry."""
 
     endpoints: ShortList[Endpoint] = field(default_factory=list)
 

@@ -1,4 +1,4 @@
-"""Messages of Discovery: who is there, and what it provides (SAE AS5710A)."""
+"""Messages of Discovery: components and their services (SAE AS5710A)."""
 
 # Annotations are read when the classes are made: no `from __future__ import annotations`.
 from dataclasses import dataclass, field
@@ -69,7 +69,7 @@ class _WithServices(Message):
 @message(0x0B00)
 @dataclass(slots=True, repr=False, eq=False)
 class RegisterServices(_WithServices):
-    """Tells the Discovery service of a subsystem what a component provides."""
+    """Registers the services of a component with the Discovery of its subsystem."""
 
     service_list: ShortList[_ServiceRec] = field(default_factory=list)
 
@@ -77,7 +77,7 @@ class RegisterServices(_WithServices):
 @message(0x2B00)
 @dataclass(slots=True, repr=False, eq=False)
 class QueryIdentification(Message):
-    """Asks who is there, for a system, subsystem, node or component."""
+    """Asks for the identification of a system, subsystem, node or component."""
 
     class QueryType(IntEnum):
         RESERVED = 0
@@ -110,7 +110,7 @@ class QuerySubsystemList(Bodiless):
 
 @record("QueryServices.ComponentRec")
 @dataclass(slots=True)
-class _AskedComponent:
+class _QueriedComponent:
     """A component, or all by a wildcard."""
 
     component_id: U8 = 0
@@ -118,25 +118,25 @@ class _AskedComponent:
 
 @record("QueryServices.NodeSeq")
 @dataclass(slots=True)
-class _AskedNode:
+class _QueriedNode:
     """Components of a node, or of all by a wildcard."""
 
     node_rec: _NodeRec = field(default_factory=_NodeRec)
-    component_list: ShortList[_AskedComponent] = field(default_factory=list)
+    component_list: ShortList[_QueriedComponent] = field(default_factory=list)
 
 
-class _AskedServices(Message):
+class _QueriedServices(Message):
     __slots__ = ()
 
     NodeRec: TypeAlias = _NodeRec
-    ComponentRec: TypeAlias = _AskedComponent
-    NodeSeq: TypeAlias = _AskedNode
+    ComponentRec: TypeAlias = _QueriedComponent
+    NodeSeq: TypeAlias = _QueriedNode
 
 
 @message(0x2B03)
 @dataclass(slots=True, repr=False, eq=False)
-class QueryServices(_AskedServices):
-    """Asks what components provide."""
+class QueryServices(_QueriedServices):
+    """Asks for the services of components."""
 
     class NodeID(IntEnum):
         RESERVED = 0
@@ -146,13 +146,13 @@ class QueryServices(_AskedServices):
         RESERVED = 0
         ALL_COMPONENTS_IN_THE_SUBSYSTEM = 255
 
-    node_list: ShortList[_AskedNode] = field(default_factory=list)
+    node_list: ShortList[_QueriedNode] = field(default_factory=list)
 
 
 @record("QueryServiceList.ComponentRec")
 @dataclass(slots=True)
 class _FilteredComponent:
-    """A component, or all, and what the URNs of its services must contain."""
+    """A component, or all by a wildcard, and a text that URNs of its services must contain."""
 
     component_id: U8 = 0
     search_filter: Text | None = None
@@ -189,7 +189,7 @@ class _FilteredServices(Message):
 @message(0x2B04)
 @dataclass(slots=True, repr=False, eq=False)
 class QueryServiceList(_FilteredServices):
-    """Asks a Discovery service what is known to it."""
+    """Asks a Discovery service for all services that it knows."""
 
     NodeID = QueryServices.NodeID
     ComponentID = QueryServices.ComponentID
@@ -204,7 +204,7 @@ class QueryServiceList(_FilteredServices):
 @message(0x4B00)
 @dataclass(slots=True, repr=False, eq=False)
 class ReportIdentification(Message):
-    """Tells what kind of component, node or subsystem is there, and its name."""
+    """Reports type and name of a component, node or subsystem."""
 
     QueryType = QueryIdentification.QueryType
 
@@ -240,7 +240,7 @@ class _Configuration(Message):
 @message(0x4B01)
 @dataclass(slots=True, repr=False, eq=False)
 class ReportConfiguration(_Configuration):
-    """Tells the components of a subsystem or node."""
+    """Reports the components of a subsystem or node."""
 
     node_list: ShortList[_ConfiguredNode] = field(default_factory=list)
 
@@ -248,12 +248,12 @@ class ReportConfiguration(_Configuration):
 @message(0x4B02)
 @dataclass(slots=True, repr=False, eq=False)
 class ReportSubsystemList(Message):
-    """Tells which subsystems are known."""
+    """Reports the known subsystems."""
 
     @record("ReportSubsystemList.SubsystemRec")
     @dataclass(slots=True)
     class SubsystemRec:
-        """A subsystem, by the component that answers for it."""
+        """A subsystem, by the address of its Discovery."""
 
         subsystem_id: U16 = 0
         node_id: U8 = 0
@@ -265,7 +265,7 @@ class ReportSubsystemList(Message):
 @message(0x4B03)
 @dataclass(slots=True, repr=False, eq=False)
 class ReportServices(_WithServices):
-    """Tells what components provide."""
+    """Reports the services of components."""
 
     node_list: ShortList[_NodeSeq] = field(default_factory=list)
 
@@ -287,6 +287,6 @@ class _WithSubsystems(_WithServices):
 @message(0x4B04)
 @dataclass(slots=True, repr=False, eq=False)
 class ReportServiceList(_WithSubsystems):
-    """Tells what is known to a Discovery service."""
+    """Reports the services that a Discovery service knows."""
 
     subsystem_list: LongList[_SubsystemSeq] = field(default_factory=list)

@@ -1,4 +1,4 @@
-"""Messages of Events: reports that come periodically or at every change (SAE AS5710A)."""
+"""Messages of Events: reports that are sent periodically or at every change (SAE AS5710A)."""
 
 # Annotations are read when the classes are made: no `from __future__ import annotations`.
 from dataclasses import dataclass, field
@@ -27,7 +27,7 @@ _EventType = Annotated[int, unsigned(1, upper=1)]
 @message(0x01F0)
 @dataclass(slots=True, repr=False, eq=False)
 class CreateEvent(Message):
-    """Asks for the answer of a query periodically or at every change."""
+    """Requests the answer to a query periodically or at every change."""
 
     class EventType(IntEnum):
         PERIODIC_SC = 0
@@ -65,7 +65,7 @@ class CancelEvent(Message):
 @message(0x01F3)
 @dataclass(slots=True, repr=False, eq=False)
 class ConfirmEventRequest(Message):
-    """Answers CreateEvent, UpdateEvent and CancelEvent, with the rate that is given."""
+    """Confirms CreateEvent, UpdateEvent or CancelEvent, with the granted rate."""
 
     request_id: U8 = 0
     event_id: U8 = 0
@@ -75,7 +75,7 @@ class ConfirmEventRequest(Message):
 @message(0x01F4)
 @dataclass(slots=True, repr=False, eq=False)
 class RejectEventRequest(Message):
-    """Answers the same when nothing comes of it."""
+    """Rejects CreateEvent, UpdateEvent or CancelEvent."""
 
     class ResponseCode(IntEnum):
         PERIODIC_EVENTS_NOT_SUPPORTED = 1
@@ -93,7 +93,7 @@ class RejectEventRequest(Message):
 @message(0x01F6)
 @dataclass(slots=True, repr=False, eq=False)
 class CreateCommandEvent(Message):
-    """Has a command executed, whose end a CommandEvent tells."""
+    """Requests the execution of a command, whose result is sent by CommandEvent."""
 
     request_id: U8 = 0
     maximum_allowed_duration: U32 = 0  # seconds
@@ -103,7 +103,7 @@ class CreateCommandEvent(Message):
 @message(0x21F0)
 @dataclass(slots=True, repr=False, eq=False)
 class QueryEvents(Message):
-    """Asks for the events of a message, of a type, of an id, or for all."""
+    """Asks for the events of a query, of a type, of an id, or for all."""
 
     EventType = CreateEvent.EventType
 
@@ -158,7 +158,7 @@ class QueryEventTimeout(Bodiless):
 @message(0x41F0)
 @dataclass(slots=True, repr=False, eq=False)
 class ReportEvents(Message):
-    """Tells which events there are."""
+    """Reports the selected events."""
 
     EventType = CreateEvent.EventType
 
@@ -177,7 +177,7 @@ class ReportEvents(Message):
 @message(0x41F1)
 @dataclass(slots=True, repr=False, eq=False)
 class Event(Message):
-    """Brings a report that an event asked for."""
+    """Sends the report of an event."""
 
     event_id: U8 = 0
     sequence_number: U8 = 0
@@ -187,7 +187,7 @@ class Event(Message):
 @message(0x41F2)
 @dataclass(slots=True, repr=False, eq=False)
 class ReportEventTimeout(Message):
-    """Tells after which time an event lapses, unless it is updated."""
+    """Reports the time after which an event lapses, unless it is updated."""
 
     class Timeout(IntEnum):
         TIMEOUT_FEATURE_DISABLED = 0
@@ -198,7 +198,7 @@ class ReportEventTimeout(Message):
 @message(0x41F6)
 @dataclass(slots=True, repr=False, eq=False)
 class CommandEvent(Message):
-    """Tells how a command of CreateCommandEvent ended."""
+    """Reports the result of a command of CreateCommandEvent."""
 
     class CommandResult(IntEnum):
         SUCCESSFUL = 0

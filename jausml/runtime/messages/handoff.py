@@ -1,4 +1,4 @@
-"""Messages of control that is handed over (IOP, EnhancedAccessControl and HandoffController)."""
+"""Messages of the handoff of control (IOP, EnhancedAccessControl and HandoffController)."""
 
 # Annotations are read when the classes are made: no `from __future__ import annotations`.
 from dataclasses import dataclass, field
@@ -11,7 +11,7 @@ from ..wire.message import Message
 
 
 class HandoffDecision(IntEnum):
-    """What a controller has decided of a request for control."""
+    """The decision of a controller on a request for control."""
 
     GRANTED = 0
     DENIED = 1
@@ -20,8 +20,8 @@ class HandoffDecision(IntEnum):
 
 @record("RequestReleaseControlRec")
 @dataclass(slots=True)
-class _Asked:
-    """A client that asks for control, and the number of its request."""
+class _Request:
+    """A request for control: its id, client, authority and explanation."""
 
     id_: U8 = 0
     src_subsystem_id: Annotated[int, unsigned(2, 1, 65534)] = 1
@@ -33,31 +33,31 @@ class _Asked:
 
 @record("ReleaseControlRec")
 @dataclass(slots=True)
-class _Decided:
-    """What was decided of a request."""
+class _Decision:
+    """The decision on a request."""
 
     id_: U8 = 0
     response_code: Annotated[int, unsigned(1, upper=2)] = 0
 
 
 # A dataclass would take an alias in its own body for a field: hence such bases.
-class _WithAsked(Message):
+class _WithRequests(Message):
     __slots__ = ()
 
-    RequestReleaseControlRec: TypeAlias = _Asked
+    RequestReleaseControlRec: TypeAlias = _Request
 
 
-class _WithDecided(Message):
+class _WithDecisions(Message):
     __slots__ = ()
 
-    ReleaseControlRec: TypeAlias = _Decided
+    ReleaseControlRec: TypeAlias = _Decision
     ResponseCode: TypeAlias = HandoffDecision
 
 
 @message(0xFF31)
 @dataclass(slots=True, repr=False, eq=False)
 class RequestHandoff(Message):
-    """Asks the controller of a component to hand control over, and asks for it to go on."""
+    """Requests a component's control from its controller; renews the request when repeated."""
 
     authority_code: U8 = 0
     explanation: Text = ""
@@ -76,7 +76,7 @@ class QueryEnhancedTimeout(Bodiless):
 @message(0xFF34)
 @dataclass(slots=True, repr=False, eq=False)
 class RemoveHandoffRequest(Message):
-    """Takes a request back."""
+    """Withdraws a request."""
 
     id_: U8 = 0
 
@@ -84,7 +84,7 @@ class RemoveHandoffRequest(Message):
 @message(0xFF35)
 @dataclass(slots=True, repr=False, eq=False)
 class ConfirmHandoffRequest(Message):
-    """Tells a client what has become of its request."""
+    """Reports the state of a request to its client."""
 
     class ResponseCode(IntEnum):
         GRANTED = 0
@@ -102,7 +102,7 @@ class ConfirmHandoffRequest(Message):
 @message(0xFF36)
 @dataclass(slots=True, repr=False, eq=False)
 class ReportHandoffTimeout(Message):
-    """Tells for how long the controller may leave a request undecided."""
+    """Reports the time in which the controller must decide a request."""
 
     timeout: U8 = 0  # seconds
 
@@ -110,22 +110,22 @@ class ReportHandoffTimeout(Message):
 @message(0xFF37)
 @dataclass(slots=True, repr=False, eq=False)
 class ReportEnhancedTimeout(Message):
-    """Tells within which time a request is to be sent again."""
+    """Reports the time after which a request lapses, unless it is repeated."""
 
     timeout: U8 = 0  # seconds
 
 
 @message(0xFF38)
 @dataclass(slots=True, repr=False, eq=False)
-class RequestReleaseControl(_WithAsked):
-    """Tells the controller of a component who asks for control."""
+class RequestReleaseControl(_WithRequests):
+    """Reports the undecided requests for a component to its controller."""
 
-    request_release_control_list: ShortList[_Asked] = field(default_factory=list)
+    request_release_control_list: ShortList[_Request] = field(default_factory=list)
 
 
 @message(0xFF39)
 @dataclass(slots=True, repr=False, eq=False)
-class ConfirmReleaseControl(_WithDecided):
-    """Tells a component what its controller has decided of the requests."""
+class ConfirmReleaseControl(_WithDecisions):
+    """Reports the controller's decisions on requests to the component."""
 
-    release_control_list: ShortList[_Decided] = field(default_factory=list)
+    release_control_list: ShortList[_Decision] = field(default_factory=list)

@@ -1,4 +1,4 @@
-"""Messages of ListManager: elements that are commands, in an order (SAE AS5710A)."""
+"""Messages of ListManager: linked lists of commands (SAE AS5710A)."""
 
 # Annotations are read when the classes are made: no `from __future__ import annotations`.
 from dataclasses import dataclass, field
@@ -13,7 +13,7 @@ from ..wire.message import Message
 @record("RequestIDRec")
 @dataclass(slots=True)
 class _RequestIDRec:
-    """The request that an answer is to name."""
+    """The id of a request, which its answer repeats."""
 
     request_id: U8 = 0
 
@@ -21,7 +21,7 @@ class _RequestIDRec:
 @record("ElementData")
 @dataclass(slots=True)
 class _ElementData:
-    """What an element is: a message, or bytes of a format of the user."""
+    """The data of an element: a message, or bytes of a user-defined format."""
 
     format_index: Annotated[int, unsigned(1, upper=1)] = 0
     data: Annotated[bytes, Counted("H")] = b""
@@ -30,7 +30,7 @@ class _ElementData:
 @record("ElementRec")
 @dataclass(slots=True)
 class _ElementRec:
-    """An element of a list, with its neighbours."""
+    """An element of a list, with the UIDs of its neighbours."""
 
     element_uid: U16 = 0
     previous_uid: U16 = 0
@@ -79,7 +79,7 @@ class DeleteElement(_WithElements):
 @message(0x041C)
 @dataclass(slots=True, repr=False, eq=False)
 class ConfirmElementRequest(Message):
-    """Answers SetElement and DeleteElement."""
+    """Confirms SetElement or DeleteElement."""
 
     request_id: U8 = 0
 
@@ -87,7 +87,7 @@ class ConfirmElementRequest(Message):
 @message(0x041D)
 @dataclass(slots=True, repr=False, eq=False)
 class RejectElementRequest(Message):
-    """Answers the same when the list was left as it is."""
+    """Rejects SetElement or DeleteElement, which have left the list unchanged."""
 
     class ResponseCode(IntEnum):
         INVALID_ELEMENT_ID = 1
@@ -123,7 +123,7 @@ class QueryElementCount(Bodiless):
 @message(0x441A)
 @dataclass(slots=True, repr=False, eq=False)
 class ReportElement(_WithElements):
-    """Tells an element of a list."""
+    """Reports an element of a list."""
 
     ElementDataFormat = SetElement.ElementDataFormat
 
@@ -136,7 +136,7 @@ class ReportElement(_WithElements):
 @message(0x441B)
 @dataclass(slots=True, repr=False, eq=False)
 class ReportElementList(Message):
-    """Tells the elements of a list, in order."""
+    """Reports the UIDs of a list, in order."""
 
     @record("ReportElementList.ElementListRec")
     @dataclass(slots=True)
@@ -151,6 +151,6 @@ class ReportElementList(Message):
 @message(0x441C)
 @dataclass(slots=True, repr=False, eq=False)
 class ReportElementCount(Message):
-    """Tells how long a list is."""
+    """Reports the length of a list."""
 
     element_count: U16 = 0

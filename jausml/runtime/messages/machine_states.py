@@ -1,8 +1,7 @@
-"""Messages of MachineStates: where the state machines of a component are, and for how long.
+"""Messages of MachineStates: the states of a component's machines, and their durations.
 
 The service is of this project, in no standard. Its codes are of the range for experiments, D000 to
-FFFF (JAUS Reference Architecture 3.3), and there of the parts that others use for queries, E000 to
-EFFF, and for reports, F000 to FFFF.
+FFFF (JAUS Reference Architecture 3.3): E000 to EFFF is used for queries, F000 to FFFF for reports.
 """
 
 # Annotations are read when the classes are made: no `from __future__ import annotations`.
@@ -19,7 +18,7 @@ MACHINE_STATES = "urn:jausml:MachineStates"
 @record("TimeRec")
 @dataclass(slots=True)
 class _TimeRec:
-    """How often a state was entered, and the time spent in it."""
+    """The entries into a state, and the total time in it."""
 
     state: Text = ""
     entries: U32 = 0
@@ -29,7 +28,7 @@ class _TimeRec:
 @record("MachineRec")
 @dataclass(slots=True)
 class _MachineRec:
-    """A machine of a service, its present state, and how long it has been in it."""
+    """A machine of a service, its present state, and the time since its entry."""
 
     service: Text = ""
     machine: Text = ""
@@ -62,6 +61,6 @@ class QueryMachineStates(Bodiless):
 @message(0xFA20)
 @dataclass(slots=True, repr=False, eq=False)
 class ReportMachineStates(_WithMachines):
-    """Tells the present states, and of the states that were entered those with the most time."""
+    """Reports the present states, and for each machine the entered states with the most time."""
 
     machine_list: ShortList[_MachineSeq] = field(default_factory=list)

@@ -1,4 +1,4 @@
-"""Messages of who controls a component, its states, its pulse and its clock (SAE AS5710A)."""
+"""Messages of a component's control, states, heartbeat and clock (SAE AS5710A)."""
 
 # Annotations are read when the classes are made: no `from __future__ import annotations`.
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from ..wire.message import Message
 @message(0x0001)
 @dataclass(slots=True, repr=False, eq=False)
 class SetAuthority(Message):
-    """Gives the component another authority code, no greater than that of who sends it."""
+    """Sets the authority code of the component, at most that of the sender."""
 
     authority_code: U8 = 0
 
@@ -21,7 +21,7 @@ class SetAuthority(Message):
 @message(0x000D)
 @dataclass(slots=True, repr=False, eq=False)
 class RequestControl(Message):
-    """Asks for control, and asks for it to go on."""
+    """Requests control of the component, or renews it."""
 
     authority_code: U8 = 0
 
@@ -47,7 +47,7 @@ class ConfirmControl(Message):
 @message(0x0010)
 @dataclass(slots=True, repr=False, eq=False)
 class RejectControl(Message):
-    """Tells a client that it controls the component no more, or could not release it."""
+    """Reports to a client that its control has ended, or could not be released."""
 
     class ResponseCode(IntEnum):
         CONTROL_RELEASED = 0
@@ -74,7 +74,7 @@ class QueryControl(Bodiless):
 @message(0x4001)
 @dataclass(slots=True, repr=False, eq=False)
 class ReportAuthority(Message):
-    """Tells the authority code of the component."""
+    """Reports the authority code of the component."""
 
     authority_code: U8 = 0
 
@@ -82,7 +82,7 @@ class ReportAuthority(Message):
 @message(0x4003)
 @dataclass(slots=True, repr=False, eq=False)
 class ReportTimeout(Message):
-    """Tells after which time control lapses, unless it is requested again."""
+    """Reports the time after which control lapses, unless it is requested again."""
 
     class Timeout(IntEnum):
         TIMEOUT_FEATURE_DISABLED = 0
@@ -93,7 +93,7 @@ class ReportTimeout(Message):
 @message(0x400D)
 @dataclass(slots=True, repr=False, eq=False)
 class ReportControl(Message):
-    """Tells who controls the component; zeros for nobody."""
+    """Reports the controller of the component; zeros without one."""
 
     subsystem_id: U16 = 0
     node_id: U8 = 0
@@ -124,7 +124,7 @@ class Reset(Bodiless):
 @message(0x0006)
 @dataclass(slots=True, repr=False, eq=False)
 class SetEmergency(Message):
-    """Has the component go to Emergency."""
+    """Puts the component into Emergency."""
 
     class EmergencyCode(IntEnum):
         STOP = 1
@@ -150,7 +150,7 @@ class QueryStatus(Bodiless):
 @message(0x4002)
 @dataclass(slots=True, repr=False, eq=False)
 class ReportStatus(Message):
-    """Tells the state of the component."""
+    """Reports the state of the component."""
 
     class Status(IntEnum):
         INITIALIZE = 0
@@ -181,7 +181,7 @@ class _DateStamp:
 
     @classmethod
     def from_integer(cls, date_bits: int) -> "_DateStamp":
-        """Returns what the bits of an integer say, legal or not."""
+        """Returns the day of 16 bits, without a check of its parts."""
         return cls(date_bits & 0x1F, date_bits >> 5 & 0xF, date_bits >> 9 & 0x7F)
 
 
@@ -204,7 +204,7 @@ class SetTime(_Dated):
 @message(0x2011)
 @dataclass(slots=True, repr=False, eq=False)
 class QueryTime(Message):
-    """The presence vector says which fields are asked for."""
+    """Asks for the fields of a presence vector."""
 
     presence_vector: U8 = 0
 
@@ -217,7 +217,7 @@ class QueryHeartbeatPulse(Bodiless):
 @message(0x4011)
 @dataclass(slots=True, repr=False, eq=False)
 class ReportTime(_Dated):
-    """Tells the time of the component."""
+    """Reports the time of the component."""
 
     time_stamp: Annotated[TimeStamp, bits(4, TimeStamp)] | None = None
     date_stamp: Annotated[_DateStamp, bits(2, _DateStamp)] | None = None

@@ -25,15 +25,15 @@ from ..wire.message import Message
 from .definitions import CORE, VERSION_1_1, Guard
 from .host import Host
 
-LIMIT = 10  # like refusals that a requester gets at once in each second
-PERIOD = 1.0  # seconds in which they are counted
-
-MAX_REQUESTERS = 256
-"""Requesters that are counted at a time; a flood of false ones must not fill the memory."""
+LIMIT = 10  # refusals with the same code that a requester gets at once in each period
+PERIOD = 1.0  # seconds
+MAX_REQUESTERS = 256  # requesters that are counted; false ones must not fill the memory
 
 
 @dataclass(slots=True)
 class _Count:
+    """Refusals of one requester with the same code in the present period."""
+
     waiting: Alarm
     code: int = -1
     since: float = 0.0
@@ -41,9 +41,9 @@ class _Count:
 
 
 class Refusals:
-    """Counts the refusals of each requester, and puts off those that are too many.
+    """Counts the refusals of each requester, and delays those over the limit.
 
-    Some clients ask again as soon as they are refused, as fast as the network carries it.
+    Some clients request again as soon as they are refused, as fast as the network allows.
     """
 
     def __init__(self, loop: Loop) -> None:
@@ -51,9 +51,10 @@ class Refusals:
         self._counts: dict[JausAddress, _Count] = {}
 
     def put_off(self, requester: JausAddress, code: int, again: Callable[[], None]) -> bool:
-        """Tells whether a refusal is not to be sent now; the request is then judged again later.
+        """Returns whether a refusal is over the limit, and so delayed until the period ends.
 
-        Another reason is told at once; of several requests of one sender the last is judged.
+        Then `again` is called, for the last one of several delayed requests. A refusal with another
+        code is never delayed.
         """
         now = self._loop.now()
         count = self._counts.get(requester) or self._begin(requester, now)
@@ -68,15 +69,18 @@ class Refusals:
         return True
 
     def forget(self, requester: JausAddress) -> None:
-        """Judges again nothing that waits: newer words of the requester count, or it controls."""
+        """Drops the delayed request of a requester, which has sent a newer one or has control."""
         count = self._counts.get(requester)
         if count is not None:
             count.waiting.cancel()
 
     def _begin(self, requester: JausAddress, now: float) -> _Count | None:
         if len(self._counts) >= MAX_REQUESTERS:
-            lately = self._counts.items()
-            self._counts = {a: c for a, c in lately if c.waiting.is_set or now < c.since + PERIOD}
+            self._counts = {
+                requester: count
+                for requester, count in self._counts.items()
+                if count.waiting.is_set or now < count.since + PERIOD
+            }
             if len(self._counts) >= MAX_REQUESTERS:
                 return None
         count = self._counts[requester] = _Count(Alarm(self._loop))
@@ -88,9 +92,18 @@ Reject = RejectControl.ResponseCode
 
 
 class AccessControlService:
-    """Keeps who controls the component (AS5710, AccessControl, protocol behaviour).
+    """Decides which client controls the component (AS5710, AccessControl, protocol behaviour).
 
-    A component that provides AccessControl v1.0 answers ReleaseControl as v1.0 says.
+    A component that provides AccessControl v1.0 answers ReleaseControl as in v1.0.
+
+    Attributes:
+        authority: Authority code of the controller; the default authority without one.
+        offered: Whether the component itself offers control.
+        managed: Whether its Management state allows control.
+        has_lapsed: Whether the last controller did not request control again in time.
+        kept: Whether the controller keeps control while it is not available to others.
+        on_lost: Called when control ends, before the controller is told.
+        on_changed: Called after the controller has changed.
     """
 
     urns = frozenset([CORE + "AccessControl"])
@@ -101,16 +114,13 @@ class AccessControlService:
         self._timeout = component.settings.control_timeout
         self._default = component.settings.default_authority
         self.controller: JausAddress | None = None
-        # Its authority code; the default authority without a controller.
         self.authority = self._default
         self.offered = True
         self.managed = True
-        self.has_lapsed = False  # whether the last controller let control lapse
-        self.kept = False  # whether the controller keeps control while nobody else may have it
+        self.has_lapsed = False
+        self.kept = False
         self.emergency_clients: Set[JausAddress] = frozenset()
-        # Called when control ends, before the controller is told.
         self.on_lost: Callable[[], None] = _nothing
-        # Called when somebody else, or nobody, has become the controller.
         self.on_changed: Callable[[], None] = _nothing
         self._refusals = Refusals(component.loop)
         self._is_1_0 = component.core_version("AccessControl") < VERSION_1_1
@@ -138,7 +148,7 @@ class AccessControlService:
         return self._default
 
     def drop(self, reason: Reject) -> None:
-        """Takes control away from the controller and tells it; no effect without one."""
+        """Ends control and sends the controller RejectControl; no effect without one."""
         former = self.controller
         if former is None:
             return
@@ -151,7 +161,7 @@ class AccessControlService:
         self._controller_changed()
 
     def restore(self, controller: JausAddress, authority: int) -> None:
-        """Gives control back to whom an emergency took it from (AS5710 v1.0, Management)."""
+        """Gives control back to the controller before an emergency (AS5710 v1.0, Management)."""
         self.controller = controller
         self.authority = authority
         self._restart_timer()
@@ -176,11 +186,11 @@ class AccessControlService:
         self.pass_control(sender, code, lambda: self._confirm(sender, Confirm.CONTROL_ACCEPTED))
 
     def pass_control(self, client: JausAddress, code: int, confirm: Callable[[], None]) -> None:
-        """Makes a client the controller; it is told after the former one, before who watches."""
+        """Makes a client the controller; rejects the former one, then calls `confirm`."""
         self._refusals.forget(client)
         former, self.controller = self.controller, client
         self.has_lapsed = False
-        raised, self.authority = self.authority != code, code
+        has_changed, self.authority = self.authority != code, code
         self._restart_timer()
         if former is not None and former != client:
             self._component.call(self._component.on_control_lost)
@@ -189,14 +199,14 @@ class AccessControlService:
         confirm()
         if former != client:
             self._controller_changed()
-        elif raised:
+        elif has_changed:
             self._authority_changed()
 
     def _release(self, _message: ReleaseControl, sender: JausAddress) -> None:
         self._refusals.forget(sender)
         if self.controller is None:
-            refused = not (self.available or self._is_1_0 or sender in self.emergency_clients)
-            reason = Reject.NOT_AVAILABLE if refused else Reject.CONTROL_RELEASED
+            is_refused = not (self.available or self._is_1_0 or sender in self.emergency_clients)
+            reason = Reject.NOT_AVAILABLE if is_refused else Reject.CONTROL_RELEASED
             self._component.send(RejectControl(response_code=reason), sender)
         elif sender == self.controller and self.available:
             self.drop(Reject.CONTROL_RELEASED)
@@ -212,7 +222,7 @@ class AccessControlService:
             self._component.counters.add("access_control.authority_ignored")
 
     def change_authority(self, code: int) -> None:
-        """Gives the component the authority code that its controller has now."""
+        """Sets the authority code of the controller."""
         self.authority = code
         self._authority_changed()
 
@@ -230,7 +240,7 @@ class AccessControlService:
             self._timer.set(self._timeout, self._timed_out)
 
     def _refuse(self, message: RequestControl, sender: JausAddress, code: Confirm) -> None:
-        """Refuses control, but does not answer faster and faster a client that asks at once."""
+        """Refuses control, now or after a delay for a client with too many requests."""
         if self._refusals.put_off(sender, code, lambda: self._request(message, sender)):
             self._component.counters.add("access_control.request_put_off")
         else:
@@ -259,4 +269,4 @@ class AccessControlService:
 
 
 def _nothing() -> None:
-    """Stands in for a service that the component does not have."""
+    """Does nothing, for a component without the other service."""

@@ -1,6 +1,6 @@
-"""Command events: a command whose end its sender is told of (AS5710 v1.1, Events).
+"""Command events: commands whose result is reported to their client (AS5710 v1.1, Events).
 
-Ids and refusals are those of report events too.
+Report events use the same event ids and rejections, which are here too.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ MAX_TEXT = 80  # characters that an ErrorMessage holds
 
 
 class RequestError(JausError):
-    """An event request that cannot be met."""
+    """An event request is rejected; `code` is that of the rejection."""
 
     def __init__(self, code: RejectCode, text: str) -> None:
         super().__init__(text)
@@ -40,17 +40,17 @@ class RequestError(JausError):
 
 
 class EventIds:
-    """Hands out the ids that are free, each as late as possible after its last use."""
+    """Assigns free event ids, each as late as possible after its last use."""
 
     def __init__(self, limit: int, make_room: Callable[[JausAddress], object]) -> None:
-        """Starts with all ids free; `make_room` gives one back, if somebody must give way."""
+        """Starts with all ids free; `make_room` may give back one for a client."""
         self._limit = limit
         self._make_room = make_room
         self._used: set[int] = set()
         self._next = 0
 
     def take(self, client: JausAddress) -> int:
-        """Returns a free id; raises RequestError when nobody has to give way to the client."""
+        """Returns a free id; raises RequestError if there is none for the client."""
         if len(self._used) >= self._limit:
             self._make_room(client)
         if len(self._used) >= self._limit:
@@ -63,12 +63,12 @@ class EventIds:
         return event_id
 
     def give_back(self, event_id: int) -> None:
-        """Takes an id for free again."""
+        """Makes an id free again."""
         self._used.discard(event_id)
 
 
 def reject(component: Host, client: JausAddress, request_id: int, error: RequestError) -> None:
-    """Refuses a request of a client."""
+    """Sends a client the rejection of its request."""
     component.counters.add("events.rejected")
     message = RejectEventRequest(
         request_id=request_id, response_code=error.code, error_message=str(error)[:MAX_TEXT]
@@ -78,11 +78,10 @@ def reject(component: Host, client: JausAddress, request_id: int, error: Request
 
 Result = CommandEvent.CommandResult
 
-NO_COMMANDS = frozenset(
+NO_COMMANDS = frozenset(  # codes of messages of Events itself, which must not be nested
     message_class.CODE
     for message_class in (CreateEvent, UpdateEvent, CancelEvent, CreateCommandEvent)
 )
-"""Messages of Events itself: a command event must not nest."""
 
 
 @dataclass(slots=True, eq=False)
@@ -97,7 +96,7 @@ class _Command:
 
 
 class CommandEvents:
-    """Executes commands that come as events, and reports their ends."""
+    """Executes command events, and reports their results."""
 
     def __init__(self, component: Host, ids: EventIds) -> None:
         self._component = component
@@ -105,7 +104,7 @@ class CommandEvents:
         self._commands: dict[int, _Command] = {}
 
     def cancel(self, client: JausAddress, event_id: int) -> bool:
-        """Forgets a client's command event; tells whether there was one."""
+        """Cancels a command event of a client; returns whether there was one."""
         command = self._commands.get(event_id)
         if command is None or command.client != client:
             return False
@@ -113,12 +112,9 @@ class CommandEvents:
         return True
 
     def recheck(self) -> None:
-        """Fails the commands that their clients may not give any more.
-
-        A command that needs Ready or control has failed when that is lost.
-        """
+        """Fails commands whose clients are not allowed to command any more."""
         for command in list(self._commands.values()):
-            # One without a completion is being executed, and may end control itself: Reset does.
+            # One without a completion is being executed, and may end control itself, as Reset does.
             if command.completion is not None and not self._permits(command):
                 self._finish(command, Result.UNSUCCESSFUL)
 
@@ -128,10 +124,10 @@ class CommandEvents:
             self._finish(command, Result.UNSUCCESSFUL)
 
     def create(self, request: CreateCommandEvent, sender: JausAddress) -> None:
-        """Executes a command and confirms the event of it, or rejects it."""
+        """Confirms a command event and executes its command, or rejects it."""
         try:
             handler, message = self._check(request.command_message, sender)
-            command = self._replaced(sender, message)
+            command = self._replaced_event(sender, message)
             if command is None:
                 event_id = self._ids.take(sender)
                 command = _Command(event_id, sender, message, request.command_message, handler)
@@ -140,7 +136,7 @@ class CommandEvents:
             reject(self._component, sender, request.request_id, error)
             return
         command.message, command.payload = message, request.command_message
-        # Before it runs: it may end at once, and the client must know the id by then.
+        # Confirmed before execution, so that the client knows the id before the result.
         confirm = ConfirmEventRequest(request_id=request.request_id, event_id=command.event_id)
         self._component.send(confirm, sender)
         command.expiry = self._component.loop.call_later(
@@ -149,7 +145,7 @@ class CommandEvents:
         self._execute(command)
 
     def _check(self, payload: bytes, sender: JausAddress) -> tuple[Handler, Message]:
-        """Returns what executes a command; raises RequestError when that is not possible."""
+        """Returns the handler and the decoded command; raises RequestError if it is rejected."""
         try:
             code = read_code(payload)
             handler = self._component.command_handler(code)
@@ -159,7 +155,7 @@ class CommandEvents:
             message = handler.message_class.decode(payload)
         except DecodeError as error:
             raise RequestError(RejectCode.INVALID_EVENT_SETUP, f"bad command: {error}") from error
-        # Asked before an id is taken: whoever may not command shall use up none.
+        # Checked before an id is taken.
         if not self._permits(_Command(0, sender, message, payload, handler)):
             self._component.counters.add("component.command_refused")
             raise RequestError(RejectCode.CONNECTION_REFUSED, "not controlled by you and ready")
@@ -169,8 +165,8 @@ class CommandEvents:
         guard = self._component.call(command.handler.guard_for, command.message)
         return guard is not None and self._component.allows(guard, command.client)
 
-    def _replaced(self, client: JausAddress, message: Message) -> _Command | None:
-        """Returns the client's event on the same command, ready for its successor."""
+    def _replaced_event(self, client: JausAddress, message: Message) -> _Command | None:
+        """Returns the event of a client with the same kind of command, which is detached."""
         for command in self._commands.values():
             if command.client == client and command.message.CODE == message.CODE:
                 self._detach(command)
@@ -187,15 +183,15 @@ class CommandEvents:
             self._finish(command, Result.UNSUCCESSFUL)
         elif isinstance(answer, Completion):
             command.completion = answer
-            answer.when_ended(lambda: self._ended(command, answer))
+            answer.when_ended(lambda: self._report_end(command, answer))
             # Control may have ended while the handler ran.
             self.recheck()
         else:
             self._finish(command, Result.SUCCESSFUL)
 
-    def _ended(self, command: _Command, completion: Completion) -> None:
+    def _report_end(self, command: _Command, completion: Completion) -> None:
         with self._component.loop.lock:
-            # A successor on the same id may have taken its place.
+            # Another command may have replaced it in the same event.
             if command.completion is completion and command.event_id in self._commands:
                 result = Result.SUCCESSFUL if completion.succeeded else Result.UNSUCCESSFUL
                 self._finish(command, result)
@@ -216,8 +212,8 @@ class CommandEvents:
 
     @staticmethod
     def _detach(command: _Command) -> None:
-        """Ends the timer and the completion, which concern nobody from now on."""
-        # Taken away first: to fail it calls `_ended`, which must not report it.
+        """Ends the timer and the completion of a command that is not reported any more."""
+        # Removed first: `fail` calls `_report_end`, which must not report it.
         completion, command.completion = command.completion, None
         if completion is not None:
             completion.fail()

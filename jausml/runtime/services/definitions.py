@@ -1,4 +1,4 @@
-"""Terms that the component, its services and its clients share."""
+"""Definitions for components, their services and their clients."""
 
 from __future__ import annotations
 
@@ -11,9 +11,7 @@ from ..base.settings import check_range
 
 CORE = "urn:jaus:jss:core:"  # prefix of the identifiers of the core services (AS5710)
 
-VERSION_1_1 = (1, 1)
-"""Major and minor version of the core services of AS5710A; AS5710 is 1.0."""
-
+VERSION_1_1 = (1, 1)  # version of the core services of AS5710A; those of AS5710 are 1.0
 MAX_EVENT_RATE = 1092.0  # upper limit of RequestedPeriodicRate in Hz (AS5710, CreateEvent)
 
 
@@ -27,11 +25,11 @@ class ServiceIdentity:
 
 
 class Guard(Enum):
-    """Who a component obeys an input message from (AS5710, AccessControl and Management)."""
+    """Which senders of a message a component obeys (AS5710, AccessControl and Management)."""
 
     ANY = "any"  # every component
-    CONTROLLED = "controlled"  # the controller alone, in Standby or Ready
-    READY = "ready"  # the controller alone, in Ready
+    CONTROLLED = "controlled"  # only the controller, in Standby or Ready
+    READY = "ready"  # only the controller, in Ready
 
 
 class Status(IntEnum):
@@ -46,7 +44,7 @@ class Status(IntEnum):
 
 
 class Scope(IntEnum):
-    """How much a Discovery service answers for (AS5710, QueryIdentification, QueryType)."""
+    """Scope of a Discovery service or query (AS5710, QueryIdentification, QueryType)."""
 
     SYSTEM = 1
     SUBSYSTEM = 2
@@ -56,13 +54,13 @@ class Scope(IntEnum):
 
 @dataclass(frozen=True)
 class HandoffRequest:
-    """Somebody asks for control of a component that this one controls."""
+    """A request of another client for control of a component that this one controls."""
 
     target: JausAddress  # the controlled component
-    number: int  # by which the target knows the request
-    client: JausAddress  # who asks
-    authority: int  # the authority code with which it would have control
-    explanation: str  # why it asks, for people
+    number: int  # identifier of the request at the target
+    client: JausAddress
+    authority: int  # authority code of the client
+    explanation: str  # reason of the client, for people
 
 
 @dataclass(frozen=True)
@@ -73,9 +71,9 @@ class ComponentSettings:
         default_authority: Lowest authority code that may control the component, 0 to 255.
         control_timeout: Seconds after which control lapses unless it is requested again, 0 to
             255; 0 means never (AS5710, QueryTimeout).
-        control_survives_emergency: Whether the controller keeps control in an emergency, for
-            clients that count on it; AS5710 ends it. It is not obeyed before the end either.
-        handoff_timeout: Seconds in which the controller decides who has asked it for control, 0 to
+        control_survives_emergency: Whether the controller keeps control in an emergency, which
+            some clients need, against AS5710. It is not obeyed during the emergency.
+        handoff_timeout: Seconds within which the controller decides on a request for handoff, 0 to
             255; 0 means any time (IOP, QueryHandoffTimeout).
         enhanced_timeout: Seconds after which such a request lapses unless it is sent again, 0 to
             255; 0 means never (IOP, QueryEnhancedTimeout).
@@ -83,37 +81,34 @@ class ComponentSettings:
             0 means never (AS5710, QueryEventTimeout).
         event_rate_min: Slowest periodic event in Hz; slower requests get this rate.
         event_rate_max: Fastest periodic event in Hz; faster requests get this rate.
-        event_rate_budget: Reports a second of all periodic events together; who asks for more
-            than a fair share gets less.
-        max_events: Events that the component serves at a time, 0 to 255. When all are taken, the
-            host that has most gives way to one that has fewer.
-        heartbeat_rate: Rate in Hz of unrequested heartbeats, up to 100; 0 means
-            never. None means 1 Hz if the component provides the service UnsolicitedHeartbeat of
-            the IOP, and never if it does not.
-        heartbeat_scope: Whom these reach: SUBSYSTEM or SYSTEM.
+        event_rate_budget: Reports a second of all periodic events together; a client that requests
+            more than a fair share gets a lower rate.
+        max_events: Events that the component serves at a time, 0 to 255. When all are used, the
+            host with most events loses one to a host with fewer.
+        heartbeat_rate: Rate in Hz of unsolicited heartbeats, up to 100; 0 means never. None means
+            1 Hz if the component provides the service UnsolicitedHeartbeat of the IOP, else never.
+        heartbeat_scope: Receivers of these heartbeats: SUBSYSTEM or SYSTEM.
         max_list_elements: Elements that the list of a ListManager may hold, 0 to 65534.
-        discovery_scope: What the Discovery service answers for. One component of a subsystem
-            takes SUBSYSTEM, by convention n.1.1.
+        discovery_scope: Scope of the Discovery service. One component of a subsystem has
+            SUBSYSTEM, by convention n.1.1.
         subsystem_name: Name of the subsystem in ReportIdentification; the component's own
             name when empty.
-        registration_lifetime: Seconds after which a registered component that was not heard
-            of is forgotten.
+        registration_lifetime: Seconds after which a silent registered component is forgotten.
         digital_resources: URLs of the streams and files of the component, such as
             rtsp://10.0.0.7/front (IOP, Digital Resource Discovery). It reports them itself if it
-            provides that service, else it registers them where its subsystem has it.
+            provides that service, else it registers them at the provider of its subsystem.
         register_services: Whether the component registers its services with the Discovery
             service of its subsystem.
         discovery_timeout: Seconds without an answer of that Discovery service after which it is
-            taken for lost, and looked for.
-        greeted: Components that say nothing before they are asked for their identification, and
-            the scope that they are asked for.
+            searched for again.
+        greeted: Components that only send messages after a QueryIdentification, and its scope.
         retry_min: Seconds before an unanswered request is sent again for the first time.
-        retry_max: Longest time in seconds between two requests to a component that is silent.
+        retry_max: Longest time in seconds between two requests to a silent component.
         refused_retry: Seconds between two requests after a refusal.
         watch_interval: Longest time in seconds between two checks of a controlled component, and
-            between two requests to one that is heard, but does not answer.
-        check_interval: Longest time in seconds between two renewals of an every-change event,
-            whose provider may rightly be silent; finds a provider that was restarted.
+            between two requests to one that sends messages, but does not answer.
+        check_interval: Longest time in seconds between two renewals of an every-change event, by
+            which a restart of its provider is noticed.
 
     Raises:
         ValueError: A value is out of its range.
@@ -173,11 +168,11 @@ class ComponentSettings:
 
 
 class Completion:
-    """What a handler returns when its command is not done yet, and ends when it is.
+    """The result of a command, which its handler returns before the command has ended.
 
-    A client that sent the command in a CreateCommandEvent learns the end from a CommandEvent
-    (AS5710 v1.1, Events); the end of any other command concerns nobody. A handler that returns
-    nothing has done its command at once, one that raises has failed. May be used on any thread.
+    A client that sent the command in a CreateCommandEvent is sent the result as a CommandEvent
+    (AS5710 v1.1, Events); for other commands it has no effect. A command whose handler returns None
+    has succeeded, and one whose handler raises has failed. May be used on any thread.
     """
 
     def __init__(self) -> None:
@@ -186,24 +181,24 @@ class Completion:
 
     @property
     def active(self) -> bool:
-        """Whether the command is still under way: neither done, failed, expired nor cancelled."""
+        """Whether the command is still under way."""
         return self._succeeded is None
 
     @property
     def succeeded(self) -> bool | None:
-        """Whether the command was done; None as long as it is under way."""
+        """Whether the command has succeeded; None while it is under way."""
         return self._succeeded
 
     def succeed(self) -> None:
-        """The command is done; no effect after its end."""
+        """Ends the command with success; no effect after its end."""
         self._end(succeeded=True)
 
     def fail(self) -> None:
-        """The command cannot be done; no effect after its end."""
+        """Ends the command with failure; no effect after its end."""
         self._end(succeeded=False)
 
     def when_ended(self, action: Callable[[], None]) -> None:
-        """Runs an action at the end, or now if that is past; one action at most."""
+        """Runs an action at the end, or now if it has ended; only the last action is kept."""
         self._on_end = action
         if self._succeeded is not None:
             action()
@@ -215,12 +210,13 @@ class Completion:
                 self._on_end()
 
 
-COMMAND_REQUESTS = range(224, 255)
-"""Request ids of the command events of one provider: smaller ones are those of its events."""
+COMMAND_REQUESTS = range(
+    224, 255
+)  # request ids for command events; report events have smaller ones
 
 _RTSP, _MPEG2_TS, _FTP, _SFTP, _FTP_OVER_SSH, _HTTP, _HTTPS, _SCP = range(8)
 
-_SERVER_TYPES = {
+_SERVER_TYPES = {  # by the scheme of a URL
     "rtsp": _RTSP,
     "udp": _MPEG2_TS,
     "rtp": _MPEG2_TS,
@@ -230,13 +226,11 @@ _SERVER_TYPES = {
     "https": _HTTPS,
     "scp": _SCP,
 }
-"""Kinds of servers by the scheme of their URLs."""
-
 _LONGEST_URL = 255
 
 
 def server_type(url: str) -> int:
-    """Returns the kind of server of a URL; ValueError where the IOP has none, or it is too long."""
+    """Returns the ServerType of a URL (IOP); raises ValueError for one that is not allowed."""
     scheme = url.partition("://")[0].lower()
     if scheme not in _SERVER_TYPES or "://" not in url:
         known = ", ".join(_SERVER_TYPES)

@@ -1,4 +1,4 @@
-"""The DigitalResourceDiscovery service: where streams and files of components are (IOP)."""
+"""The DigitalResourceDiscovery service: URLs of streams and files of components (IOP)."""
 
 from __future__ import annotations
 
@@ -17,24 +17,20 @@ from ..wire.message import Message
 from .definitions import DIGITAL_RESOURCE_DISCOVERY, server_type
 from .host import Host
 
-MOST_ENDPOINTS = 255  # endpoints that a report can list, and ids that a confirmation can tell
+MAX_ENDPOINTS = 255  # endpoints that a report can list
 
 
 def endpoints(urls: Sequence[str], owner: JausAddress) -> list[Endpoint]:
-    """Returns the endpoints of a component, numbered from 1.
-
-    Raises:
-        ValueError: A URL is none of a digital resource.
-    """
+    """Returns the endpoints of a component, numbered from 1; raises ValueError as `server_type`."""
     return [
         Endpoint(server_type(url), url, owner.packed, number) for number, url in enumerate(urls, 1)
     ]
 
 
 class DigitalResourceService:
-    """Keeps the endpoints that components register, and reports them with its own ones.
+    """Stores the endpoints that components register, and reports them with its own ones.
 
-    The IOP states no control for it: whoever may speak to the component may register and remove.
+    The IOP does not require control: every component may register and remove endpoints.
     """
 
     urns = frozenset([DIGITAL_RESOURCE_DISCOVERY])
@@ -46,9 +42,9 @@ class DigitalResourceService:
 
     def attach(self) -> None:
         """Takes the messages of the service, unless a connection of a bridge reports endpoints."""
-        self._component.when_started(self._take)
+        self._component.when_started(self._register_handlers)
 
-    def _take(self) -> None:
+    def _register_handlers(self) -> None:
         component = self._component
         if component.provision(QueryDigitalResourceEndpoint.CODE) is None:
             component.provide(
@@ -58,23 +54,15 @@ class DigitalResourceService:
             component.handle(RemoveDigitalResourceEndpoint, self._remove, counts_each=True)
 
     def _report(self, _query: Message, _sender: JausAddress) -> ReportDigitalResourceEndpoint:
-        known = [*self._own, *self._registered.values()]
-        return ReportDigitalResourceEndpoint(known[:MOST_ENDPOINTS])
+        all_endpoints = [*self._own, *self._registered.values()]
+        return ReportDigitalResourceEndpoint(all_endpoints[:MAX_ENDPOINTS])
 
     def _register(self, message: RegisterDigitalResourceEndpoint, sender: JausAddress) -> None:
-        """Adds an endpoint; the same resource again, or the same address, takes its place."""
+        """Adds an endpoint, or replaces that of the same resource or URL."""
         endpoint = message.endpoint
-        number = (
-            next(
-                (
-                    key
-                    for key, registration in self._registered.items()
-                    if _is_same(registration, endpoint)
-                ),
-                None,
-            )
-            or self._free_id()
-        )
+        registered = self._registered.items()
+        same = (number for number, other in registered if _is_same(other, endpoint))
+        number = next(same, None) or self._free_id()
         if number is None:
             self._component.counters.count("digital_resources.full", f"endpoint of {sender}")
             return
@@ -82,7 +70,7 @@ class DigitalResourceService:
         self._confirm(number, message.request_id_rec.request_id, sender)
 
     def _free_id(self) -> int | None:
-        most = MOST_ENDPOINTS - len(self._own)
+        most = MAX_ENDPOINTS - len(self._own)
         free = (number for number in range(1, most + 1) if number not in self._registered)
         return next(free, None)
 

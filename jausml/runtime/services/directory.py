@@ -19,14 +19,12 @@ from .definitions import Scope, ServiceIdentity
 from .discovery import MAX_LIST, component_record, grouped, services_of
 from .host import Host
 
-MAX_REGISTRATIONS = 1024
-"""Components that are remembered; a flood of registrations must not fill the memory."""
-
+MAX_REGISTRATIONS = 1024  # components that are stored; false ones must not fill the memory
 MAX_SUBSYSTEMS = MAX_LIST - 1  # other subsystems that fit a ReportSubsystemList
 
 
 class Directory:
-    """The components that have registered, and the servers of other subsystems."""
+    """The registered components, and the Discovery servers of other subsystems."""
 
     def __init__(self, component: Host) -> None:
         self._component = component
@@ -37,15 +35,15 @@ class Directory:
         component.provide(QueryConfiguration, ReportConfiguration, self._configuration)
         component.provide(QuerySubsystemList, ReportSubsystemList, self._subsystem_list)
         component.handle(RegisterServices, self._register)
-        component.on_message(ReportIdentification, self._server_found)
-        component.on_message(QueryIdentification, self._asked)
+        component.on_message(ReportIdentification, self._add_server)
+        component.on_message(QueryIdentification, self._renew)
 
     def catalog(self) -> dict[JausAddress, tuple[ServiceIdentity, ...]]:
-        """Returns the component and those that registered and were heard of lately."""
+        """Returns the services of this component and of registered ones that were heard lately."""
         self._forget_registrations()
         return {**self._registered, self._component.address: self._component.services}
 
-    def _asked(self, _query: QueryIdentification, sender: JausAddress) -> None:
+    def _renew(self, _query: QueryIdentification, sender: JausAddress) -> None:
         if sender in self._heard:
             self._heard[sender] = self._component.loop.now()
 
@@ -85,7 +83,7 @@ class Directory:
             self._registered[sender] = services_of(message)
             self._heard[sender] = self._component.loop.now()
 
-    def _server_found(self, report: ReportIdentification, sender: JausAddress) -> None:
+    def _add_server(self, report: ReportIdentification, sender: JausAddress) -> None:
         if report.query_type != Scope.SUBSYSTEM:
             return
         if len(self._servers) >= MAX_SUBSYSTEMS:
@@ -106,25 +104,25 @@ class Directory:
         return False
 
     def _oldest(self) -> float:
-        """Returns the time before which whoever was heard last is forgotten."""
+        """Returns the earliest time of the last message of a component that is not forgotten."""
         return self._component.loop.now() - self._component.settings.registration_lifetime
 
     def _forget_registrations(self) -> None:
         limit = self._oldest()
-        for address in [registrant for registrant, heard in self._heard.items() if heard < limit]:
+        for address in [address for address, heard in self._heard.items() if heard < limit]:
             del self._heard[address]
             del self._registered[address]
 
     def _forget_servers(self) -> None:
         limit = self._oldest()
-        for subsystem in [
-            subsystem_id for subsystem_id, (_, heard) in self._servers.items() if heard < limit
-        ]:
-            del self._servers[subsystem]
+        servers = self._servers.items()
+        self._servers = {
+            subsystem: (server, heard) for subsystem, (server, heard) in servers if heard >= limit
+        }
 
 
 def _report_configuration(addresses: Iterable[JausAddress]) -> ReportConfiguration:
-    """Returns the nodes and components of a subsystem or node."""
+    """Returns the report of components, grouped by node."""
     return ReportConfiguration(
         node_list=[
             ReportConfiguration.NodeSeq(

@@ -1,4 +1,4 @@
-"""The Discovery service: who is there, and what it provides (AS5710)."""
+"""The Discovery service: components and the services that they provide (AS5710)."""
 
 from __future__ import annotations
 
@@ -26,10 +26,8 @@ from .host import Host
 
 Catalog = Mapping[JausAddress, Sequence[ServiceIdentity]]
 
-MAX_LIST = 255  # entries that a list of a report holds
-
-INSTANCE_ID = 0
-"""InstanceID of every component: old systems had several at one address, here there is one."""
+MAX_LIST = 255  # most entries of a list in a report
+INSTANCE_ID = 0  # InstanceID of every component, since each has an address of its own
 
 
 def register_services(services: Iterable[ServiceIdentity]) -> RegisterServices:
@@ -38,10 +36,9 @@ def register_services(services: Iterable[ServiceIdentity]) -> RegisterServices:
 
 
 def report_services(query: QueryServices, catalog: Catalog, subsystem: int) -> ReportServices:
-    """Returns what is known of the nodes and components that a QueryServices names.
+    """Returns the services of the nodes and components that a QueryServices names.
 
-    Unknown nodes and components are left out, so that a query for one unknown node yields an
-    empty list.
+    Unknown ones are left out, so that a query for one unknown node yields an empty list.
     """
     patterns = {
         JausAddress(subsystem, node.node_rec.node_id, component.component_id)
@@ -57,12 +54,12 @@ def report_services(query: QueryServices, catalog: Catalog, subsystem: int) -> R
 
 
 def report_service_list(query: QueryServiceList, catalog: Catalog) -> ReportServiceList:
-    """Returns what is known of the subsystems, nodes and components that a query names.
+    """Returns the services of the subsystems, nodes and components that a query names.
 
-    A SearchFilter keeps the services whose identifier contains it; one of several filters of an
-    address is enough. Filters of one address beyond the length of a list are left out.
+    A SearchFilter selects services whose identifier contains it; one of several filters of an
+    address is enough. Filters of one address beyond `MAX_LIST` are ignored.
     """
-    # JAUS-DEVIATION: the meaning of SearchFilter is not known to us; a part of the URI is taken.
+    # JAUS-DEVIATION: the meaning of SearchFilter is not known to us; taken as a part of the URI.
     filters: dict[JausAddress, set[str]] = {}
     for subsystem_entry in query.subsystem_list:
         for node_entry in subsystem_entry.node_list:
@@ -73,14 +70,14 @@ def report_service_list(query: QueryServiceList, catalog: Catalog) -> ReportServ
                     component.component_id,
                 )
                 texts = filters.setdefault(pattern, set())
-                # Each is looked for in all services: thousands of them would hold up the rest.
+                # Each is searched for in all services; thousands would block the loop.
                 if len(texts) < MAX_LIST:
                     texts.add(component.search_filter or "")
     matches: dict[JausAddress, Sequence[ServiceIdentity]] = {}
     for address, services in catalog.items():
         texts = set().union(*(filters.get(name, ()) for name in _matching_patterns(address)))
         matching = [service for service in services if any(text in service.urn for text in texts)]
-        # Without a filter a component is named even if it has no services.
+        # Without a filter a component is listed even if it has no services.
         if matching or "" in texts:
             matches[address] = matching
     return ReportServiceList(
@@ -95,7 +92,7 @@ def report_service_list(query: QueryServiceList, catalog: Catalog) -> ReportServ
 
 
 def _nodes(addresses: Iterable[JausAddress], catalog: Catalog) -> list[ReportServices.NodeSeq]:
-    """Returns the nodes of some components, with what these provide."""
+    """Returns the nodes of components, with the services of these."""
     return [
         ReportServices.NodeSeq(
             node_rec=ReportServices.NodeRec(node_id=node),
@@ -109,7 +106,7 @@ def _nodes(addresses: Iterable[JausAddress], catalog: Catalog) -> list[ReportSer
 
 
 def component_record(address: JausAddress) -> ReportServices.ComponentRec:
-    """Returns what stands for a component."""
+    """Returns the record of a component."""
     return ReportServices.ComponentRec(component_id=address.component, instance_id=INSTANCE_ID)
 
 
@@ -122,7 +119,7 @@ def _records(services: Iterable[ServiceIdentity]) -> list[ReportServices.Service
 def services_of(
     component: RegisterServices | ReportServices.ComponentSeq,
 ) -> tuple[ServiceIdentity, ...]:
-    """Returns the services that a component registers, or that a report names."""
+    """Returns the services in a registration, or of a component in a report."""
     return tuple(
         ServiceIdentity(service.uri, service.major_version_number, service.minor_version_number)
         for service in component.service_list
@@ -132,8 +129,7 @@ def services_of(
 def _matching_patterns(address: JausAddress) -> list[JausAddress]:
     """Returns the address itself and all wildcard addresses that include it.
 
-    A query may name tens of thousands of addresses; looking these few up in it keeps the answer
-    cheap.
+    A query may name tens of thousands of addresses, among which these eight are looked up.
     """
     return [
         JausAddress(subsystem, node, component)
@@ -146,10 +142,7 @@ def _matching_patterns(address: JausAddress) -> list[JausAddress]:
 def grouped(
     addresses: Iterable[JausAddress], key: Callable[[JausAddress], int]
 ) -> list[tuple[int, list[JausAddress]]]:
-    """Groups addresses by one of their parts.
-
-    Groups beyond `MAX_LIST` are dropped: a list on the wire holds no more.
-    """
+    """Returns addresses grouped by one of their parts, at most `MAX_LIST` groups."""
     groups: dict[int, list[JausAddress]] = {}
     for address in sorted(addresses):
         groups.setdefault(key(address), []).append(address)
@@ -162,8 +155,8 @@ Type = ReportIdentification.Type
 class DiscoveryService:
     """Answers for the component, its node or its subsystem (AS5710, Discovery).
 
-    A component that provides Discovery v1.0 knows no QueryServiceList. A query whose scope is wider
-    than the service's own stays unanswered; one that answers for others has a `Directory` of them.
+    A query of a wider scope is not answered. A service for more than its component has a
+    `Directory` of the others. Discovery v1.0 has no QueryServiceList.
     """
 
     urns = frozenset([CORE + "Discovery"])
@@ -187,8 +180,8 @@ class DiscoveryService:
         if self._scope < Scope.COMPONENT:
             self._directory = component.part(optional_part("services.directory", "Directory"))
             return
-        component.provide(QueryConfiguration, ReportConfiguration, _not_told)
-        component.provide(QuerySubsystemList, ReportSubsystemList, _not_told)
+        component.provide(QueryConfiguration, ReportConfiguration, _no_answer)
+        component.provide(QuerySubsystemList, ReportSubsystemList, _no_answer)
         component.handle(RegisterServices, self._ignore)
 
     def _identification(
@@ -197,23 +190,23 @@ class DiscoveryService:
         if not Scope.SYSTEM <= query.query_type <= Scope.COMPONENT:
             return None
         scope = Scope(query.query_type)
-        # Operator units ask single components for the system: it has the name of the subsystem.
+        # Operator units send each component queries for the system, answered like the subsystem.
         if Scope.SYSTEM < scope < self._scope:
             return None
         name = self._component.name
         if scope <= Scope.SUBSYSTEM:
             name = self._component.settings.subsystem_name or name
-        # What a JAUS string cannot hold is replaced.
+        # Characters that a JAUS string cannot have are replaced.
         text = name.encode("latin-1", "replace").decode("latin-1")[:255]
         return ReportIdentification(scope, self._type(scope), text)
 
     def _type(self, scope: Scope) -> int:
-        known = self._component.component_type
+        own = self._component.component_type
         if scope is Scope.NODE:
             return Type.NODE
         if scope is Scope.COMPONENT:
-            return known if known >= Type.PAYLOAD else Type.COMPONENT
-        return known if known < Type.NODE else Type.OTHER_SUBSYSTEM
+            return own if own >= Type.PAYLOAD else Type.COMPONENT
+        return own if own < Type.NODE else Type.OTHER_SUBSYSTEM
 
     def _services(self, query: QueryServices, _sender: JausAddress) -> ReportServices:
         own = self._component.address.subsystem
@@ -225,7 +218,7 @@ class DiscoveryService:
         return report_services(query, members, own)
 
     def _catalog(self) -> Mapping[JausAddress, tuple[ServiceIdentity, ...]]:
-        """Returns the services of whom it answers for."""
+        """Returns the services of all components that it answers for."""
         own = {self._component.address: self._component.services}
         return own if self._directory is None else self._directory.catalog()
 
@@ -233,5 +226,5 @@ class DiscoveryService:
         self._component.counters.add("discovery.registration_ignored")
 
 
-def _not_told(_query: Message, _sender: JausAddress) -> None:
-    """Leaves what concerns others to a component that answers for them."""
+def _no_answer(_query: Message, _sender: JausAddress) -> None:
+    """Returns None, as a component with a wider scope answers."""

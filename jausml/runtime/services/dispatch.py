@@ -1,4 +1,4 @@
-"""Dispatch of received messages to their handlers by message code."""
+"""Dispatch of received messages to their handlers and listeners by message code."""
 
 from __future__ import annotations
 
@@ -9,25 +9,23 @@ from typing import Any, Generic, TypeVar
 
 from ..base.address import JausAddress
 from ..base.counters import Clock, Counters
-from ..base.fast_path import FastPath, fast_path_of, through
+from ..base.fast_path import FastPath, fast_path_of, with_fast_path
 from ..transports.delivery import Ordering
 from ..wire.message import DecodeError, Message
 from .definitions import Guard
 
-_MOST_DROPS = 1024
-LONGEST_CALL = 0.5  # seconds after which the log tells that user code blocks
+_MAX_DROPS = 1024
+LONGEST_CALL = 0.5  # seconds after which a call of user code is logged as blocking
 Q = TypeVar("Q", bound=Message)
 R = TypeVar("R", bound=Message)
 Action = Callable[[Any, "JausAddress"], object]  # takes a decoded message and its sender
 Take = Callable[[bytes, "JausAddress"], object]  # takes an encoded message and its sender
-
-Condition = Guard | Callable[[Any], Guard]
-"""Whom to obey: always the same, or depending on the message."""
+Condition = Guard | Callable[[Any], Guard]  # the guard of a message, or one for each
 
 
 @dataclass(frozen=True)
 class Provision(Generic[Q, R]):
-    """What answers a query: a present report, encoded or not, or None without one."""
+    """A query and the provider of its report: a message, an encoded one, or None for no answer."""
 
     query_class: type[Q]
     report_class: type[R]
@@ -38,19 +36,17 @@ class Provision(Generic[Q, R]):
 
 @dataclass(slots=True)
 class Handler:
-    """What acts on an input message."""
+    """The action for an input message, and its guard."""
 
     message_class: type[Message]
     action: Action
     condition: Condition
-    # Whether the action takes the encoded message instead of the decoded one.
-    takes_payload: bool = False
-    # Whether one that does raises nothing and tells itself when it takes too long.
-    is_robust: bool = False
-    counts_each: bool = True  # whether one that is late is of use still, after newer ones
+    takes_payload: bool = False  # whether the action takes the encoded message
+    is_robust: bool = False  # whether such an action never raises, and checks itself for blocking
+    counts_each: bool = True  # whether a message is used that came after a newer one
 
     def guard_for(self, message: Message) -> Guard:
-        """Returns whom to obey when the message is this one."""
+        """Returns the guard of a message."""
         return self.condition if isinstance(self.condition, Guard) else self.condition(message)
 
 
@@ -62,7 +58,7 @@ def _name_of(function: Callable[..., Any]) -> str:
 
 @dataclass(slots=True)
 class _Route:
-    """What is called for the messages of one code."""
+    """The handler and listeners of the messages of one code."""
 
     handler: Handler | None = None
     payload_listeners: list[Take] = field(default_factory=list)
@@ -70,14 +66,14 @@ class _Route:
 
 
 class Router:
-    """Decodes messages and calls who wants them; what arrives never raises out of it.
+    """Decodes messages and calls their handlers and listeners; no message makes it raise.
 
     Attributes:
-        takers: By message code what takes the payloads. The tuples are replaced, never changed:
-            what takes a message may add others.
-        unwanted: By message code what takes the payloads that nothing else takes.
-        drops: How many messages were dropped, by sender, reason and message; strangers do not
-            fill it beyond 1,024.
+        takers: Functions that take payloads, by message code. A tuple is replaced, not changed,
+            since a function may add others while it runs.
+        unwanted: Functions that take payloads of codes without takers.
+        unknown: The function that takes payloads of codes without takers, and calls `unwanted`.
+        drops: Number of dropped messages by sender, reason and message, at most 1,024 entries.
     """
 
     def __init__(
@@ -101,14 +97,14 @@ class Router:
         self.drops: dict[tuple[JausAddress, str, str], int] = {}
 
     def fast_path(self, code: int, sender: JausAddress) -> FastPath | None:
-        """Returns the fast path of the messages of a code; None unless one alone takes them."""
+        """Returns the fast path of the messages of a code; None unless they have a single taker."""
         takers = self.takers.get(code, ())
         return fast_path_of(takers[0], sender) if len(takers) == 1 else None
 
     # ---- routes -----------------------------------------------------------------------------
 
     def set_handler(self, handler: Handler) -> None:
-        """Handles a message; raises ValueError when it is handled already."""
+        """Sets the handler of a message; raises ValueError if it has one."""
         message_class = handler.message_class
         route = self._routes.setdefault(message_class.CODE, _Route())
         if route.handler is not None:
@@ -121,22 +117,22 @@ class Router:
         provision: Provision[Any, Any],
         answer: Callable[[Provision[Any, Any], Message, JausAddress], None],
     ) -> None:
-        """Answers a query; raises ValueError when it is handled already."""
+        """Sets the provider of a query; raises ValueError if it has a handler."""
         query_class = provision.query_class
         self.set_handler(Handler(query_class, partial(answer, provision), Guard.ANY))
         self._provisions[query_class.CODE] = provision
 
     def provision(self, query_code: int) -> Provision[Any, Any] | None:
-        """Returns what answers a query."""
+        """Returns the provision of a query; None without one."""
         return self._provisions.get(query_code)
 
     def handler(self, code: int) -> Handler | None:
-        """Returns what acts on a message."""
+        """Returns the handler of a message; None without one."""
         route = self._routes.get(code)
         return None if route is None else route.handler
 
     def add_listener(self, message_class: type[Message], action: Action) -> None:
-        """Also call ``action`` for each such message."""
+        """Adds an action for each decoded message of a class."""
         route = self._routes.setdefault(message_class.CODE, _Route())
         route.listeners.setdefault(message_class, []).append(action)
         self._prepare(message_class.CODE)
@@ -149,7 +145,7 @@ class Router:
         is_robust: bool = False,
         counts_each: bool = True,
     ) -> None:
-        """Also call ``action`` with the bytes of each such message."""
+        """Adds an action for each encoded message of a class."""
         route = self._routes.setdefault(message_class.CODE, _Route())
         take = self._payload_taker(message_class, action, is_robust)
         if not counts_each:
@@ -158,22 +154,22 @@ class Router:
         self._prepare(message_class.CODE)
 
     def _prepare(self, code: int) -> None:
-        """Makes what takes the messages of a code: the handler, then the listeners."""
+        """Makes the takers of a code: the handler, then the listeners."""
         route = self._routes[code]
-        handler = () if route.handler is None else (self._handling(route.handler),)
-        listeners = [self._delivering(*item) for item in route.listeners.items()]
+        handler = () if route.handler is None else (self._handler_taker(route.handler),)
+        listeners = [self._decoding_taker(*item) for item in route.listeners.items()]
         self.takers[code] = (*handler, *route.payload_listeners, *listeners)
         self._changed()
 
-    # ---- what takes messages ----------------------------------------------------------------
+    # ---- takers -----------------------------------------------------------------------------
 
-    def _handling(self, handler: Handler) -> Take:
-        """Returns what acts on a message if its sender is obeyed; else it costs no decoding."""
+    def _handler_taker(self, handler: Handler) -> Take:
+        """Returns the taker of a handler; it only decodes messages that its guard allows."""
         message_class, action = handler.message_class, handler.action
         take = (
             self._payload_taker(message_class, action, handler.is_robust)
             if handler.takes_payload
-            else self._delivering(message_class, [action])
+            else self._decoding_taker(message_class, [action])
         )
         if not handler.counts_each:
             take = self._in_order(message_class, take)
@@ -192,12 +188,12 @@ class Router:
         def fast_path(sender: JausAddress) -> FastPath | None:
             return fast_path_of(take, sender) if allows(guard, sender) else None
 
-        return through(take_guarded, fast_path)
+        return with_fast_path(take_guarded, fast_path)
 
     def _handle(self, handler: Handler, take: Take, payload: bytes, sender: JausAddress) -> None:
-        """Acts on a message whose guard depends on what it says.
+        """Takes a message whose guard depends on its content.
 
-        An encoded one is only read for a sender who is not obeyed in Ready.
+        A message for `takes_payload` is not decoded if its sender is allowed in Ready.
         """
         if handler.takes_payload and self._allows(Guard.READY, sender):
             take(payload, sender)
@@ -216,7 +212,7 @@ class Router:
             self._count_refused(handler, guard, sender)
 
     def _in_order(self, message_class: type[Message], take: Take) -> Take:
-        """Returns what takes messages but those that newer ones of their sender came before."""
+        """Returns a taker that drops messages which come after newer ones of their sender."""
         ordering, counters, note = self._ordering(), self._counters, self._note_drop
         is_late = ordering.is_late
 
@@ -229,13 +225,13 @@ class Router:
 
         def fast_path(sender: JausAddress) -> FastPath | None:
             path = fast_path_of(take, sender)
-            return None if path is None else ordering.minded(path, sender)
+            return None if path is None else ordering.ordered_path(path, sender)
 
-        return through(take_newer, fast_path)
+        return with_fast_path(take_newer, fast_path)
 
-    def _delivering(self, message_class: type[Message], actions: Sequence[Action]) -> Take:
-        """Returns what decodes a message and calls who wants it, as ``call`` does."""
-        wanting, decode, clock = tuple(actions), message_class.decode, self._stopwatch
+    def _decoding_taker(self, message_class: type[Message], actions: Sequence[Action]) -> Take:
+        """Returns a taker that decodes a message and calls actions, as ``call`` does."""
+        actions, decode, clock = tuple(actions), message_class.decode, self._stopwatch
 
         def take(payload: bytes, sender: JausAddress) -> None:
             try:
@@ -243,7 +239,7 @@ class Router:
             except DecodeError as error:
                 self._count_bad(message_class, sender, error)
                 return
-            for action in wanting:
+            for action in actions:
                 started = clock()
                 try:
                     action(message, sender)
@@ -268,9 +264,9 @@ class Router:
     def payload_caller(
         self, function: Action, on_bad: Callable[[JausAddress, DecodeError], None]
     ) -> Callable[[bytes, JausAddress], None]:
-        """Returns what calls a function with encoded messages, as ``call`` does.
+        """Returns a taker that calls a function with encoded messages, as ``call`` does.
 
-        Of a message that it cannot read, the sender and the error are told.
+        `on_bad` is called with the sender and the error if the function raises DecodeError.
         """
         clock = self._stopwatch
 
@@ -291,11 +287,11 @@ class Router:
     # ---- user code --------------------------------------------------------------------------
 
     def call(self, function: Callable[..., Any], *arguments: object) -> Any:
-        """Calls a function; an error is logged and counted, and None returned."""
+        """Calls a function and returns its result; None after an error, which is counted."""
         return self.attempt(function, *arguments)[1]
 
     def attempt(self, function: Callable[..., Any], *arguments: object) -> tuple[bool, Any]:
-        """Calls a function; tells whether it raised no error, and what it returned."""
+        """Calls a function; returns whether it succeeded, and its result."""
         started = self._stopwatch()
         try:
             return True, function(*arguments)
@@ -315,7 +311,7 @@ class Router:
     def _note_drop(self, sender: JausAddress, reason: str, message: str) -> None:
         key = sender, reason, message
         count = self.drops.get(key, 0)
-        if count or len(self.drops) < _MOST_DROPS:
+        if count or len(self.drops) < _MAX_DROPS:
             self.drops[key] = count + 1
 
     def _count_unknown(self, payload: bytes, sender: JausAddress) -> None:

@@ -1,4 +1,4 @@
-"""The Events service: reports sent periodically or at every change (AS5710)."""
+"""The Events service: reports that are sent periodically or on every change (AS5710)."""
 
 from __future__ import annotations
 
@@ -28,11 +28,10 @@ from .definitions import CORE, VERSION_1_1
 from .dispatch import Provision
 from .host import Host
 
-_TIME_TO_PROVE_S = 5.0
-_UNPROVED_RATE = 1.0
-_SHARING_INTERVAL_S = 0.05
-# At a rate of 0 there would be no next report.
-_LEAST_RATE = 0.01
+_TIME_TO_PROVE_S = 5.0  # after which an event ends unless its client has proved its address
+_UNPROVED_RATE = 1.0  # reports each second until then
+_SHARING_INTERVAL_S = 0.05  # between requests and the next distribution of rates
+_LEAST_RATE = 0.01  # above 0, for which there would be no next report
 
 T = TypeVar("T")
 
@@ -66,15 +65,13 @@ class _Event:
     due: float = 0.0
 
 
-_EVENT = struct.Struct("<HBBI")
-"""What stands before the report in an Event: code, event, sequence number, size of the report."""
+_EVENT = struct.Struct("<HBBI")  # code of Event, event id, sequence number, size of the report
 
 
 class EventsService:
     """Creates, serves and expires events (AS5710, Events).
 
-    A component that provides Events v1.0 has no command events, and its events do not expire:
-    v1.0 has no messages for either.
+    A component that provides Events v1.0 has no command events, and its events do not expire.
     """
 
     urns = frozenset([CORE + "Events"])
@@ -94,7 +91,7 @@ class EventsService:
 
     @property
     def _clock(self) -> Timing:
-        """The time by which events are periodic."""
+        """The clock of the periods."""
         return self._component.event_clock
 
     def attach(self) -> None:
@@ -123,7 +120,7 @@ class EventsService:
             self._serve(watchers, only_changes=True)
 
     def permissions_changed(self) -> None:
-        """Fails the commands under way that their clients may not give any more."""
+        """Fails commands under way whose clients are not allowed to command any more."""
         self._commands.recheck()
 
     def stop(self) -> None:
@@ -139,7 +136,7 @@ class EventsService:
         try:
             setup = self._check(message)
             event = self._find(sender, setup.payload)
-            # Who asks again for the same periodic event renews it, and gets its next report soon.
+            # A second request for a periodic event renews it without an extra report.
             is_renewal = event is not None and setup.periodic and event.setup == setup
             if event is None:
                 event = self._add(sender, message.request_id, setup)
@@ -193,8 +190,8 @@ class EventsService:
         if periodic:
             rate = max(message.requested_periodic_rate, settings.event_rate_min)
             rate = min(rate, settings.event_rate_max)
-        all_of_it = asks_for_all(query, provision.report_class)
-        return _Setup(provision, query, payload, periodic, rate, all_of_it)
+        asks_all = asks_for_all(query, provision.report_class)
+        return _Setup(provision, query, payload, periodic, rate, asks_all)
 
     def _find(self, client: JausAddress, payload: bytes) -> _Event | None:
         for event in self._events.values():
@@ -213,15 +210,15 @@ class EventsService:
         timers = Alarm(self._clock), Alarm(self._loop)
         event = _Event(self._ids.take(client), client, request_id, setup, send, *timers)
         self._events[event.event_id] = event
-        # Reports to a forged address hurt whoever is there.
+        # Reports to a forged address would load its host.
         if not self._component.transport.is_proved(client):
-            self._loop.call_later(_TIME_TO_PROVE_S, lambda: self._judge(event))
+            self._loop.call_later(_TIME_TO_PROVE_S, lambda: self._check_proof(event))
         return event
 
     def _apply(self, event: _Event, setup: _Setup, *, report: bool) -> None:
         """Confirms the request, then reports and (re)starts the timers."""
-        # A renewal keeps the rhythm that it has.
-        rephase = not event.timer.is_set or setup != event.setup
+        # A renewal keeps the phase of its period.
+        restarts = not event.timer.is_set or setup != event.setup
         event.setup = setup
         event.rate = self._first_rate(event)
         self._index()
@@ -230,7 +227,7 @@ class EventsService:
             event.expiry.set(60.0 * self._timeout, lambda: self._expire(event))
         # Before the first report, whose id the client must know.
         self._confirm(event.client, event.request_id, event.event_id, setup.rate)
-        if rephase:
+        if restarts:
             event.timer.cancel()
             if setup.periodic:
                 event.due = self._clock.now()
@@ -251,14 +248,14 @@ class EventsService:
             if not event.setup.periodic:
                 code = event.setup.provision.report_class.CODE
                 watchers.setdefault(code, []).append(event)
-        # Made anew: a round of reports may be going through a list of the former one.
+        # A new dictionary, as `_serve` may be iterating over a list of the former one.
         self._watchers = watchers
         self._plan_shares()
 
     # ---- budgets ----------------------------------------------------------------------------
 
     def _held(self, event: _Event) -> Held[_Event]:
-        """Returns an event as budgets see it; without proof it wants one report a second."""
+        """Returns an event for budgets; without proof it wants `_UNPROVED_RATE`."""
         held = self._claim(event.client, event)
         rate = event.setup.rate if held.is_proved else min(event.setup.rate, _UNPROVED_RATE)
         return replace(held, wanted=rate)
@@ -269,23 +266,23 @@ class EventsService:
         return Held(item, place, transport.is_proved(client), transport.is_kept(client))
 
     def _make_room(self, client: JausAddress) -> None:
-        """Ends an event, if one has to give way to a client."""
-        held = [self._held(running_event) for running_event in self._events.values()]
-        event = who_gives_way(held, self._claim(client, None))
-        if event is not None:
-            self._component.counters.count("events.gave_way", f"one of {event.client} to {client}")
-            self._end(event)
+        """Ends an event in favour of a client, if budgets demand that."""
+        held = [self._held(event) for event in self._events.values()]
+        loser = who_gives_way(held, self._claim(client, None))
+        if loser is not None:
+            self._component.counters.count("events.gave_way", f"one of {loser.client} to {client}")
+            self._end(loser)
 
-    def _judge(self, event: _Event) -> None:
-        """Ends an event whose client had its time to prove where it is."""
-        # By identity: its id may be that of another event by now.
-        is_living = self._events.get(event.event_id) is event
-        if is_living and not self._component.transport.is_proved(event.client):
+    def _check_proof(self, event: _Event) -> None:
+        """Ends an event if its client has not proved its address in time."""
+        # By identity, as another event may have its id by now.
+        is_present = self._events.get(event.event_id) is event
+        if is_present and not self._component.transport.is_proved(event.client):
             self._component.counters.count("events.never_proved", str(event.client))
             self._remove(event)
 
     def _client_proved(self, client: JausAddress) -> None:
-        """Gives a client the rate that it asked for, from now on."""
+        """Gives events of a client that has proved its address their full rate."""
         for event in self._events.values():
             if event.client == client and event.setup.periodic:
                 event.rate = self._first_rate(event)
@@ -297,9 +294,9 @@ class EventsService:
         return sum(event.setup.rate for event in self._events.values())
 
     def _first_rate(self, event: _Event) -> float:
-        """Returns the rate of an event until the next sharing: an equal share when that is near.
+        """Returns the rate of an event until rates are shared: at most an equal share.
 
-        With all that it asks for, one that is created again and again would never be cut.
+        With its full rate, an event that is created again and again would never be limited.
         """
         wanted, budget = self._held(event).wanted, self._settings.event_rate_budget
         if not wanted or self._wanted() <= budget:
@@ -307,23 +304,18 @@ class EventsService:
         return min(wanted, max(budget / len(self._events), _LEAST_RATE))
 
     def _plan_shares(self) -> None:
-        """Shares the rates soon, where they are more than one component serves."""
+        """Schedules the sharing of rates, if they exceed the budget or did so before."""
         is_due = self._is_cut or self._wanted() > self._settings.event_rate_budget
         if is_due and not self._shares_at.is_set:
             self._shares_at.set(_SHARING_INTERVAL_S, self._share)
 
     def _share(self) -> None:
-        """Sets the rate of each event; a burst of requests is shared once."""
-        held = [
-            self._held(running_event)
-            for running_event in self._events.values()
-            if running_event.setup.periodic
-        ]
+        """Sets the rate of each periodic event within the budget."""
+        held = [self._held(event) for event in self._events.values() if event.setup.periodic]
         rates = fair_rates(held, self._settings.event_rate_budget)
-        cut = 0
+        cut = sum(rate < event.setup.rate for event, rate in rates)
         for event, rate in rates:
             event.rate = max(rate, _LEAST_RATE)
-            cut += rate < event.setup.rate
         if cut and not self._is_cut:
             self._component.counters.count(
                 "events.rate_cut",
@@ -334,20 +326,20 @@ class EventsService:
     # ---- reports ----------------------------------------------------------------------------
 
     def _schedule(self, event: _Event) -> None:
-        """Sets the timer one period on; periods that were missed are skipped, not made up for."""
+        """Sets the timer for the next period; missed periods are skipped."""
         period = 1.0 / event.rate
         event.due = max(event.due + period, self._clock.now())
         event.timer.set_at(event.due, lambda: self._tick(event))
 
     def _tick(self, event: _Event) -> None:
-        # The next one first: the provider is user code, and may end the event.
+        # Scheduled first, since the provider is user code and may end the event.
         self._schedule(event)
         self._serve((event,), only_changes=False)
 
     def _serve(self, events: Iterable[_Event], *, only_changes: bool) -> None:
-        """Sends the present report to some clients; encoded once for all who are to have the same.
+        """Sends the present reports of events; equal reports are encoded once.
 
-        An event may end before its turn, since a provider is user code.
+        Providers are user code, so that each event may end meanwhile.
         """
         attempt, living = self._component.attempt, self._events
         reports_by_payload: dict[bytes, tuple[Message | bytes, bytes | None]] = {}
@@ -355,19 +347,18 @@ class EventsService:
             if living.get(event.event_id) is not event:
                 continue
             setup = event.setup
-            # Of each client: a provider may answer them differently.
+            # For each client, as a provider may answer them differently.
             _, present = attempt(setup.provision.provider, setup.query, event.client)
             if present is None:
                 continue
-            known = reports_by_payload.get(setup.payload)
-            if known is not None and (known[0] is present or known[0] == present):
-                report = known[1]
+            former = reports_by_payload.get(setup.payload)
+            if former is not None and (former[0] is present or former[0] == present):
+                report = former[1]
             else:
                 report = self._encoded(setup, present)
                 reports_by_payload[setup.payload] = present, report
             if report is None or (only_changes and report == event.last_report):
                 continue
-            # The provider may have ended it.
             if living.get(event.event_id) is event:
                 event.last_report = report
                 number, event.sequence = event.sequence, event.sequence + 1 & 0xFF
@@ -375,8 +366,8 @@ class EventsService:
                 event.send(header + report)
 
     def _encoded(self, setup: _Setup, present: Message | bytes) -> bytes | None:
-        """Returns a report as its clients are to have it."""
-        # Whole and encoded already: there is nothing to select from it.
+        """Returns the encoded report for a query; None if it cannot be encoded."""
+        # The whole report, encoded already.
         if setup.asks_for_all and isinstance(present, bytes):
             code = setup.provision.report_class.CODE
             if present[:2] == code.to_bytes(2, "little"):
@@ -418,7 +409,7 @@ class EventsService:
 
 
 def _selects(query: QueryEvents, event: _Event) -> bool:
-    """Whether a QueryEvents asks for an event: by message, by type, by id, or for all."""
+    """Returns whether a QueryEvents selects an event: by message, type or id, or all events."""
     choice = query.query_events_var
     if isinstance(choice, QueryEvents.MessageIDRec):
         provision = event.setup.provision

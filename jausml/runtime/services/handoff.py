@@ -1,7 +1,7 @@
 """The EnhancedAccessControl service: the controller hands control to another client (IOP).
 
-The component never decides: it lets clients wait, tells its controller who waits, and does as the
-controller answers. Where the public descriptions of the service are silent, the comments say so.
+The component queues the requests of clients, sends the queue to its controller, and does as the
+controller decides. Comments tell where the public descriptions of the service are silent.
 """
 
 from __future__ import annotations
@@ -23,15 +23,15 @@ from ..messages.handoff import HandoffDecision as Decision
 from .access_control import AccessControlService
 from .host import Host
 
-NO_REQUEST = 255  # number in the answer to a client that has no request; requests have others
-MAX_REQUESTS = 16  # clients that wait at a time; a flood of false ones must not bury the controller
-PAUSE = 0.1  # seconds in which changes are collected before the controller is told
+NO_REQUEST = 255  # number in the answer to a client without a request
+MAX_REQUESTS = 16  # clients in the queue; false ones must not flood the controller
+PAUSE = 0.1  # seconds for which changes are collected before the controller is sent the queue
 
 Confirm = ConfirmHandoffRequest.ResponseCode
 
 
 class _Request:
-    """A client that waits, when its controller was asked first, and when it said so last."""
+    """A client in the queue, and the times of its first and its last request."""
 
     __slots__ = ("asked_at", "authority", "client", "explanation", "number", "renewed_at")
 
@@ -44,7 +44,7 @@ class _Request:
 
 
 class HandoffService:
-    """Keeps who asks the controller for control (IOP, EnhancedAccessControl, behaviour)."""
+    """Queues requests for control from the controller (IOP, EnhancedAccessControl, behaviour)."""
 
     urns = frozenset(["urn:jaus:jss:iop:EnhancedAccessControl"])
 
@@ -56,7 +56,7 @@ class HandoffService:
         self._requests: dict[JausAddress, _Request] = {}
         self._last_number = NO_REQUEST - 1
         self._expiry = Alarm(component.loop)
-        self._telling = Alarm(component.loop)
+        self._sending = Alarm(component.loop)
 
     def attach(self) -> None:
         """Takes the messages of EnhancedAccessControl."""
@@ -64,7 +64,7 @@ class HandoffService:
         self._access.on_changed = self._controller_changed
         component.handle(RequestHandoff, self._request)
         component.handle(RemoveHandoffRequest, self._remove)
-        component.handle(ConfirmReleaseControl, self._decided)
+        component.handle(ConfirmReleaseControl, self._take_decisions)
         component.provide(
             QueryHandoffTimeout,
             ReportHandoffTimeout,
@@ -76,7 +76,7 @@ class HandoffService:
             lambda *_: ReportEnhancedTimeout(timeout=self._enhanced_timeout),
         )
 
-    # ---- what clients want --------------------------------------------------------------------
+    # ---- clients ------------------------------------------------------------------------------
 
     def _request(self, message: RequestHandoff, client: JausAddress) -> None:
         code = message.authority_code
@@ -118,7 +118,7 @@ class HandoffService:
             self._end(client, Confirm.DENIED)
 
     def _end(self, client: JausAddress, code: Confirm) -> None:
-        """Tells a client why it waits no longer, if it does, and the controller who is left."""
+        """Ends the request of a client, if it has one, and sends it the reason."""
         request = self._requests.pop(client, None)
         self._confirm(client, NO_REQUEST if request is None else request.number, code)
         if request is not None:
@@ -126,11 +126,11 @@ class HandoffService:
 
     def _confirm(self, client: JausAddress, number: int, code: Confirm) -> None:
         answer = ConfirmHandoffRequest(id_=number, response_code=code)
-        # Whoever waits sends its request again; what ends that is repeated until it is heard.
+        # Acknowledged, since it may end a request, which the client repeats until then.
         self._component.send(answer, client, acknowledge=number != NO_REQUEST)
 
     def _free_number(self) -> int:
-        """Returns the next number, so that a late decision meets no newer request."""
+        """Returns the next free number, which no late decision can mean."""
         taken = {request.number for request in self._requests.values()}
         number = self._last_number
         while True:
@@ -139,33 +139,31 @@ class HandoffService:
                 self._last_number = number
                 return number
 
-    # ---- what the controller decides ----------------------------------------------------------
+    # ---- controller ---------------------------------------------------------------------------
 
-    def _decided(self, message: ConfirmReleaseControl, sender: JausAddress) -> None:
+    def _take_decisions(self, message: ConfirmReleaseControl, sender: JausAddress) -> None:
         if sender != self._access.controller or not self._access.available:
             self._component.counters.add("handoff.decision_ignored")
             return
-        waiting = {
-            pending_request.number: pending_request for pending_request in self._requests.values()
-        }
+        waiting = {request.number: request for request in self._requests.values()}
         granted: _Request | None = None
         for decision in message.release_control_list:
-            request = waiting.pop(decision.id_, None)
-            if request is None:
+            decided = waiting.pop(decision.id_, None)
+            if decided is None:
                 self._component.counters.add("handoff.decision_ignored")
             elif decision.response_code == Decision.WAIT:
-                request.asked_at = self._component.loop.now()
-                self._confirm(request.client, request.number, Confirm.DEFERRED)
+                decided.asked_at = self._component.loop.now()
+                self._confirm(decided.client, decided.number, Confirm.DEFERRED)
             elif decision.response_code == Decision.GRANTED and granted is None:
-                granted = request
+                granted = decided
             else:
-                self._end(request.client, Confirm.DENIED)
+                self._end(decided.client, Confirm.DENIED)
         if granted is not None:
             self._hand_over(granted)
         self._watch()
 
     def _hand_over(self, granted: _Request) -> None:
-        """Gives control to one client; the others are denied (IOP, ConfirmReleaseControl)."""
+        """Gives control to one client, and denies the others (IOP, ConfirmReleaseControl)."""
         del self._requests[granted.client]
         for client in list(self._requests):
             self._end(client, Confirm.DENIED)
@@ -177,9 +175,9 @@ class HandoffService:
         )
 
     def _controller_changed(self) -> None:
-        """Begins anew with another controller; without one there is nobody to ask.
+        """Sends the queue to a new controller; without one, ends all requests.
 
-        The descriptions do not say what becomes of those that wait.
+        The public descriptions do not say what happens to them.
         """
         controller = self._access.controller
         if controller is None:
@@ -196,12 +194,12 @@ class HandoffService:
             self._changed()
 
     def _changed(self) -> None:
-        """Tells the controller soon who waits, and watches how long they do."""
-        if not self._telling.is_set:
-            self._telling.set(PAUSE, self._tell)
+        """Sends the controller the queue soon, and sets the timer of its time-outs."""
+        if not self._sending.is_set:
+            self._sending.set(PAUSE, self._send_queue)
         self._watch()
 
-    def _tell(self) -> None:
+    def _send_queue(self) -> None:
         controller = self._access.controller
         if controller is None:
             return
@@ -230,7 +228,7 @@ class HandoffService:
             self._expiry.set_at(due, self._expire)
 
     def _ends_of(self, request: _Request) -> tuple[float, float]:
-        """Returns when a request has waited too long, and when its client is taken for gone."""
+        """Returns the times of a request's time-out, and of its end without a repetition."""
         handoff, enhanced = self._handoff_timeout, self._enhanced_timeout
         return (
             request.asked_at + handoff if handoff else float("inf"),
@@ -240,9 +238,9 @@ class HandoffService:
     def _expire(self) -> None:
         now = self._component.loop.now()
         for request in list(self._requests.values()):
-            undecided, gone = self._ends_of(request)
-            if undecided <= now:
+            timeout, lapse = self._ends_of(request)
+            if timeout <= now:
                 self._end(request.client, Confirm.TIMEOUT)
-            elif gone <= now:
+            elif lapse <= now:
                 self._end(request.client, Confirm.DENIED)
         self._watch()

@@ -1,4 +1,4 @@
-"""Host of services and clients: a component as they see it, which has none of them yet."""
+"""Host of services and clients: the component as they see it, with messages and hooks."""
 
 from __future__ import annotations
 
@@ -30,8 +30,7 @@ Q = TypeVar("Q", bound=Message)
 R = TypeVar("R", bound=Message)
 P = TypeVar("P")
 
-GREETING_PATIENCE = 3
-"""Greetings without an answer after which somebody is told, once in each silence."""
+GREETING_PATIENCE = 3  # greetings without an answer after which a warning is logged
 
 
 class CoreService(Protocol):
@@ -39,71 +38,72 @@ class CoreService(Protocol):
 
     @property
     def urns(self) -> frozenset[str]:
-        """Identifiers of the service; some had several over the years."""
+        """Identifiers of the service in its versions."""
 
     def attach(self) -> None:
         """Takes the messages of the service, for a component that provides it."""
 
 
 class Hooks:
-    """Hooks of a component; they do nothing unless they are overridden, and must not block."""
+    """Hooks of a component, which do nothing by default; an override must not block."""
 
     def on_initialize(self) -> None:
         """Prepares or resets the component: at the start and after Reset; Standby follows."""
 
     def on_ready(self) -> None:
-        """The controller resumed the component: commands are obeyed from now on."""
+        """The controller has resumed the component: commands are obeyed from now on."""
 
     def on_not_ready(self) -> None:
-        """The component left Ready, for whatever reason: stop all motion."""
+        """The component has left Ready for any reason: stop all motion."""
 
     def on_control_lost(self) -> None:
-        """The controller is the controller no more: what it commanded must not stand.
+        """The controller has lost control: end its commands.
 
-        It released control or let it lapse, a higher authority took over, or the component gave
-        control up. The component may still be in Ready, for its new controller; where it was left,
-        ``on_not_ready`` ran before. ``on_controller_changed`` follows.
+        It has released control or let it lapse, a higher authority has taken over, or the component
+        has ended control. The component may still be in Ready, for its new controller; otherwise
+        ``on_not_ready`` was called before. ``on_controller_changed`` follows.
         """
 
     def on_controller_changed(self, controller: JausAddress | None) -> None:
-        """Another component controls this one, or none does (None)."""
+        """Another component controls this one, or no component does (None)."""
 
     def on_handoff_requested(
         self, target: JausAddress, requests: tuple[HandoffRequest, ...]
     ) -> None:
-        """Others ask for control of a component that this one controls: have a person decide.
+        """Other clients request control of a component that this one controls.
 
-        ``decide_handoff`` tells the target. Without a decision nobody gets control, and the target
-        tells them after its time-out.
+        A person should decide, and ``decide_handoff`` sends the decision. Without one, the target
+        denies the requests after its time-out.
 
         Args:
-            requests: All that wait now; none when the last one has ended.
+            target: The controlled component.
+            requests: All pending requests; none when the last one has ended.
         """
 
     def on_emergency(self, active: bool) -> None:  # noqa: FBT001
         """An emergency was set, or the last one was cleared."""
 
     def on_shutdown(self) -> None:
-        """The component entered Shutdown, by its controller's command or by ``stop``."""
+        """The component has entered Shutdown, by command of its controller or by ``stop``."""
 
     def on_set_time(self, time: datetime) -> None:
-        """The controller has set the component's clock in UTC; the host's is left as it is."""
+        """The controller has set the component's clock in UTC; that of the host does not change."""
 
     def core_state_changed(self) -> None:
-        """The status changed, who controls the component, or whether control is to be had."""
+        """The status, the controller, or the availability of control has changed."""
 
     def core_event(self, name: str) -> None:
-        """An internal event of a core service happened; for modelled state machines."""
+        """An internal event of a core service has happened; for modelled state machines."""
 
 
 class Host(Hooks):
-    """Messages of a component, its user code, and its parts: services and clients.
+    """The messages of a component, and its parts: services and clients.
 
     Attributes:
-        time_offset: What SetTime has added to the clock of the host.
+        time_offset: Difference between the clock set by SetTime and that of the host.
         may_control: Whether the component may control others now; see ``permit_control``.
-        event_path: The fast path of an event, by its provider and id; None without one.
-        unanswered_greetings: How often each peer that is to be greeted was so since it spoke last.
+        event_path: Returns the fast path of an event by its provider and id, or None.
+        unanswered_greetings: Number of greetings to each greeted peer since its last message.
     """
 
     transport: Transport
@@ -118,7 +118,7 @@ class Host(Hooks):
     time_offset = timedelta()
     event_path: Callable[[JausAddress, int], FastPath | None] | None = None
     unanswered_greetings: Mapping[JausAddress, int] = MappingProxyType({})
-    # Sub-classes are user code: the prefix keeps their private attributes apart from these.
+    # The prefix avoids clashes with private attributes of user code in subclasses.
     _jaus_running: bool
     _jaus_starters: list[Callable[[], None]]
     _jaus_enders: list[Callable[[], None]]
@@ -130,12 +130,12 @@ class Host(Hooks):
 
     @property
     def loop(self) -> Loop:
-        """The loop on whose thread everything happens."""
+        """The loop on whose thread callbacks run."""
         return self.transport.loop
 
     @property
     def counters(self) -> Counters:
-        """Counts of what was dropped, ignored or failed."""
+        """Counters of dropped and ignored messages, and of failures."""
         return self.transport.counters
 
     @property
@@ -145,15 +145,15 @@ class Host(Hooks):
 
     @property
     def current_time(self) -> datetime:
-        """The component's clock in UTC: ``host_time`` and what SetTime has added to it."""
+        """The component's clock in UTC: ``host_time`` plus ``time_offset``."""
         return self.host_time() + self.time_offset
 
     # ---- parts ------------------------------------------------------------------------------
 
     def part(self, kind: Callable[[Host], P]) -> P:
-        """Returns a part of the component, made by its class when it is first asked for.
+        """Returns the part of the component that is of a class; the first call makes it.
 
-        What a component does not use is thus not made, and a workspace need not have it.
+        So a workspace need not contain parts that its components do not use.
         """
         with self.loop.lock:
             if kind not in self._jaus_parts:
@@ -173,14 +173,14 @@ class Host(Hooks):
         """Calls ``handler(message, sender)`` for each such input message.
 
         Args:
-            handler: Acts on the message. It returns a new ``Completion`` when the command takes
-                time, for the client of a command event.
-            when: Whom to obey; messages of others are counted and ignored, since AS5710 knows
-                no error reply. A function tells it from the message, e.g. to take the limits of
-                a SetVelocityCommand in Standby and its current command in Ready alone.
-            counts_each: Whether a message is of use that a newer one of its sender came before.
-                If not, such a one is counted and ignored, unless it asked for acknowledgement. So
-                it is by default with what has a guard: a command replaces the one before.
+            handler: Handles the message. It returns a new ``Completion`` if the command takes time,
+                for the client of a command event.
+            when: The senders to obey; messages of others are counted and ignored, since AS5710 has
+                no error reply. A function returns the guard of a message, e.g. to take the limits
+                of a SetVelocityCommand in Standby, but its current command only in Ready.
+            counts_each: Whether a message is handled that comes after a newer one of its sender.
+                Otherwise it is counted and ignored, unless it requested acknowledgement; that is
+                the default for messages with a guard, as a command replaces the one before.
 
         Raises:
             ValueError: The message has a handler or a provider already.
@@ -201,14 +201,14 @@ class Host(Hooks):
     ) -> None:
         """Calls ``handler(payload, sender)`` for each such input message, as ``handle`` does.
 
-        The payload, the message code and the body, is not decoded. A handler that finds it wrong
-        raises DecodeError; the message is counted then as one that ``handle`` cannot decode.
+        The payload is the encoded message with its code. A handler that cannot decode it raises
+        DecodeError, which is counted as with ``handle``.
 
         Args:
-            when: Whom to obey. A function is only asked, about the decoded message, when the sender
-                is not obeyed in Ready; it can thus not be stricter than that.
-            is_robust: Whether the handler raises nothing and tells itself when it takes too long:
-                nothing else looks after it then, which is a little faster.
+            when: The senders to obey. A function is only called, with the decoded message, if the
+                sender is not the controller in Ready, so it cannot be stricter than that.
+            is_robust: Whether the handler never raises, and checks itself for blocking: the call is
+                then a little faster.
 
         Raises:
             ValueError: The message has a handler or a provider already.
@@ -231,12 +231,12 @@ class Host(Hooks):
         """Answers a query, and events on it, with what ``provider(query, sender)`` returns.
 
         Args:
-            provider: Returns the present report, or the bytes of it with the message code. They
-                are sent as they are where the query asks for all that is in them. None means that
-                there is no report now: the query stays unanswered and no event is sent.
-            periodic: Whether clients may have the report at a rate.
-            every_change: Whether clients may have the report at every change; the component
-                then calls ``report_changed`` when it may have changed.
+            provider: Returns the present report, or its bytes with the message code, which are sent
+                unchanged if the query selects all of their fields. None means that there is no
+                report now: the query is not answered and no event is sent.
+            periodic: Whether clients may request periodic events.
+            every_change: Whether clients may request events on every change; the component
+                then calls ``report_changed`` when the report may have changed.
 
         Raises:
             ValueError: The query has a handler or a provider already.
@@ -248,9 +248,9 @@ class Host(Hooks):
     def on_message(
         self, message_class: type[M], callback: Callable[[M, JausAddress], None]
     ) -> None:
-        """Calls ``callback(message, sender)`` for each such message, asked for or not.
+        """Calls ``callback(message, sender)`` for each such message, solicited or not.
 
-        Any number of callbacks may listen to one message, next to its handler.
+        A message may have any number of callbacks besides its handler.
         """
         with self.loop.lock:
             self._jaus_router.add_listener(message_class, callback)
@@ -265,13 +265,7 @@ class Host(Hooks):
     ) -> None:
         """Calls ``callback(payload, sender)`` for each such message, as ``on_message`` does.
 
-        The payload, the message code and the body, is not decoded. A callback that finds it wrong
-        raises DecodeError; the message is counted then as one that cannot be decoded.
-
-        Args:
-            is_robust: Whether the callback raises nothing and tells itself when it takes too long.
-            counts_each: Whether a message is of use that a newer one of its sender came before;
-                as with ``handle``.
+        Payload, ``is_robust`` and ``counts_each`` are as with ``handle_payload`` and ``handle``.
         """
         with self.loop.lock:
             self._jaus_router.add_payload_listener(
@@ -293,7 +287,7 @@ class Host(Hooks):
         priority: Priority = Priority.STANDARD,
         acknowledge: bool = False,
     ) -> None:
-        """Sends a message to a component or a wildcard; EncodeError where a value does not fit."""
+        """Sends a message to a component or a wildcard; raises EncodeError for an unfit value."""
         self.transport.send(
             self.address, destination, message.encode(), priority=priority, acknowledge=acknowledge
         )
@@ -307,17 +301,17 @@ class Host(Hooks):
             self.transport.send(self.address, sender, payload)
 
     def command_handler(self, code: int) -> Handler | None:
-        """Returns what acts on a message."""
+        """Returns the handler of a message by code; None without one."""
         return self._jaus_router.handler(code)
 
     def provision(self, query_code: int) -> Provision[Any, Any] | None:
-        """Returns what answers a query."""
+        """Returns the provision of a query by code; None without one."""
         return self._jaus_router.provision(query_code)
 
     def encoded_report(
         self, provision: Provision[Any, Any], query: Message, report: Message | bytes
     ) -> bytes | None:
-        """Returns what a query asks for of a report as bytes, or None when that is impossible."""
+        """Returns the fields of a report that a query selects, encoded; None after an error."""
         try:
             if isinstance(report, bytes):
                 return asked_for_in(query, provision.report_class, report)
@@ -327,10 +321,10 @@ class Host(Hooks):
             return None
 
     def drops_of(self, sender: JausAddress) -> dict[str, int]:
-        """Returns how many messages of a sender were dropped before they were acted on, by reason.
+        """Returns how many messages of a sender were dropped, by reason and name of the message.
 
-        Those that came out of order, were refused, could not be read or are not known, each with
-        the name of the message. With the lock of the loop, as it changes while messages come.
+        Reasons are: out of order, refused, unreadable, unknown. The caller holds the lock of the
+        loop.
         """
         return {
             f"{reason} {message}": count
@@ -339,7 +333,7 @@ class Host(Hooks):
         }
 
     def drops_before(self, message: str) -> list[tuple[JausAddress, str, int]]:
-        """Returns the drops of ``drops_of`` for one kind of message: sender, reason and number."""
+        """Returns the drops of messages of a name: sender, reason and number."""
         return [
             (sender, reason, count)
             for (sender, reason, kind), count in self._jaus_router.drops.items()
@@ -349,7 +343,7 @@ class Host(Hooks):
     # ---- user code --------------------------------------------------------------------------
 
     def call(self, function: Callable[..., Any], *arguments: object) -> Any:
-        """Calls user code; an error is logged and counted, and None returned."""
+        """Calls user code and returns its result; None after an error, which is counted."""
         return self._jaus_router.call(function, *arguments)
 
     def payload_caller(
@@ -357,30 +351,30 @@ class Host(Hooks):
         function: Callable[[bytes, JausAddress], object],
         on_bad: Callable[[JausAddress, DecodeError], None],
     ) -> Callable[[bytes, JausAddress], None]:
-        """Returns what calls user code with encoded messages, and tells of those it cannot read."""
+        """Returns a function that calls user code with payloads, and `on_bad` on a DecodeError."""
         return self._jaus_router.payload_caller(function, on_bad)
 
     def attempt(self, function: Callable[..., Any], *arguments: object) -> tuple[bool, Any]:
-        """Calls user code; tells whether it raised no error, and what it returned."""
+        """Calls user code; returns whether it succeeded, and its result."""
         return self._jaus_router.attempt(function, *arguments)
 
     def when_started(self, action: Callable[[], None]) -> None:
-        """Runs an action now, or at the start of a component that does not run yet."""
+        """Runs an action now if the component runs, otherwise at its start."""
         if self._jaus_running:
             action()
         else:
             self._jaus_starters.append(action)
 
     def when_stopped(self, action: Callable[[], None]) -> None:
-        """Also run an action when the component stops, before those that were given earlier."""
+        """Adds an action for the stop of the component, to be run before those added earlier."""
         self._jaus_stoppers.append(action)
 
     def when_permitted(self, action: Callable[[bool], None]) -> None:
-        """Also run an action when the component may control others, or may not any more."""
+        """Adds an action that is called with whether the component may control others."""
         self._jaus_permits.append(action)
 
     def when_shut_down(self, action: Callable[[], None]) -> None:
-        """Also run an action when the component enters Shutdown."""
+        """Adds an action for when the component enters Shutdown."""
         self._jaus_enders.append(action)
 
     def shut_down(self) -> None:
@@ -389,21 +383,21 @@ class Host(Hooks):
             self.call(action)
 
     def core_version(self, name: str) -> tuple[int, int]:
-        """Returns the version of a core service that the component provides, 1.1 if of none."""
+        """Returns the version of a core service that the component provides; 1.1 if it does not."""
         return self._jaus_versions.get(name, VERSION_1_1)
 
-    # ---- what services and clients decide ---------------------------------------------------
+    # ---- for the services and clients -------------------------------------------------------
 
     def allows(self, guard: Guard, sender: JausAddress) -> bool:
-        """Whether a message of ``sender`` is obeyed under ``guard``."""
+        """Returns whether a guard allows messages of a sender."""
         raise NotImplementedError
 
     def permissions_changed(self) -> None:
-        """Ends the commands under way that are not allowed any more; called by the services."""
+        """Ends commands under way that are not allowed any more; called by the services."""
         raise NotImplementedError
 
     def _jaus_stand_by(self, provider: JausAddress, on_silence: Callable[[], None] | None) -> None:
-        """Leaves Ready for Standby, as a report that is needed there does not come."""
+        """Leaves Ready for Standby, as a report of `provider` that Ready requires is missing."""
         raise NotImplementedError
 
     def report_changed(self, report_class: type[Message]) -> None:
@@ -411,9 +405,9 @@ class Host(Hooks):
         raise NotImplementedError
 
     def permit_control(self, permitted: bool) -> None:  # noqa: FBT001
-        """Lets go of the components that this one controls, or takes them back.
+        """Releases the components that this one controls, or acquires control again.
 
-        It happens in the next round of the loop: what hooks send to stop them comes before.
+        That happens in the next turn of the loop, after stops that hooks have sent.
         """
         self.loop.call_soon(lambda: self._jaus_permit(permitted))
 
@@ -425,8 +419,8 @@ class Host(Hooks):
     # ---- hooks with a default ---------------------------------------------------------------
 
     def host_time(self) -> datetime:
-        """Returns the time in UTC that the component's clock runs by; ``clock`` has it by default.
+        """Returns the time in UTC of ``clock``, on which the component's clock is based.
 
-        Override it for a component that lives in simulated time.
+        Override it for a component in simulated time.
         """
         return self.clock.utc()

@@ -1,4 +1,4 @@
-"""The ListManager service: a list that its controller edits as a whole or not at all (AS5710)."""
+"""The ListManager service: a list that the controller edits by atomic requests (AS5710)."""
 
 from __future__ import annotations
 
@@ -31,34 +31,36 @@ ALL_UIDS = 65535  # UID that means all elements in a DeleteElement; no element h
 
 
 class ListError(JausError):
-    """A request that the list refuses."""
+    """A request is rejected; `reason` is the code for RejectElementRequest."""
 
     def __init__(self, reason: Reason, text: str) -> None:
         super().__init__(text)
-        self.reason = reason  # code for RejectElementRequest
+        self.reason = reason
 
 
 def chain(
     contents: Iterable[tuple[int, bytes, int]], *, circular: bool = False
 ) -> list[ListElement]:
-    """Returns elements linked in the order given."""
-    known = list(contents)
-    if not known:
+    """Returns elements linked in their order, of UIDs, data and formats."""
+    contents = list(contents)
+    if not contents:
         return []
-    uids = [uid for uid, _, _ in known]
+    uids = [uid for uid, _, _ in contents]
     closing = uids[0] if circular and len(uids) > 1 else NO_UID
     before, after = [NO_UID, *uids[:-1]], [*uids[1:], closing]
     return [
         ListElement(uid, previous, following, data, data_format)
-        for (uid, data, data_format), previous, following in zip(known, before, after, strict=True)
+        for (uid, data, data_format), previous, following in zip(
+            contents, before, after, strict=True
+        )
     ]
 
 
 class ElementList:
-    """Elements in an order, which is valid at any time (AS5710, ListManager).
+    """A list of elements that is always valid (AS5710, ListManager).
 
-    A valid list has one first element, one last element unless it is circular, and no element
-    that is not reached from the first one. A request that would break that changes nothing.
+    A valid list has one first element, one last element unless it is circular, and each element can
+    be reached from the first one. A request that would violate this changes nothing.
     """
 
     def __init__(self, capacity: int) -> None:
@@ -75,12 +77,12 @@ class ElementList:
         return uid in self._elements
 
     def get(self, uid: int) -> ListElement | None:
-        """Returns the element of a UID."""
+        """Returns the element of a UID; None without one."""
         return self._elements.get(uid)
 
     @property
     def first(self) -> ListElement | None:
-        """The first element."""
+        """The first element; None in an empty list."""
         return next(iter(self._elements.values()), None)
 
     @property
@@ -96,13 +98,12 @@ class ElementList:
         """
         new = {element.uid: element for element in requested}
         self._check(requested, new)
-        kept = [element for element in self if element.uid not in new]
-        if len(kept) + len(new) > self._capacity:
+        others = _contents(element for element in self if element.uid not in new)
+        if len(others) + len(new) > self._capacity:
             raise ListError(Reason.OUT_OF_MEMORY, f"more than {self._capacity} elements")
-        closed = self.circular and len(kept) > 1
-        # The gaps that replaced elements leave are closed first.
-        chained = chain(((e.uid, e.data, e.data_format) for e in kept), circular=closed)
-        self._elements = _in_order(_linked({element.uid: element for element in chained}, new))
+        # Other elements are linked without the replaced ones first.
+        linked = chain(others, circular=self.circular and len(others) > 1)
+        self._elements = _in_order(_linked({element.uid: element for element in linked}, new))
 
     def delete(self, uids: Sequence[int]) -> None:
         """Deletes elements, or all; the neighbours of a deleted element become neighbours.
@@ -118,12 +119,12 @@ class ElementList:
                 raise ListError(Reason.INVALID_ELEMENT_ID, "no element has UID 0")
             if uid not in self._elements:
                 raise ListError(Reason.ELEMENT_ID_NOT_FOUND, f"there is no element {uid}")
-        kept = [(e.uid, e.data, e.data_format) for e in self if e.uid not in uids]
-        circular = self.circular
-        self._elements = {element.uid: element for element in chain(kept, circular=circular)}
+        others = _contents(element for element in self if element.uid not in uids)
+        linked = chain(others, circular=self.circular)
+        self._elements = {element.uid: element for element in linked}
 
     def _check(self, requested: Sequence[ListElement], new: dict[int, ListElement]) -> None:
-        """Refuses what is wrong with single elements."""
+        """Raises ListError for a wrong element."""
         if len(new) != len(requested):
             raise ListError(Reason.INVALID_ELEMENT_ID, "an element is given twice")
         for element in requested:
@@ -139,36 +140,34 @@ class ElementList:
                     raise ListError(reason, f"element {uid}: {neighbour} cannot be its neighbour")
 
 
+def _contents(elements: Iterable[ListElement]) -> list[tuple[int, bytes, int]]:
+    return [(element.uid, element.data, element.data_format) for element in elements]
+
+
 def _linked(
-    kept: dict[int, ListElement], new: dict[int, ListElement]
+    others: dict[int, ListElement], new: dict[int, ListElement]
 ) -> dict[int, tuple[int, int, ListElement]]:
     """Returns previous and next UID of all elements, with the neighbours of new ones updated."""
-    previous = {
-        list_element.uid: list_element.previous_uid
-        for list_element in (*kept.values(), *new.values())
-    }
-    following = {
-        list_element.uid: list_element.next_uid for list_element in (*kept.values(), *new.values())
-    }
-    old_first = next(iter(kept), NO_UID)
-    old_last = next(reversed(kept), NO_UID)
-    has_new_first = any(list_element.previous_uid == NO_UID for list_element in new.values())
+    elements = {**others, **new}
+    previous = {uid: element.previous_uid for uid, element in elements.items()}
+    following = {uid: element.next_uid for uid, element in elements.items()}
+    old_first = next(iter(others), NO_UID)
+    old_last = next(reversed(others), NO_UID)
+    new_first = next((uid for uid in new if previous[uid] == NO_UID), NO_UID)
     for element in new.values():
-        if element.previous_uid in kept:
+        if element.previous_uid in others:
             following[element.previous_uid] = element.uid
-        # A next UID that is the first element's closes the circle, unless another is first now.
-        closes = element.next_uid == old_first and not has_new_first
-        if element.next_uid in kept and not closes:
+        # The UID of the first element as next one closes the circle, unless there is a new first.
+        closes = element.next_uid == old_first and not new_first
+        if element.next_uid in others and not closes:
             previous[element.next_uid] = element.uid
-    if old_last and has_new_first and following[old_last] == old_first:
-        following[old_last] = next(e.uid for e in new.values() if e.previous_uid == NO_UID)
-    return {
-        uid: (previous[uid], following[uid], element) for uid, element in {**kept, **new}.items()
-    }
+    if old_last and new_first and following[old_last] == old_first:
+        following[old_last] = new_first
+    return {uid: (previous[uid], following[uid], element) for uid, element in elements.items()}
 
 
 def _in_order(links: dict[int, tuple[int, int, ListElement]]) -> dict[int, ListElement]:
-    """Walks along the links from the first element; refuses a list that is not valid."""
+    """Returns the elements in the order of their links; raises ListError for an invalid list."""
     heads = [uid for uid, (previous, _, _) in links.items() if previous == NO_UID]
     if len(heads) != 1:
         raise ListError(Reason.INVALID_PREVIOUS_ELEMENT, f"{len(heads)} elements are the first")
@@ -187,18 +186,17 @@ def _in_order(links: dict[int, tuple[int, int, ListElement]]) -> dict[int, ListE
     return ordered
 
 
-DATA_FORMATS = (0, 1)
-"""Formats of ElementData: a JAUS message, or one of the user; a report can hold no other."""
+DATA_FORMATS = (0, 1)  # of ElementData: a JAUS message, or a format of the user
 
 
 class Driver(Protocol):
     """A list driver of a bridge."""
 
     def supports(self, element: ListElement) -> bool:
-        """Whether the list may hold an element: somebody can execute it."""
+        """Returns whether the list may hold an element, as the driver can execute it."""
 
     def list_changed(self) -> None:
-        """Follows a change of the list."""
+        """Takes over a change of the list."""
 
 
 class ListManagerService:
@@ -212,8 +210,7 @@ class ListManagerService:
     def __init__(self, component: Host) -> None:
         self._component = component
         self.elements = ElementList(component.settings.max_list_elements)
-        # They say what it may hold; without any, the component does.
-        self.drivers: list[Driver] = []
+        self.drivers: list[Driver] = []  # decide on elements; without any, the component does
 
     def attach(self) -> None:
         """Takes the messages of ListManager."""
@@ -325,8 +322,8 @@ class ListHolder(Host):
     def supports_element(self, element: ListElement) -> bool:
         """Returns whether the component's list may hold an element (AS5710, ListManager).
 
-        By default these are the messages that the component's list drivers execute, e.g.
-        SetGlobalWaypoint for a GlobalWaypointListDriver; a ListManager alone takes none.
+        By default these are the messages that its list drivers execute, e.g. SetGlobalWaypoint for
+        a GlobalWaypointListDriver; without a driver there are none.
         """
-        driven = (ELEMENTS_OF_DRIVERS.get(service.urn) for service in self.services)
-        return element.message_code in driven
+        codes = (ELEMENTS_OF_DRIVERS.get(service.urn) for service in self.services)
+        return element.message_code in codes

@@ -1,6 +1,6 @@
 """The MachineStates service: the states of modelled state machines, and the time in each.
 
-It is of this project, and optional: a component that does not provide it keeps no times.
+The service is one of this project. A component that does not provide it measures no times.
 """
 
 from __future__ import annotations
@@ -12,17 +12,15 @@ from ..messages.machine_states import MACHINE_STATES, QueryMachineStates, Report
 from ..wire.message import Message
 from .host import Host
 
-MOST_MACHINES = 255
-MOST_STATES = 255
-"""States in one report, shared among its machines: those with the most time are told."""
-
-MOST_ENTRIES = 0xFFFF_FFFF
-"""Where the count of entries stays; milliseconds in eight bytes have no such end."""
-
+MAX_MACHINES = 255
+MAX_STATES = 255  # in one report, for all machines: the states with most time
+MAX_ENTRIES = 0xFFFF_FFFF  # greatest number of entries of a state
 _LONGEST_NAME = 255
 
 
 class _Times:
+    """Entries and seconds of the states of one machine."""
+
     def __init__(self, service: str, machine: str, clock: Callable[[], float]) -> None:
         self._names = _jaus_string(service), _jaus_string(machine)
         self._clock = clock
@@ -36,7 +34,7 @@ class _Times:
         if self._state:
             self._seconds[self._state] += now - self._since
         self._state, self._since = state, now
-        self._entries[state] = min(self._entries.get(state, 0) + 1, MOST_ENTRIES)
+        self._entries[state] = min(self._entries.get(state, 0) + 1, MAX_ENTRIES)
         self._seconds.setdefault(state, 0.0)
 
     def report(self, most: int) -> ReportMachineStates.MachineSeq:
@@ -59,7 +57,7 @@ class _Times:
 
 
 class MachineStatesService:
-    """Answers anybody who asks, and every-change events when a machine enters a state."""
+    """Answers queries of any component, and sends events when a machine enters a state."""
 
     urns = frozenset([MACHINE_STATES])
 
@@ -69,17 +67,17 @@ class MachineStatesService:
         self._machines: list[_Times] = []
 
     def attach(self) -> None:
-        """Keeps times from now on, and takes the query unless the component answers it itself."""
+        """Measures times from now on; answers the query unless the component does so itself."""
         self._is_provided = True
-        self._component.when_started(self._take)
+        self._component.when_started(self._provide)
 
-    def _take(self) -> None:
+    def _provide(self) -> None:
         component = self._component
         if component.provision(QueryMachineStates.CODE) is None:
             component.provide(QueryMachineStates, ReportMachineStates, self._report)
 
     def watch(self, service: str, machine: str) -> Callable[[str], None] | None:
-        """Returns what is to be told each state that a machine enters; None if nobody may ask."""
+        """Returns the function to call with each entered state; None if that is not reported."""
         if not self._is_provided:
             return None
         times = _Times(service, machine, self._component.loop.now)
@@ -92,9 +90,9 @@ class MachineStatesService:
         return entered
 
     def _report(self, _query: Message, _sender: JausAddress) -> ReportMachineStates:
-        machines = self._machines[:MOST_MACHINES]
-        # In equal parts, so that no machine takes the room of others.
-        most = MOST_STATES // max(1, len(machines))
+        machines = self._machines[:MAX_MACHINES]
+        # In equal parts for each machine.
+        most = MAX_STATES // max(1, len(machines))
         return ReportMachineStates([machine.report(most) for machine in machines])
 
 
@@ -103,5 +101,5 @@ def _milliseconds(seconds: float) -> int:
 
 
 def _jaus_string(name: str) -> str:
-    """Returns a name as a JAUS string can carry it: Latin-1, and not too long."""
+    """Returns a name as a JAUS string: Latin-1, and not too long."""
     return name.encode("latin-1", "replace").decode("latin-1")[:_LONGEST_NAME]

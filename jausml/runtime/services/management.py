@@ -1,4 +1,4 @@
-"""The Management service: the states of a component, and its emergencies (AS5710)."""
+"""The Management service: the state of a component, and its emergencies (AS5710)."""
 
 from __future__ import annotations
 
@@ -21,32 +21,24 @@ from .definitions import CORE, VERSION_1_1, Guard, Status
 from .dispatch import Take
 from .host import Host
 
-# JAUS-DEVIATION: AS5710 lists 1 (STOP) alone; components made with the JAUS Tool Set send 0.
-EMERGENCY_CODES = (0, 1)  # emergency codes that are taken for STOP; others are ignored
-
-FINAL = (Status.FAILURE, Status.SHUTDOWN)
-"""States that no message ends: an emergency on top of them leads back to them."""
-
-PASSIVE = (Status.EMERGENCY, Status.FAILURE, Status.SHUTDOWN)
-"""States in which a component controls no others: what it commands must stop with it."""
-
-MAX_EMERGENCY_CLIENTS = 1024
-"""Senders whose emergencies are remembered; a flood of false ones must not fill the memory."""
-
-ABSENT_S = 10.0
-"""Seconds of silence after which somebody at the robot may lift an emergency of a client."""
+# JAUS-DEVIATION: AS5710 only lists 1 (STOP); components made with the JAUS Tool Set send 0.
+EMERGENCY_CODES = (0, 1)  # emergency codes for STOP; others are ignored
+FINAL = (Status.FAILURE, Status.SHUTDOWN)  # states that no message ends, even after an emergency
+PASSIVE = (Status.EMERGENCY, *FINAL)  # states in which the component may not control others
+MAX_EMERGENCY_CLIENTS = 1024  # clients that are stored; false ones must not fill the memory
+ABSENT_S = 10.0  # seconds of silence of a client before a person may lift its emergency
 
 
 class EmergencyStandsError(JausError):
-    """An emergency that may not be lifted."""
+    """An emergency must not be lifted."""
 
 
 class ManagementService:
     """Keeps the state of the component (AS5710, Management, protocol behaviour).
 
-    A component that provides Management v1.0 behaves as v1.0 says: after an emergency it goes on
-    where it was, Reset needs Ready, and anyone may shut down or reset it in Emergency. Of either
-    version, one that has failed or was shut down is so again after an emergency.
+    With Management v1.0, a component returns to its former state after an emergency, Reset requires
+    Ready, and every component may shut it down or reset it in Emergency. In both versions,
+    Failure and Shutdown are entered again after an emergency.
     """
 
     urns = frozenset([CORE + "Management"])
@@ -68,46 +60,45 @@ class ManagementService:
         component = self._component
         component.handle(Resume, self._resume, when=Guard.CONTROLLED)
         component.handle(Standby, lambda *_: self.stand_by(), when=Guard.CONTROLLED)
-        component.handle(Shutdown, self._shutdown, when=self._who_ends)
-        component.handle(Reset, self._reset, when=self._who_ends)
+        component.handle(Shutdown, self._shutdown, when=self._end_guard)
+        component.handle(Reset, self._reset, when=self._end_guard)
         component.handle(SetEmergency, self._set_emergency)
         component.handle(ClearEmergency, self._clear_emergency)
         component.provide(QueryStatus, ReportStatus, lambda *_: ReportStatus(self.status))
 
     def watch_emergency(self, message_class: type[Message], take: Take) -> None:
-        """Gives an action SetEmergency when an emergency has begun, ClearEmergency when it ended.
+        """Calls `take` with SetEmergency when an emergency begins, or ClearEmergency when it ends.
 
-        That is not each such message: others may have set an emergency too, and a person at the
-        robot may lift it. What is given is encoded, from whoever made the difference.
+        It is not called for each such message, since other clients may have set the emergency too.
+        The message is encoded, and its sender is the client that caused the change.
         """
         self._watchers.setdefault(message_class.CODE, []).append(take)
 
-    def _tell(self, sender: JausAddress, *, active: bool) -> None:
-        """Tells connections, then the hook, that an emergency has begun or ended."""
+    def _report_emergency(self, sender: JausAddress, *, active: bool) -> None:
+        """Calls the watchers, then the hook, at the begin or end of an emergency."""
         message_class = SetEmergency if active else ClearEmergency
         for take in self._watchers.get(message_class.CODE, ()):
             take(message_class(emergency_code=message_class.EmergencyCode.STOP).encode(), sender)
         self._component.call(self._component.on_emergency, active)
 
     def initialize(self) -> None:
-        """Passes through Init to Standby."""
+        """Goes through Init to Standby, or Failure if the hook reports one."""
         self._emergencies.clear()
         self._enter(Status.INITIALIZE)
         self._component.call(self._component.on_initialize)
-        # The hook may have reported a failure.
         if self.status is Status.INITIALIZE:
             self._enter(Status.STANDBY)
 
     def fail(self, reason: str) -> None:
-        """Enters Failure from any state and lets go of the controller."""
-        # JAUS-DEVIATION: AS5710 ignores the internal event Failure in Emergency; a component that
-        # is broken must not be in Standby again when the emergency is cleared.
+        """Enters Failure from any state and ends control."""
+        # JAUS-DEVIATION: AS5710 ignores the internal event Failure in Emergency; but a broken
+        # component must not enter Standby when the emergency is cleared.
         self._component.counters.count("component.failed", reason)
         self._enter(Status.FAILURE)
         self._access.drop(Reject.CONTROL_RELEASED)
 
     def shut_down(self, reject: Reject = Reject.CONTROL_RELEASED) -> None:
-        """Enters Shutdown and lets go of the controller."""
+        """Enters Shutdown and ends control."""
         if self.status is Status.SHUTDOWN:
             return
         self._enter(Status.SHUTDOWN)
@@ -124,18 +115,17 @@ class ManagementService:
             self._enter(Status.STANDBY)
 
     def withdraw(self) -> None:
-        """Leaves Ready for Standby and tells the controller that there is no control to have."""
+        """Leaves Ready for Standby and ends control, as it is not available."""
         self.stand_by()
         self._access.drop(Reject.NOT_AVAILABLE)
 
-    def _who_ends(self, _message: Message) -> Guard:
-        """Returns who may send Shutdown and Reset now.
+    def _end_guard(self, _message: Message) -> Guard:
+        """Returns the guard of Shutdown and Reset.
 
-        In the Emergency of v1.1 nobody may: it has no controller, and lasts until the last
-        emergency is cleared.
+        In the Emergency of v1.1 no component may send them, as there is no controller.
         """
-        anyone = self._is_1_0 and self.status is Status.EMERGENCY
-        return Guard.ANY if anyone else Guard.CONTROLLED
+        is_open = self._is_1_0 and self.status is Status.EMERGENCY
+        return Guard.ANY if is_open else Guard.CONTROLLED
 
     def _shutdown(self, _message: Shutdown, sender: JausAddress) -> None:
         if self.status not in (Status.READY, Status.EMERGENCY):
@@ -150,19 +140,19 @@ class ManagementService:
             return
         was_emergency = self.status is Status.EMERGENCY
         if was_emergency and self._interrupted[0] in FINAL:
-            # JAUS-DEVIATION: AS5710 v1.0 resets from any emergency; a component that has failed or
-            # was shut down, which no Reset revives, must not be revived by way of an emergency.
+            # JAUS-DEVIATION: AS5710 v1.0 resets from any emergency; but an emergency must not be a
+            # way out of Failure or Shutdown, which Reset does not end.
             self._ignored("management.reset_ignored", sender)
             return
         self._enter(Status.INITIALIZE)
         self._access.drop(Reject.CONTROL_RELEASED)
         if was_emergency:
-            self._tell(sender, active=False)
+            self._report_emergency(sender, active=False)
         if self.status is Status.INITIALIZE:  # no hook has reported a failure meanwhile
             self.initialize()
 
     def _ignored(self, name: str, sender: JausAddress) -> None:
-        """Counts what the controller demands and the standard has no transition for."""
+        """Counts a command for which the standard has no transition."""
         self._component.counters.count(name, f"of {sender} in {self.status.name}")
 
     def _set_emergency(self, message: SetEmergency, sender: JausAddress) -> None:
@@ -175,16 +165,16 @@ class ManagementService:
             self._emergencies.add(sender)
         if self.status is not Status.EMERGENCY:
             LOGGER.warning("%s: emergency set by %s", self._component.address, sender)
-            # Of the first emergency alone: a second one has interrupted nothing.
+            # Only by the first emergency.
             self._interrupted = (self.status, self._access.controller, self._access.authority)
             self._enter(Status.EMERGENCY)
-            # JAUS-DEVIATION: AS5710 ends control with the emergency. Clients that are made with the
-            # JAUS Tool Set count on keeping it, and ask for it again without end.
+            # JAUS-DEVIATION: AS5710 ends control in an emergency. Clients made with the JAUS Tool
+            # Set expect to keep it, and would request it again without end.
             if self._component.settings.control_survives_emergency:
                 self._access.kept = True
             else:
                 self._access.drop(Reject.CONTROL_RELEASED if self._is_1_0 else Reject.NOT_AVAILABLE)
-            self._tell(sender, active=True)
+            self._report_emergency(sender, active=True)
 
     def _clear_emergency(self, message: ClearEmergency, sender: JausAddress) -> None:
         if message.emergency_code not in EMERGENCY_CODES or sender not in self._emergencies:
@@ -194,14 +184,14 @@ class ManagementService:
         if self.status is Status.EMERGENCY and not self._emergencies:
             LOGGER.warning("%s: emergency cleared", self._component.address)
             self._leave_emergency()
-            self._tell(sender, active=False)
+            self._report_emergency(sender, active=False)
 
     def _leave_emergency(self) -> None:
-        """Goes to Standby without a controller; in v1.0, back to what the emergency interrupted."""
+        """Goes to Standby without a controller; in v1.0, to the former state and controller."""
         status, controller, authority = self._interrupted
-        # JAUS-DEVIATION: some definitions of v1.1 go back too, with the same controller; to stand
-        # still is what those of the IOP say, and what is safe. For the same reason a component
-        # that has failed or was shut down goes back: nobody shall revive it by an emergency.
+        # JAUS-DEVIATION: in some definitions of v1.1 the former state and controller return too;
+        # those of the IOP say Standby, which is safe. Failure and Shutdown return in both, since an
+        # emergency must not be a way out of them.
         if not self._is_1_0 and status not in FINAL:
             self._enter(Status.STANDBY)
             return
@@ -211,36 +201,35 @@ class ManagementService:
             self._enter(status)
 
     def check_lift(self, clients: JausAddress) -> list[JausAddress]:
-        """Returns whose emergencies somebody at the robot may lift.
+        """Returns the clients whose emergencies a person at the robot may lift.
 
-        A stop needs no proof of who sends it, so that anybody can set an emergency, also in a name
-        that nobody has. AS5710 lets the same name alone clear it. A person at the robot must have
-        a way out, yet not against an operator who is there: those must have been silent.
+        Every component can set an emergency, even with a forged address, and in AS5710 only that
+        address can clear it. So a person may lift it, but not against a client that is present:
+        each must have been silent for `ABSENT_S`.
 
         Args:
-            clients: Who set them; a wildcard means several.
+            clients: The clients that set them; a wildcard means several.
 
         Raises:
-            EmergencyStandsError: Nobody of them set one, or somebody was heard a moment ago.
+            EmergencyStandsError: None of the clients has set one, or one was heard lately.
         """
-        meant = [emergency for emergency in self._emergencies if clients.matches(emergency)]
-        if not meant:
+        matching = [client for client in self._emergencies if clients.matches(client)]
+        if not matching:
             known = ", ".join(map(str, sorted(self._emergencies))) or "nobody"
             raise EmergencyStandsError(f"no emergency was set by {clients}; by {known}")
-        for address in meant:
+        for address in matching:
             silent = self._component.transport.silence_of(address)
             if silent < ABSENT_S:
                 raise EmergencyStandsError(
                     f"{address} was heard {silent:.1f} s ago: it clears its emergency itself, "
                     f"or must be silent for {ABSENT_S:g} s"
                 )
-        return meant
+        return matching
 
     def lift(self, clients: JausAddress) -> None:
-        """Lifts the emergencies of clients who are not there any more; see ``check_lift``.
+        """Lifts the emergencies of clients that have gone; raises as ``check_lift``.
 
-        When it was the last one, the component is in Standby without a controller, in v1.0 as
-        well: nothing moves before somebody takes control and resumes it.
+        After the last one the component is in Standby without a controller, also in v1.0.
         """
         for address in self.check_lift(clients):
             self._emergencies.discard(address)
@@ -251,7 +240,7 @@ class ManagementService:
             if self._access.kept:
                 self._access.drop(Reject.CONTROL_RELEASED)
             self._enter(status if status in FINAL else Status.STANDBY)
-            self._tell(self._component.address, active=False)
+            self._report_emergency(self._component.address, active=False)
 
     def _enter(self, status: Status) -> None:
         former, self.status = self.status, status

@@ -10,16 +10,13 @@ from ..messages import QueryTime, ReportTime, SetTime
 from .definitions import CORE, Guard
 from .host import Host
 
-TIME_STAMP = 1 << 0  # bit of the time of day and day of month in a QueryTime's PresenceVector
-DATE_STAMP = 1 << 1  # bit of the date in a QueryTime's PresenceVector
-FIRST_YEAR = 2000  # year that a DateStamp counts from
+TIME_STAMP = 1 << 0  # bit of time and day of month in the PresenceVector of a QueryTime
+DATE_STAMP = 1 << 1  # bit of the date there
+FIRST_YEAR = 2000  # year 0 of a DateStamp
 
 
 class TimeService:
-    """Reports the time in UTC, and keeps the offset to the host's clock that SetTime asks for.
-
-    The clock of the host is never set.
-    """
+    """Reports the time in UTC; SetTime sets its offset to the clock of the host."""
 
     urns = frozenset([CORE + "Time"])
 
@@ -29,12 +26,12 @@ class TimeService:
     def attach(self) -> None:
         """Takes the messages of Time."""
         self._component.handle(SetTime, self._set_time, when=Guard.CONTROLLED)
-        # Time changes always: only a rate makes sense.
+        # Time changes continuously, so that only periodic events are useful.
         self._component.provide(QueryTime, ReportTime, self._report, every_change=False)
 
     def _set_time(self, message: SetTime, sender: JausAddress) -> None:
         try:
-            stated_time = self._time_meant(message)
+            stated_time = self._time_of(message)
         except (ValueError, OverflowError) as error:
             self._component.counters.count("time.refused", f"SetTime of {sender}: {error}")
             return
@@ -42,8 +39,8 @@ class TimeService:
         LOGGER.info("%s: time set by %s", self._component.address, sender)
         self._component.call(self._component.on_set_time, stated_time)
 
-    def _time_meant(self, message: SetTime) -> datetime:
-        """Returns the moment that a SetTime means; raises ValueError when it means none."""
+    def _time_of(self, message: SetTime) -> datetime:
+        """Returns the time of a SetTime, completed by the present date; raises ValueError."""
         now = self._component.current_time
         stamp, date = message.time_stamp, message.date_stamp
         if stamp is None and date is None:
@@ -84,9 +81,9 @@ def _moment(year: int, month: int, day: int, clock: time) -> datetime:
 
 
 def _nearest(now: datetime, day: int, clock: time) -> datetime:
-    """Returns the moment nearest to now that has the day of month and time of day.
+    """Returns the time nearest to now with a day of month and time of day.
 
-    A TimeStamp has no month: near the end of one, its day may be of the next.
+    A TimeStamp has no month: near the end of a month its day may be one of the next.
     """
     candidates = []
     for months in (-1, 0, 1):

@@ -1,4 +1,4 @@
-"""Address book: where components are, learnt or configured, and from whom packets are taken."""
+"""Address book: UDP endpoints of components, learnt or configured, and allowed hosts."""
 
 from __future__ import annotations
 
@@ -18,23 +18,21 @@ from ..base.settings import Endpoint, TransportSettings
 
 @dataclass(slots=True, eq=False)
 class Claim:
-    """What a component without proof has sent and got, at the one endpoint that it claims."""
+    """Traffic with a component that has not proved yet that it is at its endpoint."""
 
     host: str
-    received: int = 0
-    sent: int = 0
-    wrong: int = 0
-    questions: int = 0
-    number: int | None = None  # what it is to acknowledge; None while it has not been asked
+    received: int = 0  # bytes
+    sent: int = 0  # bytes
+    wrong: int = 0  # acknowledgements with a wrong number
+    questions: int = 0  # packets sent for an acknowledgement
+    number: int | None = None  # of the packet to be acknowledged; None before the first one
     asked: float = -math.inf
     asker: JausAddress | None = None
-    held: list[bytes] = field(default_factory=list)
+    held: list[bytes] = field(default_factory=list)  # datagrams that wait for the proof
 
 
-SOURCE_REFUSED = "transport.source_refused"
-"""Packets in the name of a component that is heard from elsewhere."""
-
-MAX_PEERS = 1024  # components that are remembered besides those that have a place of their own
+SOURCE_REFUSED = "transport.source_refused"  # counter of packets of a component at another endpoint
+MAX_PEERS = 1024  # components that are stored besides configured ones and those in control
 _PROOF_LIFE = 60.0
 _NOWHERE: Endpoint = ("", 0)
 _LONG_AGO = -sys.float_info.max
@@ -42,45 +40,41 @@ _SEARCH_INTERVAL = 1.0
 
 
 class Doubt(Enum):
-    """What a sender does about the age of an address."""
+    """What a sender does about an endpoint that may be out of date."""
 
-    NONE = auto()  # nothing: the component was heard lately, or was asked a moment ago
-    ASK = auto()  # ask for an acknowledgement, which tells whether the address is still right
-    SEARCH = auto()  # look for the component by multicast as well: it did not answer
+    NONE = auto()  # nothing: the component was heard or asked lately
+    ASK = auto()  # request an acknowledgement, which confirms the endpoint
+    SEARCH = auto()  # also search for the component by multicast: it did not answer
 
 
 @dataclass(slots=True, eq=False)
 class Entry:
-    """Where a component is, when it was heard there last, and when it was asked whether it is."""
+    """The endpoint of a component, and the times of its last packet and of the last question."""
 
-    endpoint: Endpoint  # where it is; nowhere once it is forgotten
-    heard: float  # when it was heard last; never while it is suspected to be elsewhere
-    asked: float = -math.inf  # when it was asked last, in doubt
-    # When it was heard last before it was suspected, or proved where it is.
-    spoke: float = -math.inf
-    # What is owed while it has not proved where it is. It counts as never heard as long, so that
-    # nothing goes to it beyond its credit.
-    claim: Claim | None = None
+    endpoint: Endpoint  # `_NOWHERE` once it is forgotten
+    heard: float  # time of its last packet; -inf while the endpoint is suspected or not proved
+    asked: float = -math.inf  # time of the last request for acknowledgement in doubt
+    heard_in_doubt: float = -math.inf  # time of its last packet while `heard` is -inf
+    claim: Claim | None = None  # while the component has not proved its endpoint
 
     @property
     def latest(self) -> float:
-        """When it was heard last, whatever is thought of it."""
-        return max(self.heard, self.spoke)
+        """Time of its last packet, also while its endpoint is in doubt."""
+        return max(self.heard, self.heard_in_doubt)
 
 
 class AddressBook:
-    """UDP endpoints of components (AS5669A: the address of the newest datagram counts).
+    """UDP endpoints of components (AS5669A: that of the newest datagram counts).
 
-    A learnt endpoint replaces a configured one, since it is where the component is now. An endpoint
-    from which nothing came for ``lifetime`` seconds is kept but doubted, so that a component that
-    restarted on another port or host is found again.
+    A learnt endpoint replaces a configured one. An endpoint that was silent for ``lifetime``
+    seconds is kept but doubted, so that a component is found again after a restart elsewhere.
 
-    By that, whoever sends in the name of a component takes its traffic over. Fixed endpoints are
-    learnt anew only after such a silence.
+    So a process that sends with the address of a component takes over its traffic. With ``fixed``,
+    an endpoint is only replaced after such a silence.
 
-    Places are lent. When all are taken, a component that has not proved where it is gives way to
-    the next one, and after those one of the host that has most; configured components and those in
-    control have places of their own. So nobody is locked out, whatever others send.
+    The number of places is limited. When all are taken, a component without proof of its endpoint
+    is forgotten for a new one, or else one of the host with most components. Configured components
+    and those in control are always kept. So no flood of packets locks other components out.
     """
 
     def __init__(
@@ -93,9 +87,11 @@ class AddressBook:
         trusts: Callable[[Endpoint], bool] = lambda _endpoint: True,
         changed: Callable[[], None] = lambda: None,
     ) -> None:
-        """Knows nobody yet.
+        """Stores no component yet.
 
-        An endpoint that is trusted needs no proof; changes of places, and doubts, are told.
+        Args:
+            trusts: Returns whether an endpoint needs no proof.
+            changed: Called when an endpoint changes or is doubted.
         """
         self.lifetime = lifetime
         self._fixed = fixed
@@ -106,27 +102,20 @@ class AddressBook:
         self._kept: dict[JausAddress, JausAddress] = {}
         self._counters = counters
         self._configured: dict[JausAddress, Entry] = {}
-        self.learnt: OrderedDict[int, Entry] = OrderedDict()  # the one silent longest first
+        self.learnt: OrderedDict[int, Entry] = OrderedDict()  # by time of the last packet
 
     def configure(self, entries: Mapping[JausAddress, Endpoint]) -> None:
-        """Adds configured endpoints; host names are resolved here, once.
-
-        A name that cannot be resolved is counted as ``transport.unresolved_host`` and left out: the
-        component can still be found by multicast.
-        """
+        """Adds configured endpoints; host names are resolved now, as by `resolve`."""
         for address, endpoint in resolve(entries, self._counters).items():
             self._configured[address] = Entry(endpoint, -math.inf)
 
     def find(self, address: JausAddress) -> Endpoint | None:
-        """Returns the endpoint of a component, if known."""
+        """Returns the endpoint of a component; None if it is unknown."""
         entry = self.learnt.get(address) or self._configured.get(address)
         return None if entry is None else entry.endpoint
 
     def learn(self, address: JausAddress, endpoint: Endpoint, now: float) -> bool:
-        """Notes that a component was heard from an endpoint; returns whether it may be heard there.
-
-        What is refused is counted, as ``transport.source_refused``.
-        """
+        """Learns the endpoint of a packet; returns False if the packet is refused and counted."""
         entry = self.learnt.get(address)
         if entry is None:
             self._make_room()
@@ -141,7 +130,7 @@ class AddressBook:
         if entry.claim is None:
             entry.heard = now
         else:
-            entry.spoke = now
+            entry.heard_in_doubt = now
         if entry.endpoint != endpoint:
             self._counters.count(
                 "transport.address_changed", f"{address} from {entry.endpoint} to {endpoint}"
@@ -151,27 +140,27 @@ class AddressBook:
         return True
 
     def prove(self, address: JausAddress, entry: Entry, now: float) -> None:
-        """Believes that a component is where it says."""
+        """Accepts that a component has proved its endpoint."""
         self._drop_claim(address, entry)
         entry.heard = now
 
     def keep_place(self, owner: JausAddress, address: JausAddress | None) -> None:
-        """Gives the controller of an owner a place of its own, instead of the one before."""
+        """Keeps the controller of an own component from now on, instead of the one before."""
         if address is None:
             self._kept.pop(owner, None)
         else:
             self._kept[owner] = address
 
     def is_kept(self, address: JausAddress) -> bool:
-        """Returns whether a component has a place of its own: it is configured or in control."""
+        """Returns whether a component is always kept: it is configured or in control."""
         return address in self._configured or address in self._kept.values()
 
     def _judge(self, address: JausAddress, entry: Entry, endpoint: Endpoint) -> None:
         """Decides whether a component must prove that it is at an endpoint."""
         self._drop_claim(address, entry)
         configured = self._configured.get(address)
-        is_stated = configured is not None and configured.endpoint == endpoint
-        if not is_stated and not self._trusts(endpoint):
+        is_configured = configured is not None and configured.endpoint == endpoint
+        if not is_configured and not self._trusts(endpoint):
             entry.claim = Claim(endpoint[0])
             entry.heard = -math.inf
             self._changed()
@@ -182,68 +171,70 @@ class AddressBook:
             return
         host = entry.claim.host
         entry.claim = None
-        of_host = self._claims[host]
-        del of_host[address]
-        if not of_host:
+        claims = self._claims[host]
+        del claims[address]
+        if not claims:
             del self._claims[host]
 
     def refuses(self, address: JausAddress, entry: Entry, endpoint: Endpoint, now: float) -> bool:
-        """Returns whether a component may not be heard from an endpoint; it is counted then."""
-        if entry.endpoint == endpoint or not self._stands(entry, now):
+        """Returns whether a packet from another endpoint is refused, which is counted."""
+        if entry.endpoint == endpoint or not self._is_fixed(entry, now):
             return False
         detail = f"{address} at {endpoint}: it is heard from {entry.endpoint}"
         self._counters.count(SOURCE_REFUSED, detail)
         return True
 
-    def _stands(self, entry: Entry, now: float) -> bool:
-        """Returns whether an endpoint is fixed, and nobody else can have it yet."""
+    def _is_fixed(self, entry: Entry, now: float) -> bool:
+        """Returns whether an endpoint cannot be replaced yet."""
         return self._fixed and entry.claim is None and now - entry.latest < self.lifetime
 
     def _make_room(self) -> None:
-        """Lets a component give way when all places are taken."""
+        """Forgets a component if all places are taken."""
         if len(self.learnt) < self._places:
             return
-        own = {*self._configured, *self._kept.values()}
-        if len(self.learnt) - sum(address in self.learnt for address in own) < self._places:
+        kept = {*self._configured, *self._kept.values()}
+        if len(self.learnt) - sum(address in self.learnt for address in kept) < self._places:
             return
-        forgotten = self._claimant(own) or self._silent_longest(own)
+        forgotten = self._oldest_claimant(kept) or self._longest_silent(kept)
         entry = self.learnt.pop(forgotten)
         self._drop_claim(forgotten, entry)
         entry.endpoint = _NOWHERE
         self._changed()
         self._counters.count("transport.address_book_full", f"forgot {forgotten}")
 
-    def _claimant(self, own: set[JausAddress]) -> JausAddress | None:
-        """Returns the oldest claim of the host that has most; None where nobody has any."""
-        for of_host in sorted(self._claims.values(), key=len, reverse=True):
-            for address in of_host:
-                if address not in own:
+    def _oldest_claimant(self, kept: set[JausAddress]) -> JausAddress | None:
+        """Returns the oldest component without proof of the host with most; None without any."""
+        for claims in sorted(self._claims.values(), key=len, reverse=True):
+            for address in claims:
+                if address not in kept:
                     return address
         return None
 
-    def _silent_longest(self, own: set[JausAddress]) -> JausAddress:
-        """Returns who is silent longest of the host that has most places."""
-        others = [address for address in self.learnt if address not in own]
-        sizes = Counter(self.learnt[other].endpoint[0] for other in others)
+    def _longest_silent(self, kept: set[JausAddress]) -> JausAddress:
+        """Returns the component of the host with most that has been silent longest."""
+        hosts = {
+            address: entry.endpoint[0]
+            for address, entry in self.learnt.items()
+            if address not in kept
+        }
+        sizes = Counter(hosts.values())
         largest = max(sizes.values())
-        return address_of(
-            next(other for other in others if sizes[self.learnt[other].endpoint[0]] == largest)
-        )
+        return address_of(next(address for address in hosts if sizes[hosts[address]] == largest))
 
     def suspect(self, address: JausAddress, since: float) -> None:
-        """Doubts an endpoint at once, because the component failed to acknowledge.
+        """Doubts the endpoint of a component that failed to acknowledge a packet sent at `since`.
 
-        Who was heard after the first packet without acknowledgement is there still.
+        A component that was heard after that time is not doubted.
         """
         entry = self.learnt.get(address) or self._configured.get(address)
         if entry is not None and entry.heard < since:
-            entry.spoke = entry.latest
+            entry.heard_in_doubt = entry.latest
             entry.heard = -math.inf
             self._changed()
             entry.asked = max(entry.asked, _LONG_AGO)
 
     def doubt(self, address: JausAddress, now: float) -> Doubt:
-        """Returns what to do about the age of a known endpoint when sending to it."""
+        """Returns what to do about a known endpoint before sending to it."""
         entry = self.learnt.get(address) or self._configured.get(address)
         if entry is None or now - entry.heard < self.lifetime:
             return Doubt.NONE
@@ -272,29 +263,25 @@ def resolve(
     return resolved
 
 
-NOT_ALLOWED = "transport.source_not_allowed"  # packets of hosts that are not allowed
+NOT_ALLOWED = "transport.source_not_allowed"  # counter of packets of hosts that are not allowed
 
 
 class AllowedHosts:
-    """The hosts that the settings name; any host when they name none.
+    """The hosts that the settings allow; all hosts if they name none.
 
-    JAUS has no authentication: whoever reaches the port is heard (AS5669A). An IPv4 address can be
-    forged too: this keeps out who is there by mistake, or cannot send in the name of another.
-
-    Processes of the same host are always allowed: they share its port, and pass packets on to each
-    other (docs/adr/0006).
+    JAUS has no authentication (AS5669A), and an IPv4 address can be forged: this only keeps out
+    hosts that send by mistake or cannot forge. Processes of the own host are always allowed, as
+    they share its port and relay packets (docs/adr/0006).
     """
 
     def __init__(self, settings: TransportSettings, counters: Counters) -> None:
         self._counters = counters
-        named = (*settings.allowed_hosts, settings.interface) if settings.allowed_hosts else ()
-        networks = [ipaddress.IPv4Network(host) for host in named]
-        self._networks = [
-            (int(network.netmask), int(network.network_address)) for network in networks
-        ]
+        hosts = (*settings.allowed_hosts, settings.interface) if settings.allowed_hosts else ()
+        networks = map(ipaddress.IPv4Network, hosts)
+        self._networks = [(int(net.netmask), int(net.network_address)) for net in networks]
 
     def admits(self, endpoint: Endpoint) -> bool:
-        """Returns whether packets of an endpoint are taken; it is counted if they are not."""
+        """Returns whether packets of an endpoint are allowed; counts one that is not."""
         if not self._networks:
             return True
         host = int.from_bytes(socket.inet_aton(endpoint[0]), "big")

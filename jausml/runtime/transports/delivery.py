@@ -1,4 +1,4 @@
-"""Messages as transports hand them over, their order, and what carries their packets."""
+"""Interfaces of transports: delivery of messages, their order, and carriers of packets."""
 
 from __future__ import annotations
 
@@ -20,14 +20,11 @@ MESSAGE_CODE_SIZE = 2  # bytes of the message code with which every payload begi
 
 @dataclass(slots=True)
 class Arrival:
-    """The message that is being handed over."""
+    """The message that is being delivered."""
 
-    # Its sequence number, by which later ones of its source can be told from earlier ones; None
-    # where the transport keeps the order, and for what goes to a wildcard.
-    number: int | None = None
-    is_sure: bool = False  # whether it asks for acknowledgement; its repetition rightly comes late
-    # Where it came from, such as an endpoint; another process is heard from elsewhere.
-    origin: object = None
+    number: int | None = None  # sequence number; None if ordered by the transport, or to a wildcard
+    wants_acknowledgement: bool = False  # if so, it may be repeated and come late
+    origin: object = None  # such as an endpoint, which differs between processes
 
 
 class Double(NamedTuple):
@@ -45,53 +42,48 @@ class Double(NamedTuple):
         )
 
 
+# Takes the payload of a message for one component, and its sender. A payload is a little-endian
+# 16-bit message code and a body. Called on the thread of the loop, with its lock.
 Take = Callable[[bytes, "JausAddress"], None]
-"""Takes the payload of a message for one component and who sent it.
-
-A payload is a little-endian 16-bit message code and a body. Runs on the loop's thread and holds the
-loop's lock.
-"""
-
+# Called with whether a message was sent or acknowledged; on the thread of the loop, with its lock.
 OnResult = Callable[[bool], None]
-"""Told whether a message went out; runs on the loop's thread and holds the loop's lock."""
 
 
 def report(loop: Loop, on_result: OnResult | None, *, success: bool) -> None:
-    """Tells a result in the next round of the loop."""
+    """Calls `on_result`, if there is one, in the next turn of the loop."""
     if on_result is not None:
         loop.call_soon(partial(on_result, success))
 
 
-LATEST = 2.0
-"""Seconds by which a message may be late; a lower number after them is that of a new process."""
-
-FARTHEST = 1024  # messages of its source that may have come before a late one
-_MOST_SOURCES = 256
+LATEST = 2.0  # seconds by which a message may be late; later lower numbers are of a new process
+FARTHEST = 1024  # newer messages of its source that may have come before a late one
+_MAX_SOURCES = 256
 
 
 def _is_before(number: int, other: int) -> bool:
-    """Whether a number is that of an earlier message; numbers begin again after 65535."""
+    """Returns whether a number is that of an earlier message; numbers wrap after 65535."""
     return 0 < other - number & 0xFFFF <= FARTHEST
 
 
 class _Latest(NamedTuple):
-    number: int
-    at: float
-    origin: object
-    sure: int | None  # of the latest that asks for acknowledgement, while that can be compared
+    """The latest message of a source."""
 
-    def followed_by(self, number: int, at: float, origin: object) -> _Latest:
-        """Returns what is known when a message without acknowledgement came."""
-        is_near = self.sure is not None and _is_before(self.sure, number)
-        return _Latest(number, at, origin, self.sure if is_near else None)
+    number: int
+    time: float
+    origin: object
+    acknowledged: int | None  # number of the latest that requests acknowledgement, while it is near
+
+    def followed_by(self, number: int, time: float, origin: object) -> _Latest:
+        """Returns the state after a message without a request for acknowledgement."""
+        is_near = self.acknowledged is not None and _is_before(self.acknowledged, number)
+        return _Latest(number, time, origin, self.acknowledged if is_near else None)
 
 
 class Ordering:
-    """Tells which messages of one kind are older than one of the same source that came before.
+    """Detects messages of one kind that come after a newer one of the same source.
 
-    Sequence numbers count per source (AS5669A), and anew in each process, which is heard from a
-    socket of its own: an operator who commands again at once is not late by the numbers of the
-    process before.
+    Sequence numbers count per source (AS5669A), and begin anew in each process. A process has an
+    origin of its own, so that the messages of a restarted operator unit are not late.
     """
 
     def __init__(self, arrival: Arrival, clock: Callable[[], float]) -> None:
@@ -100,56 +92,56 @@ class Ordering:
         self._latest: dict[JausAddress, _Latest] = {}
 
     def is_late(self, sender: JausAddress) -> bool:
-        """Returns whether the present message of a sender is late; remembers it if it is not.
+        """Returns whether the present message of a sender is late; remembers it if not.
 
-        One that asks for acknowledgement may be a stop that is repeated, so others do not make it
-        late. A newer one of its own kind does. What was sent before a stop, with acknowledgement or
-        without, and comes after it is late: it must not undo the stop.
+        A message with a request for acknowledgement may be a repeated stop, which is only late
+        after a newer one of the same kind. Every message that was sent before a stop and comes
+        after it is late, as it must not undo the stop.
         """
-        number, origin, is_sure = self._arrival.number, self._arrival.origin, self._arrival.is_sure
+        number, origin = self._arrival.number, self._arrival.origin
+        is_acknowledged = self._arrival.wants_acknowledgement
         if number is None:
             return False
         now = self._clock()
         latest = self._latest.get(sender)
         if latest is None:
-            if len(self._latest) >= _MOST_SOURCES:
+            if len(self._latest) >= _MAX_SOURCES:
                 self._latest.clear()
             latest = _Latest(number, now, origin, None)
         elif (
             _is_before(number, latest.number)
-            and now - latest.at < LATEST
+            and now - latest.time < LATEST
             and latest.origin == origin
         ):
-            if not is_sure or (latest.sure is not None and _is_before(number, latest.sure)):
+            newest = latest.acknowledged
+            if not is_acknowledged or (newest is not None and _is_before(number, newest)):
                 return True
-            self._latest[sender] = latest._replace(sure=number)
+            self._latest[sender] = latest._replace(acknowledged=number)
             return False
         latest = latest.followed_by(number, now, origin)
-        self._latest[sender] = latest._replace(sure=number) if is_sure else latest
+        self._latest[sender] = latest._replace(acknowledged=number) if is_acknowledged else latest
         return False
 
-    def minded(self, path: FastPath, sender: JausAddress) -> FastPath:
-        """Returns a fast path on which the messages of a sender keep their order.
+    def ordered_path(self, path: FastPath, sender: JausAddress) -> FastPath:
+        """Returns a fast path that remembers the latest message of a sender.
 
-        What takes it comes from where the latest message came from, and asks for no
-        acknowledgement.
+        Its messages have the origin of the latest one, and request no acknowledgement.
         """
-        passed, known = path.passed, self._latest
-        before = known.get(sender, _Latest(0, 0.0, None, None))
+        passed, states = path.passed, self._latest
+        before = states.get(sender, _Latest(0, 0.0, None, None))
 
-        def note(payload: bytes, number: int, at: float, unknown: int) -> None:
-            latest = known.get(sender, before)
-            known[sender] = latest.followed_by(number, at, before.origin)
-            passed(payload, number, at, unknown)
+        def remember(payload: bytes, number: int, time: float, unknown: int) -> None:
+            latest = states.get(sender, before)
+            states[sender] = latest.followed_by(number, time, before.origin)
+            passed(payload, number, time, unknown)
 
         def latest() -> tuple[int, float] | None:
-            return known[sender][:2] if sender in known else None
+            return states[sender][:2] if sender in states else None
 
-        return replace(path, passed=note, latest=latest)
+        return replace(path, passed=remember, latest=latest)
 
 
-Origin = TypeVar("Origin")
-"""Where a packet came from and answers to it go: an endpoint, a connection, a socket."""
+Origin = TypeVar("Origin")  # of a packet, to which answers go: an endpoint, a connection, a socket
 
 
 class Carrier(ABC, Generic[Origin]):
@@ -157,28 +149,28 @@ class Carrier(ABC, Generic[Origin]):
 
     @abstractmethod
     def transmit(self, packet: Packet) -> bool:
-        """Puts a packet on the network; returns whether that worked."""
+        """Sends a packet; returns whether that succeeded."""
 
     @abstractmethod
     def answer(self, packet: Packet, origin: Origin) -> None:
-        """Sends a packet back to where one came from."""
+        """Sends a packet to the origin of another one."""
 
     def heard(self, destination: JausAddress) -> float:  # noqa: ARG002
-        """Returns when a destination was heard last, on the loop's clock; never if nobody knows."""
+        """Returns the time of the last packet of a destination by the loop's clock, or -inf."""
         return -math.inf
 
     def suspect(self, destination: JausAddress, since: float) -> None:
-        """Learns before the last repetition that a destination has acknowledged nothing lately."""
+        """Doubts the endpoint of a destination that has acknowledged nothing since a time."""
 
 
 class ReliableCarrier(Carrier[Origin]):
-    """Puts packets on a network that repeats by itself what gets lost, and reports what it sent."""
+    """Puts packets on a network that repeats lost ones itself, and reports results."""
 
     @abstractmethod
     def transmit_all(self, packets: list[Packet], on_result: OnResult | None) -> None:
-        """Sends the packets of a message, and reports whether that worked."""
+        """Sends the packets of a message, and reports whether that succeeded."""
 
     def transmit(self, packet: Packet) -> bool:
-        """Sends a packet whose result nobody asks for."""
+        """Sends a packet without a result; returns True."""
         self.transmit_all([packet], None)
         return True

@@ -26,11 +26,11 @@ from .transport import Transport
 _ACCEPTS_PER_WAKE_UP = 16
 _FIRST_PAUSE_S = 0.1
 _LONGEST_PAUSE_S = 5.0
-_REST_S = 0.5  # seconds without looking for connections, when the system could give none
+_ACCEPT_PAUSE_S = 0.5  # seconds without accepting connections after an error of the system
 
 
 class _Line:
-    """A connection to an endpoint, made again and again, more and more seldom."""
+    """An outgoing connection, and the growing pause before it is tried again."""
 
     def __init__(self, endpoint: Endpoint, loop: Loop) -> None:
         self.endpoint = endpoint
@@ -42,14 +42,14 @@ class _Line:
 class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
     """Components of this process on JTCP connections (AS5669A).
 
-    A message goes over the connection from which its destination was heard last, or over one
-    that is made on demand to the endpoint in the address book. There is no multicast: a wildcard
-    destination goes to every peer that is connected or in the address book. TCP itself repeats
-    what gets lost, so that messages are sent without a request for acknowledgement, and a
-    message counts as acknowledged when the system sent it; requests of peers are answered.
+    A message goes over the connection of the last packet of its destination, or over one that is
+    made on demand to the endpoint in the address book. There is no multicast: a message to a
+    wildcard goes to every peer that is connected or in the address book. As TCP repeats lost
+    packets, messages are sent without a request for acknowledgement, and count as acknowledged
+    when the system has sent them; requests of peers are acknowledged.
 
-    One process of a host owns the port. The others connect to it, and it passes on what is not
-    for itself. Another one takes over when it ends.
+    One process of a host owns the port. The others connect to it, and it relays their messages.
+    When it ends, another one takes over.
     """
 
     KIND = TransportKind.JTCP
@@ -59,7 +59,7 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
         self._well_known: Endpoint = (settings.interface, settings.port)
         self._messenger: Messenger[TcpConnection] = Messenger(settings, loop, self, self.quirks)
         self._inbox = self._messenger.inbox
-        # Apart from the inbox, as what is passed on is not for this process.
+        # Apart from those of the inbox, which are for this process.
         self._relayed = DuplicateWindow(settings.duplicate_window, settings.duplicate_history)
         self._allowed = AllowedHosts(settings, self.counters)
         self._book: dict[JausAddress, Endpoint] = {}
@@ -68,9 +68,9 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
         self._lines: dict[Endpoint, _Line] = {}
         self._connections: list[TcpConnection] = []
         self._unsent: deque[tuple[list[Packet], OnResult | None]] = deque()
-        self._most_connections = settings.max_connections
+        self._max_connections = settings.max_connections
         self._listener: socket.socket | None = None
-        self._rest = Alarm(loop)
+        self._accept_alarm = Alarm(loop)
         self._takeover_alarm = Alarm(loop)
         self._is_open = False
 
@@ -79,18 +79,18 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
         self._book = resolve(self._settings.address_book, self.counters)
         with self.loop.lock:
             self._is_open = True
-            self._most_connections = affordable(self._settings.max_connections)
+            self._max_connections = affordable(self._settings.max_connections)
             self._share_port()
 
     def close(self) -> None:
         """Closes the connections; messages that wait are reported as lost."""
         with self.loop.lock:
-            # While the connections are there: what was handed over is sent, or reported as lost.
+            # Before the connections close.
             self._send_unsent()
             self._is_open = False
             for timer in (
                 self._takeover_alarm,
-                self._rest,
+                self._accept_alarm,
                 *(line.retry for line in self._lines.values()),
             ):
                 timer.cancel()
@@ -98,7 +98,7 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
                 self.loop.unregister(self._listener)
                 self._listener.close()
                 self._listener = None
-            # A list, as each of them takes itself out when it closes.
+            # A copy, as each connection removes itself when it closes.
             for connection in list(self._connections):
                 connection.close()
             self._lines.clear()
@@ -106,7 +106,7 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
 
     @property
     def endpoint(self) -> Endpoint | None:
-        """Where this process listens, if it owns the port."""
+        """The endpoint at which this process listens; None if it does not own the port."""
         return None if self._listener is None else self._listener.getsockname()
 
     def _attach(self, address: JausAddress, take: Take) -> None:
@@ -116,13 +116,13 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
             self._announce(line.connection)
 
     def _messenger_of(self, source: JausAddress) -> Messenger[TcpConnection]:
-        del source  # one for all components
+        del source  # one messenger for all components
         return self._messenger
 
     # ---- sending ----------------------------------------------------------------------------
 
     def transmit_all(self, packets: list[Packet], on_result: OnResult | None) -> None:
-        """Sends on the loop's thread, which alone uses the connections."""
+        """Sends packets on the thread of the loop, which alone uses the connections."""
         self._unsent.append((packets, on_result))
         self.loop.call_soon(self._send_unsent)
 
@@ -134,33 +134,33 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
         destination = packets[0].destination
         data = b"".join([octets_of(packet) for packet in packets])
         if destination.is_wildcard:
-            sent = [open_connection.write(data) for open_connection in self._everyone()]
+            sent = [connection.write(data) for connection in self._all_connections()]
             report(self.loop, on_result, success=any(sent))
             if not sent:
                 self.counters.add("jtcp.nobody_connected")
             return
-        connection = self._way_to(destination)
-        if connection is not None:
-            connection.write(data, on_result)
+        route = self._connection_to(destination)
+        if route is not None:
+            route.write(data, on_result)
             return
         self.counters.count("jtcp.not_connected", f"no connection to {destination}")
         report(self.loop, on_result, success=False)
 
     def answer(self, packet: Packet, origin: TcpConnection) -> None:
-        """Sends a packet back over the connection that one came from."""
+        """Sends a packet over the connection of another one."""
         origin.write(octets_of(packet))
 
-    def _way_to(self, destination: JausAddress) -> TcpConnection | None:
-        """Returns the connection to a component, which may be on its way."""
+    def _connection_to(self, destination: JausAddress) -> TcpConnection | None:
+        """Returns the connection to a component, which may not be up yet; None without one."""
         connection = self._routes.get(destination)
         if connection is None and destination in self._book:
             connection = self._connect(self._book[destination])
-        # The owner of the port may know the way, and passes on.
+        # The owner of the port may have a connection, and relays.
         if connection is None and self._well_known in self._lines:
             connection = self._lines[self._well_known].connection
         return connection
 
-    def _everyone(self) -> list[TcpConnection]:
+    def _all_connections(self) -> list[TcpConnection]:
         for endpoint in self._book.values():
             self._connect(endpoint)
         return list(self._connections)
@@ -169,7 +169,7 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
 
     def _connect(self, endpoint: Endpoint) -> TcpConnection | None:
         """Returns the connection to an endpoint, made on demand; None while it is down."""
-        # The book may name this process itself.
+        # The address book may contain this process itself.
         if not self._is_open or endpoint == self.endpoint:
             return None
         line = self._lines.get(endpoint)
@@ -214,42 +214,42 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
                 self._adopt(sock, peer, connecting=False)
 
     def _pause_listening(self) -> None:
-        """Looks for connections after a while: who waits would have this one called without end."""
+        """Accepts no connections for a while: waiting ones would make the loop spin."""
         if self._listener is not None:
             self.loop.unregister(self._listener)
-            self._rest.set(_REST_S, self._go_on_listening)
+            self._accept_alarm.set(_ACCEPT_PAUSE_S, self._resume_listening)
 
-    def _go_on_listening(self) -> None:
+    def _resume_listening(self) -> None:
         if self._listener is not None:
             self.loop.register(self._listener, self._accept)
 
     def _has_room_for(self, peer: Endpoint) -> bool:
-        """Returns whether there is room for a connection, for which another one may be closed.
+        """Returns whether there is room for a connection; may close another one for it.
 
-        Those over which nothing has come go first. One that was made from here, or that a
-        component with a place of its own uses, gives way to nobody.
+        Connections without any packet are closed first. Outgoing ones, and those of components that
+        are always kept, are not closed.
         """
-        if len(self._connections) < self._most_connections:
+        if len(self._connections) < self._max_connections:
             return True
-        used = {id(way) for address, way in self._routes.items() if self.is_kept(address)}
-        used |= {id(line.connection) for line in self._lines.values()}
-        stated = {host for host, _ in self._book.values()}
+        kept = {id(route) for address, route in self._routes.items() if self.is_kept(address)}
+        kept |= {id(line.connection) for line in self._lines.values()}
+        configured = {host for host, _ in self._book.values()}
         held = [
             Held(
-                open_connection,
-                (*_place(open_connection.peer), open_connection.peer),
-                open_connection.has_spoken,
-                id(open_connection) in used,
+                connection,
+                (*_place(connection.peer), connection.peer),
+                connection.has_spoken,
+                id(connection) in kept,
             )
-            for open_connection in self._connections
+            for connection in self._connections
         ]
-        # Whoever the address book names gets in, however many strangers are there.
-        asker: Held[object] = Held(None, (*_place(peer), peer), is_kept=peer[0] in stated)
-        connection = who_gives_way(held, asker)
-        if connection is None:
+        # A host in the address book is always accepted.
+        asker: Held[object] = Held(None, (*_place(peer), peer), is_kept=peer[0] in configured)
+        loser = who_gives_way(held, asker)
+        if loser is None:
             return False
-        self.counters.count("jtcp.gave_way", f"{connection} to {peer[0]}:{peer[1]}")
-        connection.close()
+        self.counters.count("jtcp.gave_way", f"{loser} to {peer[0]}:{peer[1]}")
+        loser.close()
         return True
 
     def _adopt(self, sock: socket.socket, peer: Endpoint, *, connecting: bool) -> TcpConnection:
@@ -260,7 +260,7 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
             connecting=connecting,
             buffer=self._settings.send_buffer,
             timeout=self._settings.connection_timeout,
-            # A peer that was called need not speak; a silent caller only takes a place.
+            # An incoming connection without packets is closed; an outgoing one is not.
             idle=0.0 if connecting else self._settings.idle_timeout,
             on_packet=self._on_packet,
             on_close=self._on_close,
@@ -270,12 +270,12 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
 
     def _on_close(self, connection: TcpConnection) -> None:
         self._connections.remove(connection)
-        for address in [known for known, way in self._routes.items() if way is connection]:
+        for address in [known for known, route in self._routes.items() if route is connection]:
             del self._routes[address]
         line = self._lines.get(connection.peer)
         if line is not None and line.connection is connection:
             line.connection = None
-            # It was up, so whoever is there is alive: the pauses begin small again.
+            # It was up, so the peer lives: pauses begin anew.
             if connection.is_connected:
                 line.pause = _FIRST_PAUSE_S
             if self._is_open:
@@ -288,11 +288,11 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
             return
         if not self._learn(packet, connection):
             return
-        # Tells which components live in a neighbour; see the deviation below.
+        # An announcement of a component of another process; see the deviation below.
         is_announced = packet.acknowledge is AckNak.ACK and not packet.payload
         if is_announced and packet.destination.is_wildcard:
             self.counters.add("jtcp.present")
-            # From this host alone: for nobody else are messages passed on.
+            # Only processes of this host are relayed for.
             connection.is_neighbour = connection.peer[0] == self._settings.interface
             return
         is_relayed = self._relay(packet, connection)
@@ -301,14 +301,14 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
             self.counters.add("transport.not_for_us")
 
     def _learn(self, packet: Packet, connection: TcpConnection) -> bool:
-        """Notes the way to the sender of a packet; returns whether it may be heard by this one."""
+        """Learns the route to the sender of a packet; returns False if the packet is refused."""
         address = packet.source
         former = self._routes.get(address)
         if self._settings.fixed_sources and former not in (None, connection):
             reason = f"it is heard from {former}"
             self.counters.count(SOURCE_REFUSED, f"{address} at {connection}: {reason}")
             return False
-        # A broadcast may come by several ways, of which none is better than the one known.
+        # A broadcast may come over several connections, none of which is better than the known one.
         if former is connection or (former is not None and packet.destination.is_wildcard):
             self._routes.move_to_end(address)
             return True
@@ -323,43 +323,43 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
         return True
 
     def _forget_route(self) -> None:
-        """Forgets who is silent longest of the connection that most components came by."""
-        lent = [route for route in self._routes if not self.is_kept(route)]
-        sizes = Counter(id(self._routes[address]) for address in lent)
-        if len(lent) < self._settings.max_peers:
+        """Forgets the longest silent component of the connection with most components."""
+        addresses = [address for address in self._routes if not self.is_kept(address)]
+        sizes = Counter(id(self._routes[address]) for address in addresses)
+        if len(addresses) < self._settings.max_peers:
             return
         largest = max(sizes, key=lambda size: sizes[size])
-        forgotten = next(address for address in lent if id(self._routes[address]) == largest)
+        forgotten = next(known for known in addresses if id(self._routes[known]) == largest)
         del self._routes[forgotten]
         self.counters.count("transport.address_book_full", f"forgot {forgotten}")
 
     # ---- strangers --------------------------------------------------------------------------
 
     def place_of(self, address: JausAddress) -> tuple[str, str]:
-        """Returns where a component is; see ``Transport.place_of``."""
-        way = self._routes.get(address)
-        return ("", "") if way is None else _place(way.peer)
+        """Returns host and endpoint of a component; see ``Transport.place_of``."""
+        route = self._routes.get(address)
+        return ("", "") if route is None else _place(route.peer)
 
     def is_kept(self, address: JausAddress) -> bool:
-        """Returns whether a component has a place of its own; see ``Transport.is_kept``."""
+        """Returns whether a component is always kept; see ``Transport.is_kept``."""
         return address in self._book or address in self._kept.values()
 
     def keep_place(self, owner: JausAddress, address: JausAddress | None) -> None:
-        """Keeps the place of a controller; see ``Transport.keep_place``."""
+        """Keeps a controller; see ``Transport.keep_place``."""
         self._kept[owner] = address
 
     def silence_of(self, address: JausAddress) -> float:
-        """Returns how long a component was silent: a connected one is there."""
+        """Returns 0 seconds for a connected component, and infinity for another one."""
         return 0.0 if address in self._routes else math.inf
 
     # ---- several processes on one host ------------------------------------------------------
 
-    # JAUS-DEVIATION: AS5669A knows one process per port. The owner of the port passes messages
-    # on between the other processes of its host and their peers. These tell the owner by an
-    # acknowledgement to everybody, which other stacks ignore, which components live in them.
+    # JAUS-DEVIATION: in AS5669A a port has one process. Here the owner of the port relays messages
+    # between other processes of its host and their peers. These announce their components to the
+    # owner by an acknowledgement to all components, which other stacks ignore.
 
     def _share_port(self) -> None:
-        """Tries to own the port; until then stays connected to its owner."""
+        """Takes the port, or connects to its owner and tries again later."""
         try:
             self._listener = listen(self._well_known)
         except OSError as error:
@@ -386,39 +386,34 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
 
     def _announce(self, connection: TcpConnection) -> None:
         for address in self._inbox.receivers:
-            present = Packet(BROADCAST, address, acknowledge=AckNak.ACK)
-            connection.write(octets_of(present))
+            announcement = Packet(BROADCAST, address, acknowledge=AckNak.ACK)
+            connection.write(octets_of(announcement))
 
     def _relay(self, packet: Packet, origin: TcpConnection) -> bool:
-        """Passes a packet on to another process of this host; returns whether it went there."""
+        """Relays a packet from or to another process of this host; returns whether it did."""
         if self._listener is None or packet.destination in self._inbox.receivers:
             return False
-        if packet.destination.is_wildcard:
-            connections = [
-                connection for connection in self._connections if connection is not origin
-            ]
-        else:
-            way = self._routes.get(packet.destination)
-            connections = [] if way is None or way is origin else [way]
-        # Only from or to a process of this host: it is no router between others.
+        route = self._routes.get(packet.destination)
+        routes = self._connections if packet.destination.is_wildcard else [route] if route else []
+        # Only from or to a process of this host, as it is no router between others.
         connections = [
             connection
-            for connection in connections
-            if connection.is_neighbour or origin.is_neighbour
+            for connection in routes
+            if connection is not origin and (connection.is_neighbour or origin.is_neighbour)
         ]
-        # Owners that know each other by several ways must not pass a message round forever.
+        # Owners with several connections must not relay a message in a circle for ever.
         if not connections or (
-            # An acknowledgement bears the number of what it answers, and is no duplicate of that.
+            # An acknowledgement has the number of its message, and is no duplicate of that.
             packet.acknowledge < AckNak.NAK and self._relayed.is_duplicate(packet, self.loop.now())
         ):
             return False
         data = octets_of(packet)
-        for way in connections:
-            way.write(data)
+        for connection in connections:
+            connection.write(data)
         self.counters.add("jtcp.relayed")
         return True
 
 
 def _place(peer: Endpoint) -> tuple[str, str]:
-    """Returns host and endpoint of a peer, as budgets take them."""
+    """Returns host and endpoint of a peer, for budgets."""
     return peer[0], f"{peer[0]}:{peer[1]}"

@@ -1,4 +1,4 @@
-"""JAUS through the node manager of the host, which owns the port (Junior's local protocol)."""
+"""Transport by the node manager of the host, which owns the port (Junior's local protocol)."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ _CONNECT_ATTEMPTS = 4
 _FIRST_PAUSE_S = 0.1
 _LONGEST_PAUSE_S = 5.0
 
-# JAUS-DEVIATION: clients and node managers speak AS5669 version 1 among themselves, of which
-# AS5669A knows nothing, to attach (Junior; fkie does the same).
+# JAUS-DEVIATION: to attach, clients and node managers exchange headers of AS5669 version 1, which
+# are not in AS5669A (Junior; fkie does the same).
 _CONNECT, _ACCEPT, _CANCEL = 1, 2, 3
 _MANAGER_SOURCE = 0
 _HEAD = struct.Struct("<BHH")
@@ -51,7 +51,7 @@ class _State(Enum):
 
 
 class NodeManagerClient(Carrier[str]):
-    """A local socket, the handshake with the manager, and the messages of one component."""
+    """Local socket of one component, its handshake with the manager, and its messages."""
 
     def __init__(
         self,
@@ -81,11 +81,11 @@ class NodeManagerClient(Carrier[str]):
 
     @property
     def is_attached(self) -> bool:
-        """Whether the manager accepted the component."""
+        """Whether the manager has accepted the component."""
         return self._state is _State.ATTACHED
 
     def open(self) -> None:
-        """Creates the socket and asks the manager for acceptance."""
+        """Creates the socket and requests to attach; raises OSError."""
         if is_alive(self._path):
             raise OSError(f"{self._path}: another process runs component {self.address}")
         self._path.unlink(missing_ok=True)
@@ -101,7 +101,7 @@ class NodeManagerClient(Carrier[str]):
         self._attach()
 
     def close(self) -> None:
-        """Takes leave of the manager and removes the socket."""
+        """Detaches from the manager and removes the socket."""
         with self._lock:
             was_attached = self.is_attached
             self._send_waiting()
@@ -119,7 +119,7 @@ class NodeManagerClient(Carrier[str]):
         self.messenger.close()
 
     def check(self) -> None:
-        """Attaches again when the manager ended, or another one took its place."""
+        """Attaches again if the manager has ended or was replaced."""
         if self.is_attached and not (
             is_alive(self._manager) and _identity(self._manager) == self._identity
         ):
@@ -130,16 +130,16 @@ class NodeManagerClient(Carrier[str]):
     def _attach(self) -> None:
         self._attempts = 0
         self._state = _State.ATTACHING
-        self._ask()
+        self._request()
 
-    def _ask(self) -> None:
+    def _request(self) -> None:
         if self._attempts == _CONNECT_ATTEMPTS:
             self._give_up()
             return
         self._attempts += 1
         self._identity = _identity(self._manager)
         self._command(_CONNECT)
-        self._timer.set(_CONNECT_INTERVAL_S, self._ask)
+        self._timer.set(_CONNECT_INTERVAL_S, self._request)
 
     def _give_up(self) -> None:
         with self._lock:
@@ -175,7 +175,7 @@ class NodeManagerClient(Carrier[str]):
 
     def _command(self, code: int) -> None:
         body = _BODY.pack(_STANDARD_PRIORITY, _MESSAGE_VERSION, code, 0, self.address.packed, 0, 0)
-        # The size alone is big-endian.
+        # Only the size is big-endian.
         size = int.from_bytes(_SIZE_AFTER_HEAD.to_bytes(2, "big"), "little")
         with self._lock:
             self._sendto(_HEAD.pack(1, 0, size) + body)
@@ -187,17 +187,17 @@ class NodeManagerClient(Carrier[str]):
     # ---- sending ----------------------------------------------------------------------------
 
     def answer(self, packet: Packet, origin: str) -> None:  # noqa: ARG002
-        """Sends a packet back through the manager, which all of them come from."""
+        """Sends a packet to the manager, from which all packets come."""
         self._put(packet.encode())
 
     def transmit(self, packet: Packet) -> bool:
-        """Gives a packet to the manager, which finds its destination."""
+        """Sends a packet to the manager, which finds its destination."""
         if packet.destination.is_wildcard:
             packet = packet._replace(broadcast=Broadcast.GLOBAL)
         return self._put(packet.encode())
 
     def _put(self, datagram: bytes) -> bool:
-        """Sends a datagram, or lets it wait while the manager is busy or about to accept us."""
+        """Sends a datagram, or queues it while the manager is busy or has not accepted yet."""
         with self._lock:
             if self._state in (_State.CLOSED, _State.WAITING):
                 name = "node_manager.not_attached"
@@ -247,7 +247,7 @@ class NodeManagerClient(Carrier[str]):
     # ---- receiving --------------------------------------------------------------------------
 
     def _read(self) -> None:
-        self._loop.standstill.look()
+        self._loop.standstill.check()
         for _ in range(_DATAGRAMS_PER_WAKE_UP):
             if self._socket is None:
                 return
@@ -276,7 +276,7 @@ class NodeManagerClient(Carrier[str]):
 
 
 def _identity(path: Path) -> int:
-    """Returns what tells two sockets of one name apart; 0 without one."""
+    """Returns the inode of a socket, by which a new one is noticed; 0 without one."""
     try:
         return path.stat().st_ino
     except OSError:
@@ -289,16 +289,15 @@ _WATCH_INTERVAL_S = 1.0
 class NodeManagerTransport(Transport):
     """Components of this process as clients of the node manager of their host.
 
-    The manager has the network: it finds peers, sends and receives for its clients, and passes
-    messages on between them. Each component is a client of its own, which acknowledges and
-    repeats by itself. A manager that ends or restarts is noticed, and the components attach
-    again, less and less often while there is none.
+    The manager finds peers, sends and receives for its clients, and relays messages between them.
+    Each component is a client, which acknowledges and repeats packets itself. When the manager ends
+    or restarts, the components attach again, with growing pauses while there is none.
     """
 
     KIND = TransportKind.NODE_MANAGER
 
     def __init__(self, settings: TransportSettings, loop: Loop) -> None:
-        """Prepares a transport; ``open`` begins to look for the manager."""
+        """Makes a transport, which attaches no component before ``open``."""
         super().__init__(settings, loop)
         self._folder = Path(settings.node_manager_directory or tempfile.gettempdir())
         self._clients: dict[JausAddress, NodeManagerClient] = {}
@@ -306,11 +305,11 @@ class NodeManagerTransport(Transport):
         self._is_open = False
 
     def open(self) -> None:
-        """Attaches the components; those that come later are attached when they come.
+        """Attaches the components, and from now on each new one.
 
         Raises:
-            OSError: The folder of the local sockets cannot be used, or a component of the same
-                address is attached by another process.
+            OSError: The folder of the local sockets cannot be used, or another process has attached
+                a component with the same address.
         """
         if not self._folder.is_dir():
             raise OSError(f"there is no folder {self._folder} for the node manager's sockets")
@@ -325,7 +324,7 @@ class NodeManagerTransport(Transport):
                 raise
 
     def close(self) -> None:
-        """Takes leave of the manager; messages that wait are reported as lost."""
+        """Detaches from the manager; waiting messages are reported as lost."""
         with self.loop.lock:
             self._is_open = False
             self._watch.cancel()
@@ -333,7 +332,7 @@ class NodeManagerTransport(Transport):
                 client.close()
 
     def is_attached(self, address: JausAddress) -> bool:
-        """Returns whether the manager accepted a component."""
+        """Returns whether the manager has accepted a component."""
         client = self._clients.get(address)
         return client is not None and client.is_attached
 
@@ -346,16 +345,13 @@ class NodeManagerTransport(Transport):
         client.messenger.inbox.attach(address, take)
         if self._is_open:
             client.open()
-        # Copied, not changed: send() reads it on other threads without a lock.
+        # A new dictionary, as send() reads it on other threads without a lock.
         self._clients = {**self._clients, address: client}
 
     def _detach(self, address: JausAddress) -> None:
-        client = self._clients.get(address)
-        self._clients = {
-            known: node_manager_client
-            for known, node_manager_client in self._clients.items()
-            if known != address
-        }
+        clients = dict(self._clients)
+        client = clients.pop(address, None)
+        self._clients = clients
         if client is not None:
             client.close()
 
@@ -364,10 +360,10 @@ class NodeManagerTransport(Transport):
         return None if client is None else client.messenger
 
     def _plan_watch(self) -> None:
-        self._watch.set(_WATCH_INTERVAL_S, self._look_after)
+        self._watch.set(_WATCH_INTERVAL_S, self._check_clients)
 
-    def _look_after(self) -> None:
-        """Notices a manager that ended or restarted even when nobody sends."""
+    def _check_clients(self) -> None:
+        """Notices the end or restart of the manager even while no messages are sent."""
         for client in self._clients.values():
             client.check()
         self._plan_watch()

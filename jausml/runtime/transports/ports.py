@@ -1,8 +1,8 @@
-"""Ports: one for several processes of a host, and who holds one that is taken.
+"""The JUDP port of a host, shared by its processes, and the processes that hold a taken port.
 
-Every process joins the multicast group with a socket of its own. Only one can own the unicast
-port; the others send and receive on a port of a known range, which peers learn from their
-datagrams. Datagrams for them that peers send to the well-known port are forwarded by its owner.
+Each process joins the multicast group with a socket of its own. Only one process owns the unicast
+port; the others use a port of a known range, which peers learn from their datagrams. The owner
+forwards datagrams that peers send to the well-known port for components of the others.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from ..base.address import JausAddress, address_of
 from ..base.counters import LOGGER
 from ..base.settings import Endpoint, TransportSettings
 
-MANAGER = "JuniorRTE"  # name of the node manager's local socket, of Junior's and of that of fkie
+MANAGER = "JuniorRTE"  # name of the local socket of the node managers of Junior and fkie
 _PROC = Path("/proc")
 _LISTENING = "0A"
 _ADDRESS, _STATE, _INODE = 1, 3, 9
@@ -37,24 +37,24 @@ class Holder(NamedTuple):
 
 
 def holders(protocol: str, port: int) -> list[Holder]:
-    """Returns the other processes that hold a port, as far as this one may see them (Linux)."""
+    """Returns the other processes that hold a port, if this process may see them (Linux)."""
     inodes = set(_inodes(protocol, port))
     return sorted(set(_processes(inodes))) if inodes else []
 
 
 def advice(protocol: str, settings: TransportSettings) -> str:
-    """Returns who holds the port of the settings, and how to share or change it."""
+    """Returns which processes hold the port of the settings, and how to share or change it."""
     share = "To share it with a node manager: --jaus-transport node-manager"
     text = who_holds(protocol, settings)
     return f"{text}. {share}; to use another port, as every peer then must: --jaus-port"
 
 
 def who_holds(protocol: str, settings: TransportSettings) -> str:
-    """Returns who holds the port of the settings, as far as this process may see it."""
-    known = holders(protocol, settings.port)
+    """Returns which processes hold the port of the settings, in words."""
+    processes = holders(protocol, settings.port)
     manager = manager_folder(settings)
-    if known:
-        return f"it is held by {' and '.join(map(str, known))}"
+    if processes:
+        return f"it is held by {' and '.join(map(str, processes))}"
     if manager is not None:
         return f"it is likely held by the node manager whose socket is in {manager}"
     return (
@@ -64,13 +64,13 @@ def who_holds(protocol: str, settings: TransportSettings) -> str:
 
 
 def manager_folder(settings: TransportSettings) -> Path | None:
-    """Returns the folder of the local sockets of a node manager that runs on this host."""
+    """Returns the folder with the socket of a node manager that runs on this host, or None."""
     folder = Path(settings.node_manager_directory or tempfile.gettempdir())
     return folder if is_alive(folder / MANAGER) else None
 
 
 def is_alive(path: Path) -> bool:
-    """Returns whether a process has a local socket."""
+    """Returns whether a process listens at a local socket."""
     with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as probe:
         try:
             probe.connect(str(path))
@@ -103,32 +103,30 @@ def _processes(inodes: set[str]) -> Iterator[Holder]:
                 name = (folder / "comm").read_text(encoding="utf-8", errors="replace").strip()
                 yield Holder(name, int(folder.name))
         except OSError:
-            continue  # of another user, or gone meanwhile
+            continue  # a process of another user, or one that has ended
 
 
-# JAUS-DEVIATION: AS5669A knows one process per port. These two frames pass between processes of
-# one host only; they begin with 0, which is no JUDP version, so that other stacks drop them, and
-# with a word, so that nobody takes for one of them what other stacks send with version 0.
-FRAME = b"\x00JAUSML"  # how each of these frames begins
+# JAUS-DEVIATION: in AS5669A a port has one process. Processes of one host exchange two kinds of
+# frames: forwarded datagrams, and the components of a process. They begin with 0, which is no JUDP
+# version, so that other stacks drop them, and with a word that no other stack sends.
+FRAME = b"\x00JAUSML"
 _FORWARDED = FRAME + b"F"
 _PRESENT = FRAME + b"P"
 _ENDPOINT = struct.Struct("!4sH")
 _FORWARDED_SIZE = len(_FORWARDED) + _ENDPOINT.size
 _MAX_PRESENT = 256
 
-_IP_MULTICAST_ALL = 49  # Linux; the socket module does not name it
-
+_IP_MULTICAST_ALL = 49  # Linux; not in the socket module
 _NEIGHBOURS_OFFSET = 50_000
 _NEIGHBOURS = 32
-
-_MOST_DATAGRAMS = 1 << 16
+_MAX_DATAGRAMS = 1 << 16
 
 
 def neighbour_ports(port: int) -> range:
-    """Returns the ports that processes take which share a port and do not own it.
+    """Returns the ports of processes that share a port without owning it, for firewalls.
 
-    They are known so that captures and firewalls can name them: 50,000 above, where no service
-    can be registered (RFC 6335), 32 in number. For a port too high for that there are none.
+    They are 32 ports from 50,000 above, where no service can be registered (RFC 6335); none if the
+    port is too high for that.
     """
     first = port + _NEIGHBOURS_OFFSET
     return range(first, first + _NEIGHBOURS) if first + _NEIGHBOURS <= 0x10000 else range(0)
@@ -138,7 +136,7 @@ class SharedPort:
     """The sockets of one process on the JUDP port of its host."""
 
     def __init__(self, settings: TransportSettings) -> None:
-        """Remembers the settings; ``open`` creates the sockets."""
+        """Creates no sockets before ``open``."""
         self._settings = settings
         self.well_known: Endpoint = (settings.interface, settings.port)
         self.group: Endpoint = (settings.multicast_group, settings.port)
@@ -154,15 +152,12 @@ class SharedPort:
 
     @property
     def sockets(self) -> list[socket.socket]:
-        """The sockets that are open; that to which others send comes last."""
-        return [
-            open_socket
-            for open_socket in (self.multicast, self.former, self.unicast)
-            if open_socket is not None
-        ]
+        """The open sockets; the present unicast socket is last."""
+        sockets = (self.multicast, self.former, self.unicast)
+        return [sock for sock in sockets if sock is not None]
 
     def open(self) -> None:
-        """Joins the group and takes the unicast port, or another one when it is taken."""
+        """Joins the group and takes the unicast port, or another if it is taken; raises OSError."""
         try:
             self.multicast = self._multicast_socket()
             self._take(self._well_known_or_any_socket())
@@ -175,9 +170,9 @@ class SharedPort:
             ) from error
 
     def take_over(self) -> bool:
-        """Tries to own the unicast port, which its owner may have left; returns whether it worked.
+        """Takes the unicast port if its owner has left it; returns whether it did.
 
-        The former socket stays open: peers know its port until they hear from the new one.
+        The former socket stays open, as peers know its port until the next datagram.
         """
         try:
             unicast = self._unicast_socket(self._settings.port)
@@ -195,8 +190,8 @@ class SharedPort:
         self.endpoints = frozenset()
 
     def empty(self) -> int:
-        """Throws away what waits in the sockets; returns how many datagrams that were."""
-        return sum(map(_emptied, self.sockets))
+        """Discards the datagrams that wait in the sockets; returns their number."""
+        return sum(map(_discard_waiting, self.sockets))
 
     def _explain(self, error: OSError) -> str:
         if error.errno != errno.EADDRINUSE:
@@ -239,7 +234,7 @@ class SharedPort:
             sock.setsockopt(
                 socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, self._settings.multicast_ttl
             )
-            # Other processes of this host must hear; this one ignores its own datagrams.
+            # For other processes of this host; this one ignores its own datagrams.
             sock.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_LOOP, 1)
             sock.settimeout(0)
             sock.bind((self._settings.interface, port))
@@ -256,14 +251,14 @@ class SharedPort:
             )
             sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
             if hasattr(socket, "SO_REUSEPORT"):
-                # With a node manager that allows it as well (that of fkie).
+                # To share the port with a node manager that allows it (fkie).
                 sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
             sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, self._settings.receive_buffer)
             sock.settimeout(0)
             sock.bind(self.group)
             sock.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, membership)
             if sys.platform == "linux":
-                # Hear the group on our interface only, whatever other processes joined.
+                # Only the group on our interface, whatever other processes have joined.
                 sock.setsockopt(socket.IPPROTO_IP, _IP_MULTICAST_ALL, 0)
         except OSError:
             sock.close()
@@ -271,23 +266,23 @@ class SharedPort:
         return sock
 
 
-def _emptied(sock: socket.socket) -> int:
-    """Throws away what waits in a socket, which may be filled meanwhile; returns how much."""
-    for count in range(_MOST_DATAGRAMS):
+def _discard_waiting(sock: socket.socket) -> int:
+    """Discards waiting datagrams; returns their number, which is bounded as more may come."""
+    for count in range(_MAX_DATAGRAMS):
         try:
             sock.recv(1)
         except OSError:
             return count
-    return _MOST_DATAGRAMS
+    return _MAX_DATAGRAMS
 
 
 def forwarded_frame(sender: Endpoint, datagram: bytes) -> bytes:
-    """Returns the frame that passes a datagram on and says where it came from."""
+    """Returns the frame of a forwarded datagram and its sender."""
     return _FORWARDED + _ENDPOINT.pack(socket.inet_aton(sender[0]), sender[1]) + datagram
 
 
 def read_forwarded(frame: bytes) -> tuple[Endpoint, bytes] | None:
-    """Returns the sender and the datagram of a forwarded frame; None if it is none."""
+    """Returns sender and datagram of a forwarded frame; None for another frame."""
     if not frame.startswith(_FORWARDED) or len(frame) < _FORWARDED_SIZE:
         return None
     host, port = _ENDPOINT.unpack_from(frame, len(_FORWARDED))
@@ -295,12 +290,12 @@ def read_forwarded(frame: bytes) -> tuple[Endpoint, bytes] | None:
 
 
 def present_frame(addresses: Collection[JausAddress]) -> bytes:
-    """Returns the frame that tells the port's owner which components live here."""
+    """Returns the frame that announces the components of this process to the owner."""
     return _PRESENT + struct.pack(f"<{len(addresses)}I", *addresses)
 
 
 def read_present(frame: bytes) -> list[JausAddress] | None:
-    """Returns the components of a present frame; None if it is none."""
+    """Returns the components that a frame announces; None for another frame."""
     if not frame.startswith(_PRESENT):
         return None
     count = min((len(frame) - len(_PRESENT)) // 4, _MAX_PRESENT)

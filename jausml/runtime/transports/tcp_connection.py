@@ -1,4 +1,4 @@
-"""One JTCP connection: messages to and from a stream (AS5669A)."""
+"""One JTCP connection: packets to and from a stream (AS5669A)."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ from .packets.packet import (
     parse_message,
 )
 
-_OTHER_DESCRIPTORS = 64  # descriptors for all but connections; a small bridge on ROS has 24
+_OTHER_DESCRIPTORS = 64  # kept for other uses than connections; a small bridge needs 24
 _SIZE_END = 3
 _BACKLOG = 64
 
 
 class StreamError(JausError):
-    """A stream in which no more messages can be found."""
+    """A stream cannot be read any more; `counter` names the reason."""
 
     def __init__(self, counter: str, detail: str) -> None:
         super().__init__(detail)
@@ -38,7 +38,7 @@ class StreamError(JausError):
 
 
 class StreamReader:
-    """Cuts one direction of a connection into messages, however it arrives."""
+    """Cuts received chunks of a stream into packets."""
 
     def __init__(self, counters: Counters) -> None:
         self._counters = counters
@@ -47,14 +47,16 @@ class StreamReader:
 
     @property
     def pending(self) -> int:
-        """Bytes of a message that has not arrived as a whole; less than 65536."""
+        """Bytes of an incomplete packet; less than 65536."""
         return len(self._data)
 
     def feed(self, data: bytes) -> Iterator[Packet | None]:
-        """Yields the messages that are complete now; None for each that cannot be read.
+        """Yields the packets that are complete now; None for one that cannot be read.
 
-        To be iterated to its end, or never fed again. It raises StreamError where the version is
-        another one, or a message too small to be one.
+        The iterator must be exhausted before the next call.
+
+        Raises:
+            StreamError: The version is another one, or a packet is too small.
         """
         data, offset = self._data + data, 0
         if data and not self._is_version_known:
@@ -84,11 +86,14 @@ _KEEPALIVE_PROBES = 3
 
 
 class TcpConnection:
-    """A stream of messages in each direction; everything happens on the loop's thread.
+    """A stream of packets in each direction; everything runs on the thread of the loop.
 
-    The version byte goes once in each direction, before the first message. The size in each
-    message's header tells where the next begins, so that a stream that is wrong once cannot be
-    read on and is closed.
+    The version byte is sent once in each direction, before the first packet. The next packet begins
+    where the size of the present one says, so that a stream is closed after an error.
+
+    Attributes:
+        is_neighbour: Whether the peer is a process of this host for which packets are relayed.
+        has_spoken: Whether a packet has come.
     """
 
     def __init__(
@@ -107,22 +112,22 @@ class TcpConnection:
         """Takes over a socket.
 
         Args:
-            buffer: Bytes that may wait for a slow peer; one message more can wait.
-            timeout: Seconds in which the connection must be made, and in which a peer must take
-                something of what waits for it.
-            idle: Seconds in which a peer must have said something; 0 for any time.
+            connecting: Whether the socket is not connected yet.
+            buffer: Bytes that may wait for a slow peer, besides one message.
+            timeout: Seconds within which the socket must connect, and a peer must take some of the
+                waiting bytes.
+            idle: Seconds within which the first packet must come; 0 for any time.
         """
         self.peer = peer
         self.is_neighbour = False
-        """Whether the other end is a process of this host for which messages are passed on."""
         self.is_connected = not connecting
         self.is_closed = False
         self._socket = sock
         self._loop = loop
         self._buffer = buffer
         self._timeout = timeout
-        self.has_spoken = False  # whether a whole message has come
-        # Replaced with the first message, so that later ones are not asked whether they are it.
+        self.has_spoken = False
+        # Replaced by `_then` with the first packet, so that later ones cost no comparison.
         self._on_packet: Callable[[Packet, TcpConnection], None] = self._take_first
         self._then = on_packet
         self._idle = Alarm(loop)
@@ -137,25 +142,26 @@ class TcpConnection:
         sock.settimeout(0)
         _keep_alive(sock)
         loop.register(sock, self._on_ready)
-        # A socket that gets connected becomes writable, and the version byte waits already.
+        # A socket becomes writable when it is connected; the version byte waits for that.
         loop.watch_writable(sock, wanted=True)
-        # The version byte waits, so the time to connect is bounded as well.
-        self._guard()
+        self._restart_watchdog()  # also bounds the time to connect
 
     def __str__(self) -> str:
         return f"{self.peer[0]}:{self.peer[1]}"
 
     def write(self, data: bytes, on_result: OnResult | None = None) -> bool:
-        """Sends messages without version byte, or lets them wait; False for a peer too slow.
+        """Sends packets, or queues them; returns False if the peer is too slow.
 
-        It is told once whether the system sent them to the peer.
+        Args:
+            data: Packets without version byte.
+            on_result: Called once with whether the system has sent them.
         """
         if self.is_closed or self._waiting > self._buffer:
             if not self.is_closed:
                 self._loop.counters.count("jtcp.buffer_full", f"{self._waiting} bytes for {self}")
             report(self._loop, on_result, success=False)
             return False
-        # Otherwise the loop waits for the socket already, and the order is kept.
+        # Otherwise the loop waits for the socket already.
         was_idle = not self._outgoing
         self._outgoing.append((data, on_result))
         self._waiting += len(data)
@@ -163,11 +169,11 @@ class TcpConnection:
             self._flush()
             if self._outgoing and not self.is_closed:
                 self._loop.watch_writable(self._socket, wanted=True)
-                self._guard()
+                self._restart_watchdog()
         return True
 
     def close(self) -> None:
-        """Ends the connection; what still waits is reported as not sent."""
+        """Closes the connection; waiting messages are reported as not sent."""
         if self.is_closed:
             return
         self.is_closed = True
@@ -175,7 +181,7 @@ class TcpConnection:
         self._idle.cancel()
         self._loop.unregister(self._socket)
         self._socket.close()
-        # By identity: the version byte is no message, and nobody wants to hear of it.
+        # By identity, as the version byte is no message.
         waiting = [entry for entry in self._outgoing if entry[0] is not _VERSION]
         self._outgoing.clear()
         if waiting:
@@ -206,7 +212,7 @@ class TcpConnection:
         while self._outgoing and self.is_connected:
             data, on_result = self._outgoing[0]
             try:
-                # A view: the rest of a large message is not copied with each attempt.
+                # A view, so that the rest of a large message is not copied.
                 count = self._socket.send(memoryview(data)[self._sent :])
             except BlockingIOError:
                 return
@@ -215,20 +221,20 @@ class TcpConnection:
                 return
             self._sent += count
             self._waiting -= count
-            self._guard()
+            self._restart_watchdog()
             if self._sent == len(data):
                 self._sent = 0
                 self._outgoing.popleft()
                 report(self._loop, on_result, success=True)
 
-    def _guard(self) -> None:
-        """Gives the peer its time again; a connection without anything to send has no limit."""
+    def _restart_watchdog(self) -> None:
+        """Restarts the time within which the peer must take bytes, if any wait."""
         self._watchdog.cancel()
         if self._waiting:
             self._watchdog.set(self._timeout, self._on_stalled)
 
     def _take_first(self, packet: Packet, connection: TcpConnection) -> None:
-        """Takes the first message; those that follow go straight on."""
+        """Takes the first packet; later ones go to `_then` directly."""
         self.has_spoken = True
         self._on_packet = self._then
         self._then(packet, connection)
@@ -244,9 +250,9 @@ class TcpConnection:
             self._end("jtcp.connect_failed", "no answer")
 
     def _read(self) -> None:
-        # Whoever minds standstills hears of this one before what waited is served.
-        self._loop.standstill.look()
-        # Others of the loop get their turn; what is left makes the socket ready again.
+        # Watchers of standstills are called before waiting packets are taken.
+        self._loop.standstill.check()
+        # Limited, so that other callbacks have their turn; the socket stays ready.
         for _ in range(_READS_PER_WAKE_UP):
             try:
                 data = self._socket.recv(_READ_SIZE)
@@ -272,20 +278,19 @@ class TcpConnection:
             self._loop.counters.add("jtcp.received")
             if packet is not None:
                 self._on_packet(packet, self)
-                # Whoever took it may have closed the connection: what follows is for nobody.
+                # The callback may have closed the connection.
                 if self.is_closed:
                     return
 
 
 def connect(endpoint: Endpoint) -> socket.socket:
-    """Returns a socket on its way to an endpoint; OSError where there is no way."""
+    """Returns a socket that connects to an endpoint; raises OSError."""
     sock = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
     sock.settimeout(0)
     try:
         sock.connect(endpoint)
     except BlockingIOError:
-        # Under way: the loop tells when it is made.
-        pass
+        pass  # the loop notices when it is connected
     except OSError:
         sock.close()
         raise
@@ -293,10 +298,7 @@ def connect(endpoint: Endpoint) -> socket.socket:
 
 
 def affordable(wanted: int) -> int:
-    """Returns how many connections the system allows this process, at most those that are wanted.
-
-    Fewer are told. The rest of the descriptors is for all else that the process has open.
-    """
+    """Returns the number of connections that the system allows, at most `wanted`; logs fewer."""
     limit, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
     most = max(LEAST_CONNECTIONS, limit - _OTHER_DESCRIPTORS)
     if limit == resource.RLIM_INFINITY or most >= wanted:
@@ -309,7 +311,7 @@ def affordable(wanted: int) -> int:
 
 
 def _keep_alive(sock: socket.socket) -> None:
-    """Notices a peer that vanished without a word, and sends small messages at once."""
+    """Enables probes, by which a vanished peer is noticed, and sends small packets at once."""
     sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     sock.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
     if sys.platform == "linux":
@@ -319,18 +321,18 @@ def _keep_alive(sock: socket.socket) -> None:
 
 
 def octets_of(packet: Packet) -> bytes:
-    """A packet as it stands in a stream."""
+    """Returns a packet as octets of a stream."""
     if packet.destination.is_wildcard:
         packet = packet._replace(broadcast=Broadcast.GLOBAL)
-    # Without the version byte, which a stream has once.
+    # Without the version byte of a datagram.
     return packet.encode()[1:]
 
 
 def listen(endpoint: Endpoint) -> socket.socket:
-    """A socket that takes connections; OSError where the port or the address is not to be had."""
+    """Returns a socket that accepts connections; raises OSError."""
     sock = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
     try:
-        # Connections of a former owner that still time out must not keep the port.
+        # Connections of a former owner in TIME_WAIT must not keep the port.
         sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         sock.bind(endpoint)
         sock.listen(_BACKLOG)

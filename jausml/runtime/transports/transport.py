@@ -1,4 +1,4 @@
-"""Transport as components need it, and accounts of what they exchanged with each peer."""
+"""Interface of transports, and accounts of the traffic with each peer."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ from .packets.packet import Priority
 
 
 class Transport(ABC):
-    """Components of this process on a network.
+    """Connects the components of this process to a network.
 
-    ``JudpTransport`` is that of UDP, ``JtcpTransport`` of TCP, and ``NodeManagerTransport`` goes
-    through the host's node manager.
+    ``JudpTransport`` uses UDP, ``JtcpTransport`` TCP, and ``NodeManagerTransport`` the node manager
+    of the host.
     """
 
     def __init__(self, settings: TransportSettings, loop: Loop) -> None:
@@ -34,58 +34,58 @@ class Transport(ABC):
 
     @abstractmethod
     def open(self) -> None:
-        """Begins to send and receive; OSError where the network cannot be used like this."""
+        """Begins to send and receive; raises OSError if the network refuses."""
 
     @abstractmethod
     def close(self) -> None:
-        """Ends; messages that wait are reported as lost."""
+        """Closes the transport; waiting messages are reported as lost."""
 
     def attach(self, address: JausAddress, take: Take) -> None:
         """Receives messages for a component of this process from now on.
 
         Raises:
             ValueError: The address is not one component, or is attached already.
-            OSError: Another process has the address, as far as the network tells.
+            OSError: Another process is known to have the address.
         """
         with self.loop.lock:
             self._attach(address, take)
 
     def detach(self, address: JausAddress) -> None:
-        """Stops to receive messages for a component; no effect when it is unknown."""
+        """Stops receiving messages for a component; no effect for an unknown one."""
         with self.loop.lock:
             self._detach(address)
 
     def double_of(self, address: JausAddress) -> Double | None:
-        """Returns who else was heard with the address of a component, None when nobody was."""
+        """Returns another component with the address of one of this process; None without one."""
         with self.loop.lock:
             messenger = self._messenger_of(address)
             return None if messenger is None else messenger.inbox.doubles.get(address)
 
     def traffic(self, address: JausAddress) -> list[PeerTraffic]:
-        """Returns what a component has exchanged with each other one, in packets."""
+        """Returns the traffic of a component with each peer, in packets."""
         with self.loop.lock:
             messenger = self._messenger_of(address)
-            known = [] if messenger is None else messenger.traffic()
-            return [peer for peer in known if peer.own == address]
+            traffic = [] if messenger is None else messenger.traffic()
+            return [peer for peer in traffic if peer.own == address]
 
     def is_unheard(self, address: JausAddress) -> bool:  # noqa: ARG002
-        """Returns whether a component would have been heard by now if messages reached it.
+        """Returns whether a component is known not to be reached, as it would have been heard.
 
-        Only a transport that asks silent components for acknowledgement knows.
+        Only a transport that requests acknowledgements of silent components knows.
         """
         return False
 
     def answered(self, address: JausAddress, peer: JausAddress, start: bytes) -> None:
-        """Takes the answer to a message that begins so for its acknowledgement."""
+        """Ends the repetition of messages with a begin of their payload, as they were answered."""
         with self.loop.lock:
             messenger = self._messenger_of(address)
             if messenger is not None:
                 messenger.outbox.answered(address, peer, start)
 
     def withdraw(self, address: JausAddress, peer: JausAddress, start: bytes) -> None:
-        """Repeats messages that begin so to a component no more, and does not send those that wait.
+        """Ends messages with a begin of their payload: they are neither sent nor repeated.
 
-        They count as not acknowledged, which is told at once; they may have arrived all the same.
+        They are reported as not acknowledged now, but may have arrived.
         """
         with self.loop.lock:
             messenger = self._messenger_of(address)
@@ -95,9 +95,10 @@ class Transport(ABC):
     def datagram(
         self, source: JausAddress, destination: JausAddress, payload: bytes, priority: Priority
     ) -> tuple[bytes, Endpoint] | None:
-        """Returns what another process may send for a component, and where, if one does.
+        """Returns a datagram for another process to send, and its endpoint; None if impossible.
 
-        It asks for acknowledgement, so that only newer ones that do make it late. Its number is 0.
+        It requests acknowledgement, so that only newer datagrams that do so make it late. Its
+        sequence number is 0.
         """
         del source, destination, payload, priority
         return None
@@ -109,28 +110,25 @@ class Transport(ABC):
     # ---- strangers --------------------------------------------------------------------------
 
     def is_proved(self, address: JausAddress) -> bool:  # noqa: ARG002
-        """Returns whether a component has proved where it is, or need not.
-
-        Only UDP has addresses that can be forged.
-        """
+        """Returns whether a component has proved its endpoint; always true except with UDP."""
         return True
 
     def place_of(self, address: JausAddress) -> tuple[str, str]:  # noqa: ARG002
-        """Returns the host and the endpoint of a component, as budgets share what there is."""
+        """Returns host and endpoint of a component, for budgets; empty texts if unknown."""
         return "", ""
 
     def is_kept(self, address: JausAddress) -> bool:  # noqa: ARG002
-        """Returns whether a component gives way to nobody: it is configured or in control."""
+        """Returns whether a component is always kept: it is configured or in control."""
         return False
 
     def keep_place(self, owner: JausAddress, address: JausAddress | None) -> None:  # noqa: B027
-        """Lets the controller of an owner give way to nobody, instead of the one before."""
+        """Keeps the controller of an own component, instead of the one before."""
 
     def when_proved(self, listener: Callable[[JausAddress], None]) -> None:  # noqa: B027
-        """Calls a listener on the loop's thread when a component has proved where it is."""
+        """Calls a listener on the thread of the loop when a component has proved its endpoint."""
 
     def silence_of(self, address: JausAddress) -> float:  # noqa: ARG002
-        """Returns for how many seconds nothing came from a component; infinite if nothing did."""
+        """Returns the seconds since the last packet of a component; infinity without one."""
         return math.inf
 
     # ---- messages ---------------------------------------------------------------------------
@@ -146,21 +144,21 @@ class Transport(ABC):
         on_result: OnResult | None = None,
         supersedes: bool = False,
     ) -> None:
-        """Sends one message; callable from any thread, sends on it, never blocks.
+        """Sends one message; callable from any thread, never blocks.
 
-        Messages of several packets that are acknowledged go to one destination one after the
-        other; messages of one packet do not wait for them. Failures of the network are counted
-        and reported to ``on_result``.
+        Acknowledged messages of several packets are sent to a destination one after the other;
+        messages of one packet do not wait for them. Failures of the network are counted and
+        reported to ``on_result``.
 
         Args:
             destination: Component, or a wildcard for several.
             payload: Little-endian 16-bit message code and body.
-            acknowledge: Repeat until acknowledged; of several receivers one is enough. A message
-                of more than ten packets is repeated in any case.
-            on_result: Told once whether the message was acknowledged or received in this
-                process; where no acknowledgement is asked for, whether it was put on the network.
-            supersedes: Withdraw what was sent before with the same code to the destination, and go
-                before all that waits; for a stop, which is acknowledged.
+            acknowledge: Whether to repeat the message until one receiver has acknowledged it. A
+                message of more than ten packets is repeated in any case.
+            on_result: Called once with whether the message was acknowledged or delivered in this
+                process; without acknowledgement, whether it was sent.
+            supersedes: Whether to withdraw earlier messages with the same code to the destination,
+                and send this one first; for a stop, which is acknowledged.
 
         Raises:
             ValueError: The source is not one component or the payload has no message code.
@@ -177,16 +175,16 @@ class Transport(ABC):
     def sender(
         self, source: JausAddress, destination: JausAddress, priority: Priority = Priority.STANDARD
     ) -> Callable[[bytes], None]:
-        """Returns what sends payloads without acknowledgement, as ``send`` does.
+        """Returns a function that sends payloads without acknowledgement, as ``send`` does.
 
-        It is prepared for one way, and costs less than ``send``; callable from any thread. It may
-        be asked for before the transport is open.
+        It costs less than ``send``, and is callable from any thread. The transport need not be open
+        yet.
         """
         return partial(self.send, source, destination, priority=priority)
 
     @abstractmethod
     def _attach(self, address: JausAddress, take: Take) -> None:
-        """Attaches a component; see ``attach``, which holds the lock."""
+        """Attaches a component; called by ``attach`` with the lock."""
 
     def _detach(self, address: JausAddress) -> None:
         messenger = self._messenger_of(address)
@@ -195,42 +193,41 @@ class Transport(ABC):
 
     @abstractmethod
     def _messenger_of(self, source: JausAddress) -> Messenger[Any] | None:
-        """Returns the message layer of a component; None when it cannot send."""
+        """Returns the messenger of a component; None if it is not attached."""
 
 
-MOST_PEERS = 16
-"""Peers that are told of: those with a place of their own, then those that were heard last."""
+MAX_PEERS = 16  # peers with accounts: those that are always kept, then those heard last
 
 _EXACT = "by destination: what was lost is exact"
 _NOT_KNOWN = "not known: what was lost is that much at most"
 
 
 class Accountable(Protocol):
-    """A component as its accounts see it."""
+    """The attributes of a component that its accounts need."""
 
     transport: Transport
     address: JausAddress
 
     def drops_of(self, sender: JausAddress) -> dict[str, int]:
-        """Returns what was dropped of a sender before it was acted on."""
+        """Returns how many messages of a sender were dropped, by reason."""
 
 
 class PeerAccount(NamedTuple):
-    """What a component and a peer exchanged."""
+    """Traffic of a component with a peer, its dropped messages and quirks."""
 
     traffic: PeerTraffic
     drops: Mapping[str, int]
     quirks: Sequence[Learnt]
 
     def counts(self) -> dict[str, int]:
-        """Returns the counts by the names that people see."""
+        """Returns the counts by the names that diagnostics and logs show."""
         account, outcome = self.traffic.account, self.traffic.outcome
         return {
             "sent by it": account.came + account.lost,
             "came": account.came,
             "lost on the way, at most": account.lost,
             "came late": account.late,
-            "came twice": account.doubled,
+            "came twice": account.duplicates,
             "came again": account.repeated,
             "began anew": account.restarts,
             **{f"dropped: {reason}": count for reason, count in sorted(self.drops.items())},
@@ -242,10 +239,10 @@ class PeerAccount(NamedTuple):
         }
 
     def facts(self) -> list[tuple[str, str]]:
-        """Returns the counts, and what the peer does otherwise than others, as `/diagnostics`."""
+        """Returns the counts and the quirks of the peer, for `/diagnostics`."""
         counts = [(name, str(count)) for name, count in self.counts().items()]
         quirks = [
-            (quirk.quirk.does, f"{quirk.how}: {quirk.quirk.instead}") for quirk in self.quirks
+            (learnt.quirk.does, f"{learnt.how}: {learnt.quirk.instead}") for learnt in self.quirks
         ]
         numbered = ("numbered", _EXACT if self.traffic.account.is_exact else _NOT_KNOWN)
         return [*counts, numbered, *quirks]
@@ -257,20 +254,18 @@ class PeerAccount(NamedTuple):
 
 
 def accounts_of(component: Accountable) -> list[PeerAccount]:
-    """Returns the accounts of the peers, by address; with the lock of the loop."""
+    """Returns the accounts of peers, sorted by address; called with the lock of the loop."""
     transport = component.transport
-    # Those of no place are in the order in which they were heard, the latest last.
-    peers = sorted(
-        transport.traffic(component.address), key=lambda peer: transport.is_kept(peer.peer)
-    )
-    latest_peers = sorted(peers[-MOST_PEERS:], key=lambda peer: peer.peer)
+    # The last heard peer is last, before those that are always kept.
+    by_time = transport.traffic(component.address)
+    peers = sorted(by_time, key=lambda traffic: transport.is_kept(traffic.peer))[-MAX_PEERS:]
     return [
-        PeerAccount(peer, component.drops_of(peer.peer), transport.quirks.of(peer.peer))
-        for peer in latest_peers
+        PeerAccount(traffic, component.drops_of(traffic.peer), transport.quirks.of(traffic.peer))
+        for traffic in sorted(peers, key=lambda traffic: traffic.peer)
     ]
 
 
 def log_accounts(component: Accountable) -> None:
-    """Logs the accounts, as the last word of a component on what it exchanged."""
+    """Logs the accounts of a component at its end."""
     for account in accounts_of(component):
         LOGGER.info("%s", account)

@@ -1,7 +1,4 @@
-"""Virtual time: components and bridges on a simulated network, ROS and clock, for tests.
-
-Nothing of it is imported by what runs on a robot.
-"""
+"""Virtual time: components and bridges on a simulated network, ROS and clock, for tests only."""
 
 from .graph import GraphSubscription as GraphSubscription
 from .graph import RosGraph as RosGraph

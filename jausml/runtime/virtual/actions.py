@@ -1,7 +1,7 @@
-"""Actions of a virtual ROS: goals go from clients to servers, feedback and results come back.
+"""Actions of a virtual ROS: goals are sent to servers, feedback and results to clients.
 
-Elements of goals are serialized. What a goal has besides is a plain object, since in virtual time
-there need not be a class of ROS for it.
+Elements of goals are serialized. The other fields of a goal are attributes of a plain object, since
+virtual time needs no ROS, and so may have no class of the action.
 """
 
 from __future__ import annotations
@@ -13,20 +13,20 @@ from typing import Any
 
 from ..bridge.ends.actions import GoalTaker, GoalWatcher, Outcome
 from ..bridge.ends.topics import TopicFault
-from .network import Way
+from .network import Path
 
 NO_SERVER = "no_action_server"
 
 
 class VirtualAction:
-    """An action by its name."""
+    """An action and its server."""
 
     def __init__(self, name: str) -> None:
         self.name = name
-        self.server: GoalTaker | None = None  # whoever takes its goals; None for nobody
+        self.server: GoalTaker | None = None  # takes the goals; None without one
 
     def close(self, server: GoalTaker) -> None:
-        """Serves no more; no effect where another one does."""
+        """Removes a server; no effect if another one has replaced it."""
         if self.server is server:
             self.server = None
 
@@ -34,35 +34,35 @@ class VirtualAction:
 class VirtualActionClient:
     """Sends goals of one action; see `ActionClient` of ends/actions.py."""
 
-    def __init__(self, action: VirtualAction, way: Way) -> None:
+    def __init__(self, action: VirtualAction, path: Path) -> None:
         self._action = action
-        self._way = way
+        self._path = path
 
     def send(
         self, elements: Sequence[bytes], fill: Callable[[Any], object] | None, watcher: GoalWatcher
     ) -> VirtualGoal:
-        """Sends a goal; it waits for a server where there is none."""
-        goal = VirtualGoal(self._action, self._way, elements, watcher)
+        """Sends a goal, or keeps it until there is a server; `fill` sets its further fields."""
+        goal = VirtualGoal(self._action, self._path, elements, watcher)
         goal.send(fill)
         return goal
 
     def faults(self) -> list[TopicFault]:
-        """Returns why goals cannot be sent; nothing while they can."""
+        """Returns the faults for which goals cannot be sent."""
         if self._action.server is not None:
             return []
         return [TopicFault(NO_SERVER, f"nobody serves the action {self._action.name}")]
 
 
 class VirtualGoal:
-    """A goal: what its client has sent, and what its server executes."""
+    """A goal, both for its client and for its server."""
 
     def __init__(
-        self, action: VirtualAction, way: Way, elements: Sequence[bytes], watcher: GoalWatcher
+        self, action: VirtualAction, path: Path, elements: Sequence[bytes], watcher: GoalWatcher
     ) -> None:
         self.elements = list(elements)  # serialized
-        self.request = SimpleNamespace()
+        self.request = SimpleNamespace()  # the other fields
         self._action = action
-        self._way = way
+        self._path = path
         self._watcher: GoalWatcher | None = watcher
         self._server: GoalTaker | None = None
         self._has_arrived = self._is_cancelled = self._has_ended = False
@@ -70,26 +70,26 @@ class VirtualGoal:
     # ------------------------------------------------------------------ for its client
 
     def send(self, fill: Callable[[Any], object] | None) -> None:
-        """Lets it come to whoever serves the action."""
+        """Sends the goal to the server of the action, if there is one."""
         try:
             if fill is not None:
                 fill(self.request)
-        except Exception as error:  # of what the user has written
+        except Exception as error:  # of user code
             self._finish(Outcome.REFUSED, f"the goal cannot be made: {error!r}")
             return
         self.check()
 
     def cancel(self) -> None:
-        """Asks that it ends; also when it is accepted later. May be repeated."""
+        """Requests cancellation, also of a goal that is accepted later; may be repeated."""
         self._is_cancelled = True
-        # No server has it, so there is nobody to ask.
+        # Without a server, the goal ends at once.
         if self._server is None:
             self._finish(Outcome.CANCELED, "")
         else:
-            self._way.carry(self._ask_to_end)
+            self._path.carry(self._request_cancel)
 
     def check(self) -> None:
-        """Finds out whether whoever executes it is there; sends it where nobody was."""
+        """Ends the goal if its server is gone; sends it if there is a server now."""
         server = self._action.server
         if self._has_ended:
             return
@@ -97,11 +97,11 @@ class VirtualGoal:
             self._finish(Outcome.LOST, "the action server is gone")
         elif self._server is None and server is not None:
             self._server = server
-            self._way.carry(partial(self._arrive, server))
+            self._path.carry(partial(self._arrive, server))
 
     def forget(self) -> None:
-        """Tells nothing of it any more; if it is accepted later, it is cancelled."""
-        # First: the end that this brings about is told to nobody.
+        """Cancels the goal, also if it is accepted later, without further calls of the watcher."""
+        # First, as the cancellation may end the goal.
         self._watcher = None
         self.cancel()
 
@@ -109,13 +109,13 @@ class VirtualGoal:
 
     def progress(self, number: int) -> None:
         """Publishes feedback."""
-        self._way.carry(partial(self._tell, "progressed", number))
+        self._path.carry(partial(self._notify, "progressed", number))
 
     def end(self, outcome: Outcome, reason: str = "") -> None:
-        """Gives the result."""
-        self._way.carry(partial(self._finish, outcome, reason))
+        """Sends the result."""
+        self._path.carry(partial(self._finish, outcome, reason))
 
-    # ------------------------------------------------------------------ on its way
+    # ------------------------------------------------------------------ between both
 
     def _arrive(self, server: GoalTaker) -> None:
         if self._has_arrived:  # a copy
@@ -124,23 +124,23 @@ class VirtualGoal:
         if not server.accepts(self.elements, self.request):
             self.end(Outcome.REFUSED, "the action server refused the goal")
             return
-        self._way.carry(partial(self._tell, "accepted"))
+        self._path.carry(partial(self._notify, "accepted"))
         server.begin(self)
-        # Cancelled while it was on its way.
+        # Cancelled before its arrival.
         if self._is_cancelled:
-            self._ask_to_end()
+            self._request_cancel()
 
-    def _ask_to_end(self) -> None:
+    def _request_cancel(self) -> None:
         if self._server is not None and not self._has_ended:
             self._server.cancel(self)
 
     def _finish(self, outcome: Outcome, reason: str) -> None:
         if not self._has_ended:
-            # While it has not ended: `_tell` is silent after that.
-            self._tell("ended", outcome, reason)
+            # Before the goal has ended: `_notify` does nothing afterwards.
+            self._notify("ended", outcome, reason)
             self._has_ended = True
 
-    def _tell(self, what: str, *arguments: object) -> None:
+    def _notify(self, method: str, *arguments: object) -> None:
         watcher = self._watcher
         if watcher is not None and not self._has_ended:
-            getattr(watcher, what)(self, *arguments)
+            getattr(watcher, method)(self, *arguments)

@@ -14,17 +14,14 @@ from ..bridge.ends.actions import GoalTaker
 from ..bridge.ends.topics import EndpointHealth, Published, Qos, Topic, TopicCounts, conflicts
 from ..bridge.messages.limits import RosTypeError
 from .actions import VirtualAction, VirtualActionClient
-from .network import Link, Way
+from .network import Link, Path
 
+# A message class of ROS, a light class, or the name of a type, e.g. `nav_msgs/msg/Odometry`.
 RosType: TypeAlias = "type[Any] | str"
-"""A message class of ROS, a light class, or the name of a type, e.g. `nav_msgs/msg/Odometry`."""
 
-MOST_KEPT = 5000  # messages that a latched publisher with `keep_all` keeps
-
-UNDEMANDING = Qos(reliability="best_effort")
-"""What a subscription requests that takes whatever is offered."""
-
-_OUTSIDE = "the world"
+MAX_KEPT = 5000  # messages that a latched publisher with `keep_all` keeps
+UNDEMANDING = Qos(reliability="best_effort")  # requested by a subscription to any publisher
+_OUTSIDE = "the world"  # node of publishers and subscriptions of tests
 
 
 def type_name(ros_type: RosType) -> str:
@@ -39,7 +36,7 @@ def type_name(ros_type: RosType) -> str:
 
 
 class GraphPublisher:
-    """A publisher."""
+    """A publisher of a topic; made by `RosGraph`."""
 
     def __init__(
         self,
@@ -49,91 +46,89 @@ class GraphPublisher:
         on_matched: Callable[[], None] | None,
         health: EndpointHealth,
     ) -> None:
-        """Publishes on a topic; `RosGraph` makes it."""
         self.node = node
         self.qos = qos
         self.topic = topic
         self.on_matched = on_matched
         self.health = health
         self.publish: Callable[[bytes], None] = self._publish
-        self.unmatched = 0  # messages published while there was none; whoever publishes counts
+        self.unmatched = 0  # messages without a subscription, counted by the caller of `publish`
         self.subscriptions: list[GraphSubscription] = []  # connected subscriptions
-        size = MOST_KEPT if qos.history == "keep_all" else qos.depth
-        # Data and publication time, in nanoseconds since 1970, for late subscriptions.
+        size = MAX_KEPT if qos.history == "keep_all" else qos.depth
+        # Data and publication time in nanoseconds since 1970, for late subscriptions.
         self.kept: deque[tuple[bytes, int]] = deque(maxlen=size)
 
     @property
     def matched(self) -> int:
-        """How many subscriptions are connected."""
+        """The number of connected subscriptions."""
         return len(self.subscriptions)
 
     @property
     def published(self) -> Published:
-        """What it was made for."""
+        """Topic, type and quality of service."""
         return Published(self.topic.name, self.topic.kind, self.qos)
 
     def _publish(self, data: bytes) -> None:
-        # A copy: whoever publishes may use the buffer again.
+        # A copy: the caller may use the buffer again.
         message = bytes(data), self.topic.wall_time()
         if self.qos.durability == "transient_local":
             self.kept.append(message)
-        for graph_subscription in tuple(self.subscriptions):
-            graph_subscription.send(*message, self.qos.lifespan)
+        for subscription in tuple(self.subscriptions):
+            subscription.send(*message, self.qos.lifespan)
 
     def send_kept(self, subscription: GraphSubscription) -> None:
-        """Sends a late subscription what is kept for it and has not outlived its lifespan."""
+        """Sends a late subscription the kept messages within its depth and their lifespan."""
         lifespan, now = self.qos.lifespan, self.topic.wall_time()
-        living = [kept for kept in self.kept if not _has_expired(now - kept[1], lifespan)]
+        valid = [kept for kept in self.kept if not _has_expired(now - kept[1], lifespan)]
         if subscription.qos.history != "keep_all":
-            living = living[-subscription.qos.depth :]
-        for data, stamp in living:
+            valid = valid[-subscription.qos.depth :]
+        for data, stamp in valid:
             subscription.send(data, stamp, lifespan)
 
     @property
     def address(self) -> int:
-        """There is no client library."""
+        """0, as there is no client library."""
         return 0
 
     def close(self) -> None:
-        """Publishes no more."""
+        """Removes the publisher."""
         self.topic.remove_publisher(self)
 
 
 @dataclass(eq=False)
 class GraphSubscription:
-    """A subscription, and the way to it."""
+    """A subscription, and the path to it."""
 
     node: str
     qos: Qos
     topic: GraphTopic
     take: Callable[[bytes, int], None]
-    way: Way
+    path: Path
     health: EndpointHealth
     counts: TopicCounts = field(default_factory=TopicCounts)
     is_open: bool = True
 
     @property
     def link(self) -> Link:
-        """What the way to it does; it may be changed at any time."""
-        return self.way.link
+        """The properties of the path; may be set at any time."""
+        return self.path.link
 
     @link.setter
     def link(self, link: Link) -> None:
-        self.way.link = link
+        self.path.link = link
 
     def close(self) -> None:
-        """Subscribes no more."""
+        """Unsubscribes."""
         self.topic.remove_subscription(self)
 
     def send(self, data: bytes, stamp: int, lifespan: float) -> None:
-        """Lets a message come that was published at a time in nanoseconds since 1970."""
-        if not self.way.carry(partial(self._arrive, data, stamp, lifespan)):
+        """Sends a message that was published at `stamp`, in nanoseconds since 1970."""
+        if not self.path.carry(partial(self._arrive, data, stamp, lifespan)):
             self.counts.missed += 1
 
     def _arrive(self, data: bytes, stamp: int, lifespan: float) -> None:
         if not self.is_open:
-            # Closed while the message was on its way.
-            return
+            return  # closed before the message arrived
         age = self.topic.wall_time() - stamp
         # In DDS the lifespan is the publisher's; the queue of a subscription has one as well.
         if _has_expired(age, lifespan) or _has_expired(age, self.qos.lifespan):
@@ -146,12 +141,12 @@ class GraphSubscription:
 
 
 def _has_expired(age: int, lifespan: float) -> bool:
-    """Whether a message so many nanoseconds old has outlived a lifespan in seconds; 0: none."""
+    """Returns whether an age in ns exceeds a lifespan in seconds; 0 means an endless one."""
     return 0 < lifespan * 1e9 < age
 
 
 class GraphTopic:
-    """A topic, with those who publish and subscribe."""
+    """A topic with its publishers and subscriptions."""
 
     def __init__(self, graph: RosGraph, name: str, kind: str) -> None:
         self.name = name
@@ -163,25 +158,25 @@ class GraphTopic:
         self._loop = graph.loop
 
     def add_publisher(self, publisher: GraphPublisher) -> None:
-        """Connects a publisher with the subscriptions that are there."""
+        """Connects a publisher with the present subscriptions."""
         self.publishers.append(publisher)
         for subscription in self.subscriptions:
             self._connect(publisher, subscription)
 
     def add_subscription(self, subscription: GraphSubscription) -> None:
-        """Connects a subscription with the publishers that are there."""
+        """Connects a subscription with the present publishers."""
         self.subscriptions.append(subscription)
         for publisher in self.publishers:
             self._connect(publisher, subscription)
 
     def remove_publisher(self, publisher: GraphPublisher) -> None:
-        """Disconnects a publisher; no effect once it is."""
+        """Disconnects a publisher; no effect if disconnected."""
         publisher.subscriptions.clear()
         if publisher in self.publishers:
             self.publishers.remove(publisher)
 
     def remove_subscription(self, subscription: GraphSubscription) -> None:
-        """Disconnects a subscription; no effect once it is."""
+        """Disconnects a subscription; no effect if disconnected."""
         subscription.is_open = False
         if subscription in self.subscriptions:
             self.subscriptions.remove(subscription)
@@ -190,13 +185,13 @@ class GraphTopic:
                 publisher.subscriptions.remove(subscription)
 
     def publishers_of(self, subscription: GraphSubscription) -> int:
-        """Returns how many publishers a subscription is connected to."""
+        """Returns the number of publishers that are connected to a subscription."""
         return sum(subscription in publisher.subscriptions for publisher in self.publishers)
 
-    def others(self, *, publishers: bool) -> list[tuple[str, Qos]]:
+    def endpoints(self, *, publishers: bool) -> list[tuple[str, Qos]]:
         """Returns node and quality of service of all publishers, or of all subscriptions."""
-        ends = self.publishers if publishers else self.subscriptions
-        return [(end.node, end.qos) for end in ends]
+        endpoints = self.publishers if publishers else self.subscriptions
+        return [(endpoint.node, endpoint.qos) for endpoint in endpoints]
 
     def _connect(self, publisher: GraphPublisher, subscription: GraphSubscription) -> None:
         mismatches = conflicts(publisher.qos, subscription.qos)
@@ -206,17 +201,17 @@ class GraphTopic:
             return
         publisher.subscriptions.append(subscription)
         if publisher.on_matched is not None:
-            # Not while the subscription is made: ROS too tells of it later.
+            # Later, as in ROS.
             self._loop.call_soon(publisher.on_matched)
         if subscription.qos.durability == "transient_local":
             publisher.send_kept(subscription)
 
 
 class RosGraph:
-    """Topics and actions by name, for nodes of a virtual world and for what stands in for nodes.
+    """Topics and actions by name, for nodes of a virtual world and for tests.
 
-    Messages are serialized, as `RosSide` has them. Each subscription is reached by a way of its
-    own. What a way loses is lost, whatever quality of service says: it stands for `best_effort`.
+    Messages are serialized, as in `RosSide`. Each subscription has a path of its own, which loses
+    messages whatever their quality of service: it stands for `best_effort`.
     """
 
     def __init__(
@@ -230,11 +225,11 @@ class RosGraph:
         self._own: dict[tuple[str, Qos], GraphPublisher] = {}
 
     def publish(self, topic: str, ros_type: RosType, data: bytes, qos: Qos | None = None) -> None:
-        """Publishes a serialized message; the first on a topic makes its publisher."""
+        """Publishes a serialized message; the first one of a topic creates the publisher."""
         offered = Qos() if qos is None else qos
         publisher = self._own.get((topic, offered))
         if publisher is None or publisher.topic.kind != type_name(ros_type):
-            # Of another type than before, it is refused like that of any node.
+            # Another type than before raises RosTypeError, as for any node.
             publisher = self.advertise(_OUTSIDE, ros_type, Topic(topic, offered))
             self._own[topic, offered] = publisher
         publisher.publish(data)
@@ -250,10 +245,10 @@ class RosGraph:
         """Subscribes to a topic.
 
         Args:
-            qos: Quality of service; by default one that requests nothing, so that all is heard.
+            qos: Quality of service; by default one that is compatible with all publishers.
 
         Returns:
-            The subscription, whose link may be changed, and which may be closed.
+            The subscription, whose link may be set, and which may be closed.
         """
         requested = Topic(topic, UNDEMANDING if qos is None else qos)
 
@@ -264,15 +259,15 @@ class RosGraph:
         return self.attach(_OUTSIDE, ros_type, requested, take_data, link)
 
     def serve_action(self, name: str, taker: GoalTaker) -> VirtualAction:
-        """Gives the goals of an action to a taker, in the place of the one before."""
+        """Sets the server of an action, in place of the former one."""
         action = self._action(name)
         action.server = taker
         return action
 
     def action_client(self, name: str, link: Link | None = None) -> VirtualActionClient:
-        """Returns what sends goals of an action, which pass a link as feedback and results do."""
-        way = Way(self.loop, self._random, Link() if link is None else link)
-        return VirtualActionClient(self._action(name), way)
+        """Returns a client of an action; a link carries goals, feedback and results."""
+        path = Path(self.loop, self._random, Link() if link is None else link)
+        return VirtualActionClient(self._action(name), path)
 
     # ------------------------------------------------------------------ for nodes
 
@@ -283,7 +278,7 @@ class RosGraph:
         topic: Topic,
         on_matched: Callable[[], None] | None = None,
     ) -> GraphPublisher:
-        """Makes a publisher of a node; greets each subscription that is connected."""
+        """Creates a publisher of a node; `on_matched` is called at each connected subscription."""
         graph_topic = self._topic(topic.name, ros_type)
         health = self._health(graph_topic, topic.qos, publishes=True)
         publisher = GraphPublisher(node, topic.qos, graph_topic, on_matched, health)
@@ -299,11 +294,11 @@ class RosGraph:
         take: Callable[[bytes, int], None],
         link: Link,
     ) -> GraphSubscription:
-        """Makes a subscription; messages are taken with their time in ns since 1970."""
+        """Creates a subscription of a node; `take` gets data and time in ns since 1970."""
         graph_topic = self._topic(topic.name, ros_type)
-        way = Way(self.loop, self._random, link)
+        path = Path(self.loop, self._random, link)
         health = self._health(graph_topic, topic.qos, publishes=False)
-        subscription = GraphSubscription(node, topic.qos, graph_topic, take, way, health)
+        subscription = GraphSubscription(node, topic.qos, graph_topic, take, path, health)
         health.count = lambda: graph_topic.publishers_of(subscription)
         graph_topic.add_subscription(subscription)
         return subscription
@@ -325,7 +320,7 @@ class RosGraph:
 
     def _health(self, topic: GraphTopic, qos: Qos, *, publishes: bool) -> EndpointHealth:
         entity = "publisher" if publishes else "subscription"
-        others = partial(topic.others, publishers=not publishes)
+        others = partial(topic.endpoints, publishers=not publishes)
         return EndpointHealth(publishes, topic.name, qos, entity, others, self.loop.now)
 
 

@@ -1,4 +1,4 @@
-"""The network of a virtual world: links that delay and lose, and the datagrams on them."""
+"""The network of a virtual world: links that delay and lose datagrams."""
 
 from __future__ import annotations
 
@@ -17,27 +17,26 @@ from ..base.settings import JUDP_GROUP, JUDP_PORT, Endpoint, TransportSettings
 from ..transports.packets.packet import parse_datagram
 from ..transports.udp.datagrams import DatagramTransport
 
-LONGEST_HOLD = 1.0  # seconds that something waits at most to be overtaken, where nothing follows
+LONGEST_HOLD = 1.0  # seconds after which a held datagram goes on, if no other one overtakes it
 
 
 @dataclass(frozen=True)
 class Link:
-    """What a way does to what passes it, in one direction.
+    """Properties of a path for messages or datagrams, in one direction.
 
     Attributes:
-        delay: Seconds that everything takes.
-        jitter: Seconds up to which something takes longer, each length as likely as any other.
-            What comes later may overtake; without jitter the order stays.
-        exponential: Mean in seconds of a further delay, which is mostly short and seldom long.
-        loss: Part that gets lost, 0 to 1.
-        burst: Mean number in a row of those that get lost (Gilbert and Elliott); at 0 each gets
-            lost or not whatever became of the one before.
-        duplicate: Part that arrives twice, 0 to 1.
-        reorder: Part that the next one overtakes, 0 to 1; where nothing follows it goes on after
-            a second.
+        delay: Seconds of each.
+        jitter: Longest additional delay in seconds, uniformly distributed. Later ones may
+            overtake earlier ones; without jitter the order stays.
+        exponential: Mean in seconds of a further, exponentially distributed delay.
+        loss: Share that is lost, 0 to 1.
+        burst: Mean number of losses in a row (Gilbert and Elliott); 0 makes losses independent.
+        duplicate: Share that arrives twice, 0 to 1.
+        reorder: Share that the next one overtakes, 0 to 1; without a next one it goes on after a
+            second.
 
     Raises:
-        ValueError: A value is out of its range, or losses cannot be so many in so short bursts.
+        ValueError: A value is out of its range, or the bursts are too short for the loss.
     """
 
     delay: float = 0.0
@@ -57,26 +56,26 @@ class Link:
                 raise ValueError(f"{name} is {getattr(self, name)}; it must lie in 0..1")
         if self.burst and not self.burst >= 1:
             raise ValueError(f"burst is {self.burst}; it is a number of packets, at least 1")
-        # A burst begins with a chance of loss / (1 - loss) / burst, which is 1 at most.
+        # A burst begins with a probability of loss / (1 - loss) / burst, which is 1 at most.
         if self.burst and self.loss < 1 and self.loss > self.burst * (1 - self.loss):
             least = self.loss / (1 - self.loss)
             raise ValueError(f"a loss of {self.loss:g} takes bursts of at least {least:.3g}")
 
     @property
     def is_plain(self) -> bool:
-        """Whether all passes at once."""
+        """Whether the path has no delay, loss or other effect."""
         return self == _PLAIN
 
 
 _PLAIN = Link()
 
 
-class Way:
-    """A link in use: what is lost by now, and what is held."""
+class Path:
+    """A path with the properties of a link, and its state."""
 
     def __init__(self, loop: Loop, random: Random, link: Link) -> None:
-        """Begins to let pass; what happens is drawn in the order in which it happens."""
-        self.link = link  # what it does; another one counts for what comes from then on
+        """Draws from `random` in the order of the calls of `carry`."""
+        self.link = link  # may be set at any time
         self.is_cut = False
         self._loop = loop
         self._random = random
@@ -85,33 +84,33 @@ class Way:
         self._hold = Alarm(loop)
 
     def carry(self, arrive: Callable[[], None]) -> bool:
-        """Lets copies of something arrive in later turns; returns whether it gets there."""
+        """Has `arrive` called in later turns, once for each copy; returns False for a loss."""
         link = self.link
-        # Draws only what the link asks for: a plain one leaves the chances of others as they are.
+        # Draws only what the link needs: a plain one does not shift the draws of others.
         if self.is_cut or (link.loss and self._loses(link)):
             return False
         copies = 2 if link.duplicate and self._random.random() < link.duplicate else 1
         for _ in range(copies):
             if link.reorder and self._random.random() < link.reorder:
-                self._keep(arrive)
+                self._hold_back(arrive)
             else:
                 self._pass(arrive, link)
         return True
 
     def _loses(self, link: Link) -> bool:
-        drawn = self._random.random()
+        chance = self._random.random()
         if not link.burst or link.loss == 1:
-            return drawn < link.loss
-        # Gilbert and Elliott: how seldom bursts begin and end gives their mean length and the loss.
+            return chance < link.loss
+        # Gilbert and Elliott: the chances of begin and end give the mean length and the loss.
         if self._is_losing:
-            self._is_losing = drawn >= 1 / link.burst
+            self._is_losing = chance >= 1 / link.burst
         else:
-            self._is_losing = drawn < link.loss / (1 - link.loss) / link.burst
+            self._is_losing = chance < link.loss / (1 - link.loss) / link.burst
         return self._is_losing
 
     def _pass(self, arrive: Callable[[], None], link: Link) -> None:
         self._send(arrive, link)
-        # What it has overtaken follows it.
+        # Those that it has overtaken follow.
         self._release()
 
     def _send(self, arrive: Callable[[], None], link: Link) -> None:
@@ -125,21 +124,21 @@ class Way:
         else:
             self._loop.call_soon(arrive)
 
-    def _keep(self, arrive: Callable[[], None]) -> None:
+    def _hold_back(self, arrive: Callable[[], None]) -> None:
         self._held.append(arrive)
         if not self._hold.is_set:
             self._hold.set(LONGEST_HOLD, self._release)
 
     def _release(self) -> None:
-        """Lets what was overtaken follow."""
+        """Sends those that were held back."""
         self._hold.cancel()
         held, self._held = self._held, []
         for arrive in held:
             self._send(arrive, self.link)
 
 
+# Datagrams by source and destination of their first packet.
 Counts: TypeAlias = Counter[tuple[JausAddress, JausAddress]]
-"""Datagrams by source and destination of what is in them."""
 
 _ENDS = Struct("<II")
 _ENDS_OFFSET = 5
@@ -147,10 +146,10 @@ _GROUP: Endpoint = (JUDP_GROUP, JUDP_PORT)
 
 
 class Network:
-    """Processes of a world, and the ways between them.
+    """Processes of a world, and the paths between them.
 
-    A datagram passes the way out of its sender, and then the way into each receiver. One that goes
-    to the group and is lost on the way out is lost for all.
+    A datagram takes the path out of its sender, and then the path into each receiver. A multicast
+    that is lost on the path out is lost for all.
     """
 
     def __init__(self, loop: Loop, random: Random, watch: Callable[[str, bytes], None]) -> None:
@@ -163,23 +162,21 @@ class Network:
     def transport(
         self, settings: TransportSettings, out: Link, into: Link, draw: Callable[[int], int]
     ) -> VirtualTransport:
-        """Returns the transport of one more process, open, which draws its sequence numbers."""
+        """Returns the opened transport of a further process; `draw` gives its sequence numbers."""
         self._count += 1
         number = self._count
         endpoint = (f"10.{number >> 16}.{number >> 8 & 255}.{number & 255}", JUDP_PORT)
-        directions = (Way(self._loop, self._random, out), Way(self._loop, self._random, into))
-        transport = VirtualTransport(
-            settings, self._loop, Station(self, endpoint, *directions), draw
-        )
+        paths = (Path(self._loop, self._random, out), Path(self._loop, self._random, into))
+        transport = VirtualTransport(settings, self._loop, Station(self, endpoint, *paths), draw)
         transport.open()
         return transport
 
     def join(self, transport: VirtualTransport, endpoint: Endpoint) -> None:
-        """Lets a process be reached."""
+        """Adds the transport at an endpoint."""
         self._stations[endpoint] = transport
 
     def leave(self, endpoint: Endpoint) -> None:
-        """Lets a process be reached no more."""
+        """Removes the transport at an endpoint."""
         self._stations.pop(endpoint, None)
 
     def close(self) -> None:
@@ -188,7 +185,7 @@ class Network:
             station.close()
 
     def send(self, datagram: bytes, station: Station, to: Endpoint) -> None:
-        """Lets a datagram leave a process."""
+        """Sends a datagram from a station to an endpoint or the group."""
         key = _ends(datagram)
         station.sent[key] += 1
         if not station.out.carry(partial(self._cross, datagram, station, to)):
@@ -197,13 +194,10 @@ class Network:
     def _cross(self, datagram: bytes, station: Station, to: Endpoint) -> None:
         origin = station.endpoint
         if to == _GROUP:
-            # A list, as a receiver may leave the network when it is reached.
-            for receiver in [
-                virtual_transport
-                for at, virtual_transport in self._stations.items()
-                if at != origin
-            ]:
-                self._enter(datagram, origin, receiver)
+            # A copy, as a receiver may leave the network at its arrival.
+            for endpoint, receiver in tuple(self._stations.items()):
+                if endpoint != origin:
+                    self._enter(datagram, origin, receiver)
         elif to in self._stations:
             self._enter(datagram, origin, self._stations[to])
         else:
@@ -213,14 +207,14 @@ class Network:
         station = receiver.station
         arrive = partial(self._arrive, datagram, origin, receiver)
         if station.into.link.is_plain and not station.into.is_cut:
-            # Without a further turn of the loop: the way out was one.
+            # Without a further turn of the loop: the path out took one.
             arrive()
         elif not station.into.carry(arrive):
             station.lost[_ends(datagram)] += 1
 
     def _arrive(self, datagram: bytes, origin: Endpoint, receiver: VirtualTransport) -> None:
         station = receiver.station
-        # Cut or closed while it was on its way.
+        # Cut or closed before its arrival.
         if station.into.is_cut or station.unicast is None:
             station.lost[_ends(datagram)] += 1
             return
@@ -230,18 +224,18 @@ class Network:
 
 
 class Station:
-    """Where a process is on the network: the port that it sends from, and its two ways."""
+    """The endpoint of a process on the network, its two paths and its counts."""
 
     group: Endpoint = _GROUP
 
-    def __init__(self, network: Network, endpoint: Endpoint, out: Way, into: Way) -> None:
+    def __init__(self, network: Network, endpoint: Endpoint, out: Path, into: Path) -> None:
         self.endpoint = endpoint
         self.out = out
         self.into = into
         self.unicast: Station | None = None
         self.sent: Counts = Counter()
         self.received: Counts = Counter()
-        self.lost: Counts = Counter()  # on one of its ways, or where nobody is
+        self.lost: Counts = Counter()  # on one of its paths, or at an unused endpoint
         self._network = network
 
     def open(self, transport: VirtualTransport) -> None:
@@ -263,15 +257,15 @@ class Station:
 class VirtualTransport(DatagramTransport):
     """Components of one process on the network of a virtual world; see ``VirtualWorld.transport``.
 
-    What JUDP does with packets is done here as well, on the bytes of its datagrams: numbers,
-    acknowledgements and repetitions, fragments, the search for who is where.
+    It handles packets as JUDP does, on the bytes of datagrams: sequence numbers, acknowledgements
+    and repetitions, fragments, discovery of endpoints.
     """
 
     def __init__(
         self, settings: TransportSettings, loop: Loop, station: Station, draw: Callable[[int], int]
     ) -> None:
-        """Prepares a transport; ``VirtualWorld.transport`` makes it and opens it."""
-        # There are no strangers in a world, so that nobody has to prove where it is.
+        """Prepares a transport, which ``VirtualWorld.transport`` opens."""
+        # Endpoints of a world are never forged, and need no proof.
         super().__init__(replace(settings, amplification_limit=0), loop, station, draw)
         self.station = station
 
@@ -294,14 +288,14 @@ class VirtualTransport(DatagramTransport):
 
     @property
     def endpoint(self) -> Endpoint:
-        """Where this process is reached."""
+        """The endpoint of this process."""
         return self.station.endpoint
 
     # ------------------------------------------------------------------ the network
 
     @property
     def out(self) -> Link:
-        """What the way out of this process does; it may be changed at any time."""
+        """The properties of the path out of this process; may be set at any time."""
         return self.station.out.link
 
     @out.setter
@@ -310,7 +304,7 @@ class VirtualTransport(DatagramTransport):
 
     @property
     def into(self) -> Link:
-        """What the way to this process does; it may be changed at any time."""
+        """The properties of the path into this process; may be set at any time."""
         return self.station.into.link
 
     @into.setter
@@ -318,11 +312,11 @@ class VirtualTransport(DatagramTransport):
         self.station.into.link = link
 
     def cut(self) -> None:
-        """Lets nothing pass in either direction; what is under way to this process is lost too."""
+        """Loses all datagrams in both directions, also those under way to this process."""
         self.station.out.is_cut = self.station.into.is_cut = True
 
     def restore(self) -> None:
-        """Lets all pass again as the links say."""
+        """Ends `cut`."""
         self.station.out.is_cut = self.station.into.is_cut = False
 
     @property
@@ -337,9 +331,9 @@ class VirtualTransport(DatagramTransport):
 
     @property
     def lost(self) -> Counts:
-        """Datagrams that got lost on the ways of this process, by source and destination.
+        """Datagrams lost on the paths of this process, by source and destination.
 
-        One that went to where nobody is any more is lost too.
+        Those to an unused endpoint are lost, too.
         """
         return self.station.lost
 

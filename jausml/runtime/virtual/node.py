@@ -1,4 +1,4 @@
-"""A node of the ROS of a virtual world, as bridges see it."""
+"""The ROS node of a bridge in a virtual world."""
 
 from __future__ import annotations
 
@@ -31,16 +31,16 @@ _DIAGNOSTICS = "diagnostic_msgs/msg/DiagnosticArray"
 class VirtualRosNode:
     """A node for a bridge, without ROS: topics, actions, parameters, and virtual time.
 
-    Services need ROS; a bridge that has some cannot be opened on it.
+    Services need ROS: a bridge with services cannot be opened on it.
     """
 
+    # The time of the world is that of the loop: no bridge needs to follow `/clock`.
     is_simulated = False
-    """The time of the world is that of the loop: nothing needs to follow `/clock`."""
 
     def __init__(
         self, graph: RosGraph, name: str, parameters: Mapping[str, Any], link: Link
     ) -> None:
-        """Joins the graph; `VirtualWorld.ros_node` does that, with values of parameters."""
+        """Joins the graph with values of parameters by name; see `VirtualWorld.ros_node`."""
         self.name = name
         self._graph = graph
         self._parameters = dict(parameters)
@@ -49,35 +49,35 @@ class VirtualRosNode:
         self._declared: dict[str, Parameter] = {}
         self._health: dict[tuple[Topic, bool], EndpointHealth] = {}
         self._ends: list[GraphPublisher | GraphSubscription] = []
-        self._served: list[Callable[[], None]] = []
+        self._removals: list[Callable[[], None]] = []
         diagnostics = graph.advertise(name, _DIAGNOSTICS, Topic("/diagnostics"))
         self._ends.append(diagnostics)
         self.publish_diagnostics: Callable[[bytes], None] = diagnostics.publish
 
     def attach(self, loop: Loop) -> None:
-        """Checks that a bridge has the loop of the world; ValueError where it has another one."""
+        """Raises ValueError for a bridge whose loop is not that of the world."""
         if loop is not self._graph.loop:
             raise ValueError(f"{self.name} is of another world than the transport of its bridge")
-        # By then the bridge has declared all that it has.
-        loop.call_soon(self._tell_unknown)
+        # By then the bridge has declared all its parameters.
+        loop.call_soon(self._count_unknown)
 
     def close(self) -> None:
-        """Gives all topics back; the bridge is closed before."""
+        """Removes all publishers, subscriptions and action servers; the bridge is closed before."""
         for end in self._ends:
             end.close()
         self._ends.clear()
-        for leave in self._served:
-            leave()
-        self._served.clear()
+        for remove in self._removals:
+            remove()
+        self._removals.clear()
 
     # ------------------------------------------------------------------ time and parameters
 
     def now(self) -> Time:
-        """Time of day of the world."""
+        """Returns the time of day of the world."""
         return Time(*divmod(self._graph.loop.wall(), 10**9))
 
     def follow_clock(self, take: Callable[[float], None]) -> None:
-        """Follows nothing: the time of the world is that of the loop."""
+        """Does nothing: the time of the world is that of the loop."""
 
     def parameter(self, parameter: Parameter, changed: Callable[[Any], None] | None = None) -> Any:
         """Declares a parameter and returns its value.
@@ -86,7 +86,7 @@ class VirtualRosNode:
             changed: Takes each later value; without it the parameter cannot change.
 
         Raises:
-            ParameterError: The value that was given for it does not do.
+            ParameterError: The value is not valid for the parameter.
         """
         name = parameter.name
         self._declared[name] = parameter
@@ -94,38 +94,38 @@ class VirtualRosNode:
             self._followers[name] = changed
         if name not in self._parameters:
             return parameter.default
-        return _taken(parameter, self._parameters[name])
+        return _converted(parameter, self._parameters[name])
 
     def check_parameters(self) -> None:
-        """Checks nothing more: each wrong value was an error at once."""
+        """Does nothing: each wrong value was an error at once."""
 
     def set_parameter(self, name: str, value: Any) -> None:
         """Changes a parameter, as `ros2 param set` does.
 
         Raises:
-            ParameterError: There is no such parameter, it cannot change, or the value does not do.
+            ParameterError: There is no such parameter, it cannot change, or the value is not valid.
         """
         parameter = self._declared.get(name)
         if parameter is None:
             raise ParameterError(f"{self.name} has no parameter {name}")
         if name not in self._followers:
             raise ParameterError(f"{name} cannot change while the bridge runs")
-        self._parameters[name] = taken = _taken(parameter, value)
-        self._followers[name](taken)
+        self._parameters[name] = converted = _converted(parameter, value)
+        self._followers[name](converted)
 
-    def _tell_unknown(self) -> None:
-        """Counts parameters that nobody declared: they are misspelt, or mean nothing here."""
+    def _count_unknown(self) -> None:
+        """Counts values of undeclared parameters, which may be misspelt."""
         for name in self._parameters:
             if name not in self._declared:
-                meant = nearest(name, self._declared)
-                hint = f"; did you mean {meant}?" if meant else ""
+                similar = nearest(name, self._declared)
+                hint = f"; did you mean {similar}?" if similar else ""
                 detail = f"{self.name} has no parameter {name}{hint}"
                 self._graph.loop.counters.count("ros.unknown_parameter", detail)
 
     # ------------------------------------------------------------------ topics
 
     def codec(self, ros_type: type[Any]) -> RosCodec:
-        """Returns what makes objects of rclpy of messages; RosTypeError without rclpy."""
+        """Returns the codec for objects of rclpy; RosTypeError without rclpy."""
         try:
             from ..bridge.ros.internals import Codec  # noqa: PLC0415 - light classes do without
 
@@ -135,11 +135,11 @@ class VirtualRosNode:
             raise RosTypeError(f"{needed}: {error}") from error
 
     def publisher(
-        self, ros_type: type[Any], topic: Topic, greet: Callable[[], None] | None = None
+        self, ros_type: type[Any], topic: Topic, on_match: Callable[[], None] | None = None
     ) -> RosPublisher:
-        """Makes a publisher; see `RosSide`."""
+        """Creates a publisher; see `RosSide`."""
         resolved = self._resolved(topic)
-        end = self._graph.advertise(self.name, ros_type, resolved, greet)
+        end = self._graph.advertise(self.name, ros_type, resolved, on_match)
         self._health[topic, True] = end.health
         self._ends.append(end)
         return end
@@ -147,7 +147,7 @@ class VirtualRosNode:
     def subscribe(
         self, ros_type: type[Any], topic: Topic, take: Callable[[bytes, int], None]
     ) -> TopicCounts:
-        """Makes a subscription; see `RosSide`."""
+        """Creates a subscription; see `RosSide`."""
         resolved = self._resolved(topic)
         end = self._graph.attach(self.name, ros_type, resolved, take, self._link)
         self._health[topic, False] = end.health
@@ -156,7 +156,7 @@ class VirtualRosNode:
 
     @property
     def link(self) -> Link:
-        """What the ways to the subscriptions do; another one may be set at any time."""
+        """The properties of the paths to all subscriptions; may be set at any time."""
         return self._link
 
     @link.setter
@@ -167,7 +167,7 @@ class VirtualRosNode:
                 end.link = link
 
     def faults(self, topic: Topic, *, publishes: bool, alone: bool = False) -> Sequence[TopicFault]:
-        """Returns why a topic does not work as it should; nothing while it does."""
+        """Returns the faults of a publisher or subscription of a topic."""
         return self._health[topic, publishes].faults(alone=alone)
 
     def _resolved(self, topic: Topic) -> Topic:
@@ -182,38 +182,38 @@ class VirtualRosNode:
         return f"{namespace}/{name}"
 
     def part(self, _load: object) -> Any:
-        """Returns the node, whose parts are its own."""
+        """Returns the node, which has no separate parts."""
         return self
 
     # ------------------------------------------------------------------ actions
 
     def action_client(self, action: ListAction) -> ActionClient:
-        """Returns what sends goals of an action."""
+        """Returns a client of an action."""
         return self._graph.action_client(self._full_name(action.name), self._link)
 
     def serve_action(self, action: ListAction, taker: GoalTaker) -> None:
-        """Gives the goals of an action to a taker."""
-        served = self._graph.serve_action(self._full_name(action.name), taker)
-        self._served.append(partial(served.close, taker))
+        """Sets the server of an action."""
+        virtual_action = self._graph.serve_action(self._full_name(action.name), taker)
+        self._removals.append(partial(virtual_action.close, taker))
 
-    # ------------------------------------------------------------------ what needs ROS
+    # ------------------------------------------------------------------ services
 
     def serve(self, service: RosService, _take: object) -> NoReturn:
-        """Refuses: services need ROS."""
+        """Raises NotImplementedError: services need ROS."""
         raise _needs_ros(f"service {service.name}")
 
     def client(self, service: RosService) -> NoReturn:
-        """Refuses: services need ROS."""
+        """Raises NotImplementedError: services need ROS."""
         raise _needs_ros(f"service {service.name}")
 
 
-def _needs_ros(what: str) -> NotImplementedError:
-    return NotImplementedError(f"{what}: in virtual time there are topics and actions, no services")
+def _needs_ros(end: str) -> NotImplementedError:
+    return NotImplementedError(f"{end}: in virtual time there are topics and actions, no services")
 
 
-def _taken(parameter: Parameter, value: Any) -> Any:
-    """Returns a value as a parameter takes it; ParameterError where it does not do."""
+def _converted(parameter: Parameter, value: Any) -> Any:
+    """Returns a value converted to the type of a parameter; ParameterError if not valid."""
     try:
-        return parameter.taken(value)
+        return parameter.converted(value)
     except ValueError as error:
         raise ParameterError(str(error)) from error

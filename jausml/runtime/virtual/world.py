@@ -1,4 +1,4 @@
-"""Virtual world: components and bridges by a simulated clock, as fast as the computer can go."""
+"""Virtual world: components and bridges by a simulated clock, as fast as the computer can run."""
 
 from __future__ import annotations
 
@@ -16,13 +16,11 @@ from .graph import RosGraph
 from .network import Link, Network, VirtualTransport
 from .node import VirtualRosNode
 
+# Takes the time in seconds, the path or topic of an arriving datagram or message, and its bytes.
 Watch: TypeAlias = "Callable[[float, str, bytes], object]"
-"""Told the time in seconds, where something arrives, and the bytes of it."""
 
 START = datetime(2026, 1, 1, tzinfo=timezone.utc)  # time of day at which worlds begin
-
-MOST_AT_ONCE = 100_000
-"""Turns of the loop without any time between them after which something goes round in circles."""
+MAX_AT_ONCE = 100_000  # turns of the loop at one time after which callbacks go round in circles
 
 _EPOCH = datetime(1970, 1, 1, tzinfo=timezone.utc)
 _NANO = 10**9
@@ -31,12 +29,12 @@ _NANO = 10**9
 class VirtualWorld:
     """Components and bridges on one clock, which goes from event to event and never waits.
 
-    Nothing in it depends on the computer: the same seed gives the same bytes at the same times, as
-    long as what runs in it asks the time of its component or bridge, and draws its random numbers
-    from ``random`` or a seed of its own. All of it runs on the thread that calls ``run_for``.
+    The same seed gives the same bytes at the same times on any computer, as long as user code takes
+    the time from its component or bridge, and random numbers from ``random`` or a seed of its own.
+    All of it runs on the thread that calls ``run_for``.
 
     Attributes:
-        random: Decides what gets lost, and how long the rest takes, in the order of events.
+        random: Draws losses and delays, in the order of events.
     """
 
     def __init__(self, seed: int = 1, start: datetime = START) -> None:
@@ -52,16 +50,16 @@ class VirtualWorld:
             raise ValueError(f"start {start} has no time zone")
         self._now = 0.0
         self._is_running = False
-        # In whole numbers, as a float rounds so many nanoseconds.
+        # An integer, as a float would round the nanoseconds.
         self._start = (start - _EPOCH) // timedelta(microseconds=1) * 1000
         self._seed = seed
         self._transports = 0
         self._watchers: list[Watch] = []
         self.random = Random(seed)
-        # By its own clock no callback is slow, whatever the computer does.
+        # By its own clock, no callback is slow on any computer.
         self.loop = Loop(clock=self.now, wall=self._wall, stopwatch=self.now)
-        self._network = Network(self.loop, self.random, self._tell)
-        self.ros = RosGraph(self.loop, self.random, self._tell)
+        self._network = Network(self.loop, self.random, self._notify)
+        self.ros = RosGraph(self.loop, self.random, self._notify)
 
     def __enter__(self) -> VirtualWorld:
         return self
@@ -70,11 +68,11 @@ class VirtualWorld:
         self.close()
 
     def close(self) -> None:
-        """Ends; components and bridges that should leave in good order are stopped before."""
+        """Closes network and loop; components and bridges should be stopped before."""
         self._network.close()
         self.loop.stop()
 
-    # ------------------------------------------------------------------ what is in it
+    # ------------------------------------------------------------------ processes and nodes
 
     def transport(
         self,
@@ -82,9 +80,9 @@ class VirtualWorld:
         into: Link | None = None,
         settings: TransportSettings | None = None,
     ) -> VirtualTransport:
-        """Returns the transport of one more process, open; settings of sockets do not count."""
+        """Returns the opened transport of a further process; settings of sockets have no effect."""
         self._transports += 1
-        # A stream of its own: numbers of packets do not shift what happens by chance.
+        # Random numbers of its own: drawing packet numbers does not shift losses and delays.
         numbers = Random(f"{self._seed} {self._transports}")
         return self._network.transport(
             settings or TransportSettings(), out or Link(), into or Link(), numbers.randrange
@@ -99,16 +97,16 @@ class VirtualWorld:
         link: Link | None = None,
     ) -> VirtualRosNode:
         """Returns a node for a bridge in a namespace, e.g. `/fleet`; empty means the root."""
-        full = f"/{namespace.strip('/')}/{name}" if namespace.strip("/") else f"/{name}"
-        return VirtualRosNode(self.ros, full, parameters or {}, link or Link())
+        full_name = f"/{namespace.strip('/')}/{name}" if namespace.strip("/") else f"/{name}"
+        return VirtualRosNode(self.ros, full_name, parameters or {}, link or Link())
 
     def watch(self, take: Watch) -> None:
-        """Tells of each datagram and each ROS message that arrives from now on."""
+        """Calls `take` with each datagram and each ROS message that arrives from now on."""
         self._watchers.append(take)
 
     @property
     def counters(self) -> Counters:
-        """Counts of what was dropped, ignored or failed."""
+        """The counters of the world."""
         return self.loop.counters
 
     # ------------------------------------------------------------------ time
@@ -130,31 +128,30 @@ class VirtualWorld:
         return self.loop.call_later(delay_s, callback)
 
     def run_for(self, seconds: float) -> None:
-        """Lets so much time pass, with all that happens in it.
+        """Advances the time, and runs all callbacks until then.
 
         Args:
-            seconds: How much, at least 0.
+            seconds: Virtual time to pass, at least 0.
 
         Raises:
-            ValueError: Time would go back.
-            RuntimeError: Something goes round in circles, and time does not go on; or the world
-                runs already, and a callback wants it to.
+            ValueError: The seconds are negative.
+            RuntimeError: Callbacks go round in circles at one time; or the caller is a callback.
         """
         with self._running(seconds) as turns:
             end = self._now + seconds
             while self._step(end, turns):
                 pass
-            # Also where nothing happens until then.
+            # Also without an event at the end.
             self._now = end
 
     def run_until(self, condition: Callable[[], object], limit: float) -> None:
-        """Lets time pass until a condition holds; it is asked after each turn of the loop.
+        """Advances the time until a condition holds, which is checked after each turn.
 
         Args:
             limit: Longest time in seconds.
 
         Raises:
-            TimeoutError: It does not hold by then.
+            TimeoutError: The condition does not hold by then.
             ValueError: The limit is below 0.
             RuntimeError: As with ``run_for``.
         """
@@ -181,7 +178,7 @@ class VirtualWorld:
             self._is_running = False
 
     def _step(self, end: float, turns: _Turns) -> bool:
-        """Goes to what happens next and lets it happen; returns False if it is after the end."""
+        """Advances to the next event and runs it; returns False if it is after the end."""
         due = self.loop.next_due()
         if due is None or due > end:
             return False
@@ -189,22 +186,22 @@ class VirtualWorld:
             self._now = due
             turns.at_once = 0
         turns.at_once += 1
-        if turns.at_once > MOST_AT_ONCE:
+        if turns.at_once > MAX_AT_ONCE:
             raise RuntimeError(f"time stands still at {self._now:g} s: callbacks call each other")
-        # Never waits: time goes on by `_now` alone.
+        # Without a wait: only `_now` advances the time.
         self.loop.run_once(0)
         return True
 
     def _wall(self) -> int:
         return self._start + round(self._now * _NANO)
 
-    def _tell(self, where: str, data: bytes) -> None:
+    def _notify(self, where: str, data: bytes) -> None:
         for watcher in self._watchers:
             watcher(self._now, where, data)
 
 
 class _Turns:
-    """How many turns the loop took at the present time."""
+    """The number of turns of the loop at the present time."""
 
     def __init__(self) -> None:
         self.at_once = 0

@@ -1,4 +1,4 @@
-"""Messages as bytes: what the generated classes of messages are made of."""
+"""Messages as bytes: the parts of which generated message classes are made."""
 
 from .codec import StampedMessage as StampedMessage
 from .codec import TimeStamp as TimeStamp

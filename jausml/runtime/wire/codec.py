@@ -1,7 +1,8 @@
-"""Kinds of fields, and what they check of values on their way to and from the wire.
+"""Kinds of fields, and the checks of their values on the way to and from the wire.
 
-The annotation of a field is `Annotated` with its kind: a `Scalar`, or what is `Counted`, `Listed`
-or `Tagged`. A field whose type is a record needs no kind. Generated messages make the checks alone.
+A field is annotated by `Annotated` with its kind: `Scalar`, `Counted`, `Listed` or `Tagged`. A
+field whose type is a record needs no kind. Generated messages use only the checks, which raise
+EncodeError or DecodeError with the name of the field.
 """
 
 from __future__ import annotations
@@ -18,12 +19,12 @@ from .message import DecodeError, EncodeError, Message
 T = TypeVar("T")
 NumberT = TypeVar("NumberT", int, float)
 
-# Part of a step by which floating point may miss an integer that was decoded before.
+# Part of a step by which a decoded value may miss its integer, by floating point.
 _SLACK = 1e-3
 
 
 def integer(value: NumberT, lower: NumberT, upper: NumberT, field: str) -> NumberT:
-    """Returns an integer, or a real number, that lies in its range."""
+    """Returns an integer or real number if it lies in its range."""
     try:
         if lower <= value <= upper:
             return value
@@ -33,7 +34,7 @@ def integer(value: NumberT, lower: NumberT, upper: NumberT, field: str) -> Numbe
 
 
 def one_of(value: int, ranges: Sequence[tuple[int, int]], field: str) -> int:
-    """Returns an integer that its value set lists."""
+    """Returns an integer if one of the ranges of its value set has it."""
     try:
         if any(lower <= value <= upper for lower, upper in ranges):
             return value
@@ -43,7 +44,7 @@ def one_of(value: int, ranges: Sequence[tuple[int, int]], field: str) -> int:
 
 
 def whole(value: float, lower: int, upper: int, field: str) -> int:
-    """Returns the integer that a real number stands for."""
+    """Returns a real number without fraction as an integer, if in its range."""
     try:
         number = int(value)
     except (TypeError, ValueError, OverflowError):
@@ -54,7 +55,7 @@ def whole(value: float, lower: int, upper: int, field: str) -> int:
 
 
 def whole_of(value: float, ranges: Sequence[tuple[int, int]], field: str) -> int:
-    """Returns the integer of a value set that a real number stands for."""
+    """Returns a real number without fraction as an integer, if in its value set."""
     return one_of(whole(value, ranges[0][0], ranges[-1][1], field), ranges, field)
 
 
@@ -91,7 +92,7 @@ def scaled_up(value: float, lower: float, step: float, maximum: int, field: str)
 
 
 def _end(value: float, lower: float, step: float, maximum: int, field: str) -> int:
-    """Returns the end that a value misses by no more than floating point does, or raises."""
+    """Returns 0 or the maximum for a value that misses it by floating point only."""
     position = (value - lower) / step
     slack = _SLACK + maximum * 2.0**-50
     if -slack <= position < 0.0:
@@ -102,7 +103,7 @@ def _end(value: float, lower: float, step: float, maximum: int, field: str) -> i
 
 
 def sized(value: Sized, lower: int, upper: int, field: str) -> int:
-    """Returns the length of a list or string that is neither too short nor too long."""
+    """Returns the length of a list or string if it lies in its range."""
     length = len(value)
     if lower <= length <= upper:
         return length
@@ -110,13 +111,13 @@ def sized(value: Sized, lower: int, upper: int, field: str) -> int:
 
 
 def exactly(values: Sequence[T], count: int, field: str) -> Sequence[T]:
-    """Returns the elements of an array, which has a fixed number of them."""
+    """Returns the elements of an array if they are `count`."""
     sized(values, count, count, field)
     return values
 
 
 def latin1(value: str, field: str) -> bytes:
-    """Returns a string as bytes, one for each character."""
+    """Returns a string as bytes of Latin-1."""
     try:
         return value.encode("latin-1")
     except UnicodeEncodeError:
@@ -124,7 +125,7 @@ def latin1(value: str, field: str) -> bytes:
 
 
 def padded(value: str, length: int, field: str) -> bytes:
-    """Returns a string of fixed length as bytes with zeros; EncodeError where it does not fit."""
+    """Returns a string as bytes, filled with zeros to a fixed length."""
     text = latin1(value, field)
     sized(text, 0, length, field)
     if b"\0" in text:
@@ -133,12 +134,12 @@ def padded(value: str, length: int, field: str) -> bytes:
 
 
 def unpadded(text: bytes) -> str:
-    """Returns the string that fixed bytes hold: what stands before the first NUL."""
+    """Returns the string before the first NUL."""
     return text.split(b"\0", 1)[0].decode("latin-1")
 
 
 def take(buffer: bytes, offset: int, size: int, upper: int, field: str) -> bytes:
-    """Returns a counted part of the payload."""
+    """Returns `size` bytes of the payload from an offset, if at most `upper`."""
     if size > upper:
         raise DecodeError(field, f"length {size} is more than {upper}")
     part = buffer[offset : offset + size]
@@ -148,18 +149,21 @@ def take(buffer: bytes, offset: int, size: int, upper: int, field: str) -> bytes
 
 
 def take_text(buffer: bytes, offset: int, size: int, upper: int, field: str) -> str:
-    """Returns a counted string of the payload."""
+    """Returns `size` bytes of the payload as a string, if at most `upper`."""
     return take(buffer, offset, size, upper, field).decode("latin-1")
 
 
 def check_presence(presence: int, known: int, part: str) -> None:
-    """Refuses a presence vector with bits of unknown fields, whose size nobody knows."""
+    """Refuses a presence vector with bits beyond `known`: the size of those fields is unknown."""
     if presence > known:
         raise DecodeError(part, f"unknown bits in presence vector 0x{presence:X}")
 
 
 def check_count(size: int, upper: int, room: int, element: int, field: str) -> None:
-    """Checks a count, by the fewest bytes of an element, before memory is taken."""
+    """Refuses a count of elements that exceeds `upper`, or the bytes left in `room`.
+
+    It is checked before memory is taken; `element` is the least size of an element in bytes.
+    """
     if size > upper:
         raise DecodeError(field, f"count {size} is more than {upper}")
     if size * element > room:
@@ -178,32 +182,32 @@ def greatest(letter: str) -> int:
 class Scalar:
     """A field of a fixed size."""
 
-    format: str  # its format for `struct`
-    # Returns what is packed of a value; it is also given the attribute that an error names.
+    format: str  # format for `struct`
+    # Returns the number or bytes to pack of a value; takes the attribute for errors, too.
     put: Callable[[Any, str], Any]
-    # Returns the value of what was unpacked; None for that itself.
+    # Returns the value of an unpacked number or bytes; None if they are the value.
     get: Callable[[Any], Any] | None = None
-    # Least and greatest value of an integer that is packed as it is; None for others.
+    # Least and greatest value of an integer that is packed unchanged; None for others.
     limits: tuple[int, int] | None = None
-    # Whether its bytes can hold more than these, which packing does not find.
+    # Whether the bytes can hold integers beyond the limits, which packing would let pass.
     is_narrow: bool = False
 
 
 def unsigned(size: int, lower: int = 0, upper: int | None = None) -> Scalar:
-    """Returns the kind of an integer of some bytes, 1, 2, 4 or 8, which fills them by default."""
+    """Returns the kind of an unsigned integer of 1, 2, 4 or 8 bytes, within its limits."""
     letter = {1: "B", 2: "H", 4: "I", 8: "Q"}[size]
-    most = greatest(letter)
-    end = most if upper is None else upper
+    maximum = greatest(letter)
+    end = maximum if upper is None else upper
 
     def put(value: int, field: str) -> int:
         return integer(value, lower, end, field)
 
-    is_narrow = (lower, end) != (0, most)
+    is_narrow = (lower, end) != (0, maximum)
     return Scalar(letter, put, limits=(lower, end), is_narrow=is_narrow)
 
 
 def scaled_unsigned(upper: float) -> Scalar:
-    """Returns the kind of a number from 0, as a scaled integer of two bytes."""
+    """Returns the kind of a number 0 .. `upper`, scaled to two bytes."""
     step = upper / 0xFFFF
     return Scalar("H", lambda value, field: scaled(value, 0.0, step, 0xFFFF, field), step.__mul__)
 
@@ -214,7 +218,7 @@ def fixed_text(length: int) -> Scalar:
 
 
 def bits(size: int, bit_field: Any) -> Scalar:
-    """Returns the kind of a bit field of some bytes, 2 or 4, which has a class."""
+    """Returns the kind of a bit field of 2 or 4 bytes, whose value is an object of a class."""
 
     def put(value: Any, _: str) -> Any:
         return value.to_integer()
@@ -224,9 +228,9 @@ def bits(size: int, bit_field: Any) -> Scalar:
 
 @dataclass(frozen=True)
 class Counted:
-    """Bytes, or a string of Latin-1, behind their number."""
+    """The kind of bytes, or a string of Latin-1, behind their count."""
 
-    format: str  # format of the number for `struct`
+    format: str  # format of the count for `struct`
     least: int = 0  # fewest bytes that may be sent
     is_text: bool = False
 
@@ -237,15 +241,15 @@ class Counted:
 
     @property
     def take(self) -> Callable[..., Any]:
-        """What takes them, as the type of the field."""
+        """The function that reads the bytes or string from a payload."""
         return take_text if self.is_text else take
 
 
 @dataclass(frozen=True)
 class Listed:
-    """Records behind their number, which has a format for `struct`."""
+    """The kind of a list of records behind their count."""
 
-    format: str
+    format: str  # format of the count for `struct`
 
     @property
     def most(self) -> int:
@@ -255,9 +259,9 @@ class Listed:
 
 @dataclass(frozen=True)
 class Tagged:
-    """One of several records, behind a byte that says which one: its `TAG`."""
+    """The kind of one of several records, behind a byte with its `TAG`."""
 
-    name: str  # what an error calls the field
+    name: str  # name of the field in errors
 
 
 U8 = Annotated[int, unsigned(1)]
@@ -272,7 +276,7 @@ LongList = Annotated[list[ElementT], Listed("H")]
 class TimeStamp:
     """A time stamp as a bit field of 32 bits (SAE AS5684 bit_field; AS5710, SetTime).
 
-    Neither month nor year is named: only a clock tells which day of that number is meant.
+    It has neither month nor year: only a clock can tell them.
 
     Attributes:
         milliseconds: Milliseconds. 0 .. 999.
@@ -299,23 +303,23 @@ class TimeStamp:
 
     @classmethod
     def of(cls, moment: datetime) -> TimeStamp:
-        """Returns the stamp of a moment in UTC; parts of a millisecond are cut off."""
+        """Returns the stamp of a moment in UTC, rounded down to milliseconds."""
         return cls(
             moment.microsecond // 1000, moment.second, moment.minute, moment.hour, moment.day
         )
 
     @classmethod
     def from_integer(cls, bits: int) -> TimeStamp:
-        """Returns what the 32 bits of an integer say, legal or not."""
+        """Returns the stamp of 32 bits, without a check of its parts."""
         return cls(
             bits & 0x3FF, bits >> 10 & 0x3F, bits >> 16 & 0x3F, bits >> 22 & 0x1F, bits >> 27 & 0x1F
         )
 
 
 class StampedMessage(Message):
-    """A message with the time stamp of AS5710, whose class it offers as `TimeStamp`.
+    """A message with the time stamp of AS5710, whose class is its attribute `TimeStamp`.
 
-    The class stands here since a dataclass would take an alias in its own body for a field.
+    The alias stands in a base since a dataclass would take an alias in its own body for a field.
     """
 
     __slots__ = ()

@@ -1,12 +1,11 @@
-"""Codecs of messages that declare on their fields how these stand on the wire (`kinds`).
+"""Codecs of messages whose fields are annotated with their kind on the wire (`codec`).
 
-`message` and `record` give a dataclass what writes and reads it. A field that may be None is
-optional: a presence vector of one byte, before all fields, has a bit for each of these, which come
-last. Values are checked, and errors worded, as in the messages that generators write (`codec`), to
-which each declared message is equal.
+The decorators `message` and `record` add methods to a dataclass that write and read it. A field
+that may be None is optional: optional fields come last, and a presence vector of one byte, before
+all fields, has a bit for each. Checks and errors are those of generated messages.
 
-Integers that follow each other are packed together, and judged one by one only where something
-does not fit: a call for each would cost more than all the rest.
+Consecutive integers are packed together, and checked one by one only when packing fails: a call
+for each would cost more than all the rest.
 """
 
 from __future__ import annotations
@@ -36,22 +35,22 @@ _MISFITS = (EncodeError, struct.error, TypeError, ValueError, OverflowError, Att
 
 
 def message(code: int) -> Callable[[MessageClassT], MessageClassT]:
-    """Returns what makes a message of a code out of a dataclass, with the name of the class."""
+    """Returns a decorator of dataclasses that are messages of a code, named like the class."""
 
     def declare(cls: MessageClassT) -> MessageClassT:
         cls.CODE, cls.NAME = code, cls.__name__
-        _give_codec(cls, cls.__name__)
+        _add_codec(cls, cls.__name__)
         return cls
 
     return declare
 
 
 def record(name: str) -> Callable[[ClassT], ClassT]:
-    """Returns what makes a record of a dataclass, which texts and errors call by a name."""
+    """Returns a decorator of dataclasses that are records, with their name in texts and errors."""
 
     def declare(cls: ClassT) -> ClassT:
         cls.__qualname__ = name
-        _give_codec(cls, name)
+        _add_codec(cls, name)
         return cls
 
     return declare
@@ -59,7 +58,7 @@ def record(name: str) -> Callable[[ClassT], ClassT]:
 
 @dataclass(slots=True, repr=False, eq=False)
 class Bodiless(Message):
-    """A message of its code alone."""
+    """A message without fields."""
 
 
 class _Field(NamedTuple):
@@ -70,17 +69,17 @@ class _Field(NamedTuple):
 
 
 class _Part(NamedTuple):
-    """Fields that are written and read in one go."""
+    """Functions that write and read one field, or consecutive scalars."""
 
-    write: Write  # appends them to the bytes written so far
-    read: Read  # appends them to the values read so far; returns the offset after them
-    size: int  # fewest bytes that they take
-    # Reads a class that has no other fields, where that is quicker than `read`.
+    write: Write  # appends the fields of an object to the bytes written so far
+    read: Read  # appends their values to those read so far; returns the offset after them
+    size: int  # fewest bytes of the fields
+    # Reads an object of a class without other fields; None unless faster than `read`.
     read_from: ReadFrom | None = None
 
 
-def _give_codec(cls: Any, name: str) -> None:
-    """Gives a dataclass what writes and reads it; a message without fields has that already."""
+def _add_codec(cls: Any, name: str) -> None:
+    """Adds `LEAST_SIZE` and, unless it has no fields, `write_to` and `read_from` to a class."""
     members = [_field(field.name, field.type) for field in fields(cls)]
     optional = [field for field in members if field.is_optional]
     parts = _parts(members[: len(members) - len(optional)])
@@ -89,8 +88,8 @@ def _give_codec(cls: Any, name: str) -> None:
         cls.write_to, read_from = _with_presence(parts, optional, name)
         cls.read_from = classmethod(read_from)
     elif parts:
-        cls.write_to = _all_written(parts)
-        cls.read_from = classmethod(_all_read(parts))
+        cls.write_to = _joined_write(parts)
+        cls.read_from = classmethod(_joined_read(parts))
 
 
 def _field(name: str, declared: Any) -> _Field:
@@ -116,7 +115,7 @@ def _parts(members: Sequence[_Field]) -> list[_Part]:
     return [*parts, _scalars(run)] if run else parts
 
 
-def _all_written(parts: Sequence[_Part]) -> Write:
+def _joined_write(parts: Sequence[_Part]) -> Write:
     writes = [part.write for part in parts]
 
     def write_to(self: Any, out: bytearray) -> None:
@@ -126,7 +125,7 @@ def _all_written(parts: Sequence[_Part]) -> Write:
     return writes[0] if len(writes) == 1 else write_to
 
 
-def _all_read(parts: Sequence[_Part]) -> ReadFrom:
+def _joined_read(parts: Sequence[_Part]) -> ReadFrom:
     if len(parts) == 1 and parts[0].read_from is not None:
         return parts[0].read_from
     reads = [part.read for part in parts]
@@ -143,16 +142,18 @@ def _all_read(parts: Sequence[_Part]) -> ReadFrom:
 def _with_presence(
     parts: Sequence[_Part], optional: Sequence[_Field], name: str
 ) -> tuple[Write, ReadFrom]:
-    """Returns what writes and reads a class whose last fields are optional."""
-    always, reads = _all_written(parts), [part.read for part in parts]
-    maybe = [(1 << bit, field.name, *_parts([field])[0][:2]) for bit, field in enumerate(optional)]
+    """Returns functions that write and read a class whose last fields are optional."""
+    write_parts, reads = _joined_write(parts), [part.read for part in parts]
+    options = [
+        (1 << bit, field.name, *_parts([field])[0][:2]) for bit, field in enumerate(optional)
+    ]
     known = (1 << len(optional)) - 1
 
     def write_to(self: Any, out: bytearray) -> None:
         start = len(out)
         out.append(0)
-        always(self, out)
-        for bit, attribute, write, _ in maybe:
+        write_parts(self, out)
+        for bit, attribute, write, _ in options:
             if getattr(self, attribute) is not None:
                 out[start] |= bit
                 write(self, out)
@@ -164,7 +165,7 @@ def _with_presence(
         for read in reads:
             offset = read(buffer, offset, values)
         check_presence(presence, known, name)
-        for bit, _, _, read in maybe:
+        for bit, _, _, read in options:
             if presence & bit:
                 offset = read(buffer, offset, values)
             else:
@@ -202,9 +203,9 @@ def _scalars(run: Sequence[_Field]) -> _Part:
 
 
 def _quick(run: Sequence[_Field], pack: Callable[..., bytes], careful: Write) -> Write:
-    """Returns what writes integers at once, and leaves it to another one to word an error."""
+    """Returns a function that packs integers at once; `careful` raises the error at a misfit."""
     value_of = operator.attrgetter(*(field.name for field in run))
-    # The places and limits of those whose bytes can hold more.
+    # Indices and limits of fields whose bytes can hold more.
     narrow = [(index, *f.kind.limits) for index, f in enumerate(run) if f.kind.is_narrow]
     lower, upper = run[0].kind.limits
 
@@ -285,9 +286,9 @@ def _tagged(field: _Field) -> _Part:
     options = {option.TAG: option for option in get_args(field.type)}
 
     def write(part: Any, out: bytearray) -> None:
-        chosen = getattr(part, name)
-        out += _TAG.pack(chosen.TAG)
-        chosen.write_to(out)
+        option = getattr(part, name)
+        out += _TAG.pack(option.TAG)
+        option.write_to(out)
 
     def read(buffer: bytes, offset: int, values: list[Any]) -> int:
         (tag,) = _TAG.unpack_from(buffer, offset)

@@ -15,14 +15,14 @@ from typing import Any, ClassVar, TypeVar
 from ..base.api import JausError
 
 _CODE = struct.Struct("<H")
-# What values raise that are not even of the type of their field.
+# Errors of values of another type than their field.
 _MISFITS = (struct.error, TypeError, AttributeError, OverflowError)
 
 MessageT = TypeVar("MessageT", bound="Message")
 
 
 class DecodeError(JausError):
-    """Bytes that are not the message they claim to be."""
+    """Bytes are no valid message of their class."""
 
     def __init__(self, where: str, reason: str) -> None:
         super().__init__(f"{where}: {reason}")
@@ -31,7 +31,7 @@ class DecodeError(JausError):
 
 
 class EncodeError(JausError):
-    """A value that has no place on the wire, for example one outside the range of its field."""
+    """A value cannot be encoded, for example outside the range of its field."""
 
     def __init__(self, field: str, reason: str) -> None:
         super().__init__(f"{field}: {reason}")
@@ -40,7 +40,7 @@ class EncodeError(JausError):
 
 
 def read_code(payload: bytes) -> int:
-    """Returns the message code that a payload begins with."""
+    """Returns the message code of a payload; DecodeError if it is too short."""
     try:
         code: int = _CODE.unpack_from(payload)[0]
     except struct.error:
@@ -51,9 +51,9 @@ def read_code(payload: bytes) -> int:
 class Message:
     """One JAUS message; the generated subclasses are dataclasses of its fields.
 
-    An optional field that is None is left out by the presence vector. Two messages are equal when
-    their fields are. How they are compared and shown is said here once: to make functions for it
-    in each of some hundred classes takes a tenth of the start of a large bridge.
+    The presence vector leaves out an optional field that is None. Two messages are equal when their
+    fields are. Comparison and representation are defined here once: functions for them in each of
+    some hundred classes would take a tenth of the start of a large bridge.
     """
 
     __slots__ = ()
@@ -75,7 +75,7 @@ class Message:
         return f"{self.__class__.__qualname__}({values})"
 
     def encode(self) -> bytes:
-        """Returns message code and body as bytes; EncodeError where a field does not fit."""
+        """Returns message code and body as bytes; EncodeError if a field does not fit."""
         out = bytearray(_CODE.pack(self.CODE))
         try:
             self.write_to(out)
@@ -85,10 +85,10 @@ class Message:
 
     @classmethod
     def decode(cls: type[MessageT], payload: bytes) -> MessageT:
-        """Returns the message that the bytes hold, or a DecodeError.
+        """Returns the message of a payload; DecodeError if it is not one of this class.
 
-        Bytes after the body are refused: a body that is longer than its definition is of another
-        definition, and what was read of it cannot be trusted.
+        Bytes after the body are refused: a longer body follows another definition, so that the
+        values read of it cannot be trusted.
         """
         if payload[:2] != _CODE.pack(cls.CODE):
             cls.check_code(payload)
@@ -102,17 +102,17 @@ class Message:
 
     @classmethod
     def check_code(cls, payload: bytes) -> None:
-        """Refuses a payload of another message."""
+        """Raises DecodeError for a payload of another message."""
         code = read_code(payload)
         if code != cls.CODE:
             raise DecodeError(cls.NAME, f"message code 0x{code:04X} is another message's")
 
     def write_to(self, out: bytearray) -> None:
-        """Appends the body; there is none unless a subclass says otherwise."""
+        """Appends the body, empty by default."""
 
     @classmethod
     def read_from(cls: type[MessageT], buffer: bytes, offset: int) -> tuple[MessageT, int]:  # noqa: ARG003
-        """Reads the body, none by default; returns the message and the offset after it."""
+        """Reads the body, empty by default; returns the message and the offset after it."""
         return cls(), offset
 
 
@@ -127,11 +127,11 @@ def _values(message: Message) -> tuple[Any, ...]:
 
 
 def asked_for(query: Message, report: MessageT) -> MessageT:
-    """Returns the report without the optional fields that its query does not ask for.
+    """Returns a copy of a report without the optional fields that its query does not select.
 
     The field PresenceVector of a query names the optional fields of the report, by the bits of the
-    report's own presence vector (AS5710, AS6009, queries). A query without that field asks for all.
-    The given report is not changed.
+    report's own presence vector (AS5710, AS6009, queries). A query without that field selects all.
+    Where nothing is left out, the report itself is returned.
     """
     wanted = _wanted(query)
     if wanted is None:
@@ -149,7 +149,7 @@ def asked_for(query: Message, report: MessageT) -> MessageT:
 
 
 def asked_for_in(query: Message, report_class: type[Message], report: bytes) -> bytes:
-    """Returns an encoded report without optional fields that its query does not ask for."""
+    """Returns an encoded report without the optional fields that its query does not select."""
     report_class.check_code(report)
     if asks_for_all(query, report_class):
         return report
@@ -159,7 +159,7 @@ def asked_for_in(query: Message, report_class: type[Message], report: bytes) -> 
 
 
 def asks_for_all(query: Message, report_class: type[Message]) -> bool:
-    """Returns whether a query asks for every field that its report can have."""
+    """Returns whether a query selects all optional fields of its report."""
     wanted = _wanted(query)
     message_class: type = report_class
     every = (1 << len(optional_fields(message_class))) - 1
@@ -167,7 +167,7 @@ def asks_for_all(query: Message, report_class: type[Message]) -> bool:
 
 
 def _wanted(query: Message) -> int | None:
-    """Returns the presence vector of the report that a query asks for, or None for all."""
+    """Returns the presence vector by which a query selects fields; None for all."""
     wanted = getattr(query, "presence_vector", None)
     return wanted if isinstance(wanted, int) else None
 
@@ -177,7 +177,7 @@ def optional_fields(message_class: type) -> tuple[str, ...]:
     """Returns the attributes of a message's optional fields in the order of their presence bits.
 
     Args:
-        message_class: Generated codec; its optional fields, and they alone, default to None.
+        message_class: Generated class; only its optional fields default to None.
     """
     if not is_dataclass(message_class):
         return ()

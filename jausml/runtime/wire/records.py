@@ -1,6 +1,6 @@
-"""Records of one octet each, such as the cells of a grid: bytes, until somebody asks for a record.
+"""Records of one octet each, such as the cells of a grid, kept as bytes until one is accessed.
 
-What goes over such a list as a whole, as a bridge does, never makes its records.
+A bridge, which converts such a list as a whole, never makes the records.
 """
 
 from __future__ import annotations
@@ -9,24 +9,24 @@ from collections.abc import MutableSequence, Sequence
 from typing import Any, NamedTuple, TypeVar, overload
 
 T = TypeVar("T")
-_MANY = 8  # records from which on it costs less to leave them bytes than to make each
+_MANY = 8  # records from which on it is cheaper to keep bytes than to make all
 
 
 class Octet(NamedTuple):
-    """The only field of a record that is one octet on the wire."""
+    """The only field of a record of one octet."""
 
-    attribute: str  # its attribute
-    is_signed: bool = False  # whether it is a number of -128 .. 127
+    attribute: str  # name of its attribute
+    is_signed: bool = False  # whether its range is -128 .. 127
 
 
 class OctetRecords(MutableSequence[T]):
-    """A list of records of one octet, all of which are made when one of them is asked for.
+    """A list of records of one octet, which are all made when one of them is accessed.
 
-    It has no method that a list has not, and is equal to a list of equal records.
+    It has only methods of a list, and is equal to a list of equal records.
 
     Attributes:
-        record: Their class, whose `OCTET` is their field.
-        octets: The records on the wire; None once they were made, as they may have changed.
+        record: The class of the records, whose `OCTET` is their field.
+        octets: The encoded records; None once they were made, as they may have changed.
     """
 
     __slots__ = ("_records", "octets", "record")
@@ -76,13 +76,13 @@ class OctetRecords(MutableSequence[T]):
 
 
 def octet_records(record: type[T], octets: bytes) -> MutableSequence[T]:
-    """Returns the records that octets are: few at once, many when somebody asks for one."""
+    """Returns the records of octets; many of them are made only when one is accessed."""
     records = OctetRecords(record, octets)
     return records if len(octets) >= _MANY else [*records]
 
 
 def write_records(records: Sequence[Any], out: bytearray) -> None:
-    """Appends records of one octet."""
+    """Appends records of one octet to the encoded bytes."""
     if isinstance(records, OctetRecords) and records.octets is not None:
         out += records.octets
         return

@@ -100,7 +100,7 @@ def runtime_constants() -> RuntimeConstants:
     return RuntimeConstants(
         empty_message=int(_File(f"{packets}/packet.py").value("EMPTY_MESSAGE_SIZE")),
         largest_fragment=int(settings.value("MAX_FRAGMENT_SIZE")),
-        most_small_fragments=int(_File(f"{packets}/outgoing.py").value("MOST_SMALL_FRAGMENTS")),
+        most_small_fragments=int(_File(f"{packets}/outgoing.py").value("MAX_SMALL_FRAGMENTS")),
         at_once=int(_File(f"{packets}/messenger.py").value("AT_ONCE")),
         held_by_peers=int(_File(f"{packets}/messenger.py").value("HELD_BY_PEERS")),
         largest_message=int(settings.default("TransportSettings", "reassembly_limit")),

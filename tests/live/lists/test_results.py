@@ -53,7 +53,7 @@ def test_a_result_is_sent_before_a_goal_counts_as_ended(node, peer):
     for _ in range(10):  # the executor, which nobody else runs, takes the question for it
         ros.executor.spin_once(timeout_sec=0.1)
     taker.goal.end(Outcome.ABORTED, "it ends")
-    wait_for(lambda: spun(lambda: not actions._work._open), "end of the goal", PATIENCE)
+    wait_for(lambda: spun(lambda: not actions._work._goals), "end of the goal", PATIENCE)
     # Nothing of the node runs any more, as after the end of a bridge.
     wait_for(result.done, "result", PATIENCE)
     assert result.result().status == ABORTED

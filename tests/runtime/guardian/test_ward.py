@@ -12,12 +12,12 @@ from guardians import guardian_of
 
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.loop import Loop
-from jausml.runtime.guardian.page import MOST_OF_A_FRAME, MOST_STOPS, Page, Slots
+from jausml.runtime.guardian.page import MAX_FRAME_SIZE, MAX_STOPS, Page, Slots
 from jausml.runtime.guardian.ward import Ward
 
 PATIENCE = 20.0
 OWN = JausAddress(1, 1, 9)
-MUCH = MOST_OF_A_FRAME - 1000
+MUCH = MAX_FRAME_SIZE - 1000
 """Octets that make a frame long."""
 
 GOAL = bytes(range(16))
@@ -106,14 +106,14 @@ def test_goals_that_a_halted_guardian_had_no_room_for_are_handed_over_later(guar
 
 
 def test_a_stop_that_is_too_long_is_told_while_it_stands(guarding):
-    guarding.command(0, size=MOST_OF_A_FRAME)
+    guarding.command(0, size=MAX_FRAME_SIZE)
     assert "1 not handed over (" in guarding.ward.failure
     guarding.ward.release()
     assert guarding.ward.failure == ""
 
 
 def test_connections_without_room_are_told(guarding):
-    assert all(guarding.ward.guard(lambda: STOPS) for _ in range(MOST_STOPS))
+    assert all(guarding.ward.guard(lambda: STOPS) for _ in range(MAX_STOPS))
     assert guarding.ward.guard(lambda: STOPS) is None
     assert "1 without room" in guarding.ward.failure
 
@@ -128,15 +128,15 @@ def test_a_topic_that_ros_refuses_leaves_the_other_stops(guarding, capfd):
 
 def test_places_are_for_as_many_routes_as_a_page_has_and_are_given_back():
     slots, user, other = Slots(), object(), object()
-    routes = [(OWN, JausAddress(subsystem, 1, 1)) for subsystem in range(1, MOST_STOPS + 2)]
+    routes = [(OWN, JausAddress(subsystem, 1, 1)) for subsystem in range(1, MAX_STOPS + 2)]
     found = [slots.take(user, route, lambda: 9) for route in routes]
-    assert found == [*range(MOST_STOPS), None]
+    assert found == [*range(MAX_STOPS), None]
     assert slots.refused == 1
     assert slots.take(other, routes[4], lambda: 9) == 4  # one for all who send to a component
     descriptor = Page.descriptor()
     page = Page.at(descriptor)
     slots.write(page)
-    assert page.numbers[MOST_STOPS - 1] == 9
+    assert page.numbers[MAX_STOPS - 1] == 9
     os.close(descriptor)
     slots.give_back(user, routes[4])
     assert slots.take(user, routes[-1], lambda: 9) is None

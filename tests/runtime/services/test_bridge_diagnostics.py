@@ -9,7 +9,7 @@ from jausml.runtime import Guard, Status
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.quirks import Quirk
 from jausml.runtime.bridge.bridge import Bridge
-from jausml.runtime.bridge.diagnosing import LATELY, SLICE
+from jausml.runtime.bridge.diagnosing import LOSS_WINDOW, SLICE
 from jausml.runtime.bridge.ends.ends import BridgeSettings
 from jausml.runtime.bridge.ends.topics import Topic
 from jausml.runtime.bridge.reports.diagnostics import WINDOW, Latency
@@ -28,7 +28,7 @@ from jausml.runtime.messages import (
 from jausml.runtime.transports.packets.duplicates import Account
 from jausml.runtime.transports.packets.messenger import PeerTraffic
 from jausml.runtime.transports.packets.outbox import Outcome
-from jausml.runtime.transports.transport import MOST_PEERS
+from jausml.runtime.transports.transport import MAX_PEERS
 
 from .bridge_support import (
     CORE,
@@ -415,12 +415,12 @@ def test_each_peer_has_an_account(world, setting):
     assert values(status)["lost on the way, at most"] == "30"
     assert values(status)["acknowledged"] == "3"
     world.exchanged = exchanged(came=90, lost=30)
-    world.run(LATELY + 1.1)
+    world.run(LOSS_WINDOW + 1.1)
     world.exchanged = exchanged(came=100, lost=30)
     world.run(1.1)
     status = setting.ros.statuses[-1]["account of 1.1.1"]
     assert status.message == "nothing was lost lately"
-    world.run(LATELY + 1.1)
+    world.run(LOSS_WINDOW + 1.1)
     assert setting.ros.statuses[-1]["account of 1.1.1"].message == "nothing came lately"
 
 
@@ -441,7 +441,7 @@ def test_few_peers_are_told_of_and_those_with_a_place_first(world, setting):
     world.exchanged = [PeerTraffic(OWN, OTHER), *strangers]
     world.run(1.1)
     told = [name for name in setting.ros.statuses[-1] if name.startswith("account of ")]
-    assert len(told) == MOST_PEERS
+    assert len(told) == MAX_PEERS
     assert told[0] == f"account of {OTHER}"
     assert told[-1] == "account of 7.1.50"
 

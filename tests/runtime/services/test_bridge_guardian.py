@@ -4,7 +4,7 @@ import pytest
 
 from jausml.runtime import PeerChoice, PeerSearch
 from jausml.runtime.base.address import JausAddress
-from jausml.runtime.guardian.page import MOST_STOPS
+from jausml.runtime.guardian.page import MAX_STOPS
 from jausml.runtime.guardian.ward import Ward
 
 from .bridge_support import CORE, OWN, PEER, Number, command, minutes, safe
@@ -23,7 +23,7 @@ def ward(world):
 def test_more_peers_than_a_guardian_has_room_for_get_their_commands_and_are_told(
     world, setting, ward
 ):
-    peers = [JausAddress(subsystem, 1, 1) for subsystem in range(2, MOST_STOPS + 5)]
+    peers = [JausAddress(subsystem, 1, 1) for subsystem in range(2, MAX_STOPS + 5)]
     last = world.probe(str(peers[-1]))
     connection = command(peers=peers, is_command=True, safe_value=safe)
     setting.open(connection, ward=ward)

@@ -277,11 +277,11 @@ def test_the_state_of_a_latched_topic_waits_while_the_bridge_is_inactive(world, 
 
 def test_nothing_stands_before_a_connection_that_shapes_nothing(setting):
     connection = setting.open(command())
-    assert connection.is_usual
+    assert connection.is_direct
     setting.ros.changed["drive.max_rate"](2.0)
-    assert not connection.is_usual
+    assert not connection.is_direct
     setting.ros.changed["drive.max_rate"](0.0)
-    assert connection.is_usual
+    assert connection.is_direct
 
 
 def test_parameters_shape_while_the_bridge_runs(world, setting):
@@ -329,7 +329,7 @@ def test_limits_are_those_of_the_rules():
         assert parameter.limits == (0.0, limits.LONGEST_TIME)
     for parameter in (parameters.MAX_RATE, parameters.RATE_CAP):
         with pytest.raises(ValueError, match="neither 0 nor"):
-            parameter.of(limits.LEAST_PACE / 2, "x").taken(limits.LEAST_PACE / 2)
+            parameter.of(limits.LEAST_PACE / 2, "x").converted(limits.LEAST_PACE / 2)
 
 
 def test_latency_is_measured_behind_the_shaping(world, setting):

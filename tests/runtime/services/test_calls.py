@@ -5,7 +5,7 @@ import json
 import pytest
 
 from jausml.runtime import Guard
-from jausml.runtime.bridge.calls.calls import MOST_CALLS
+from jausml.runtime.bridge.calls.calls import MAX_CALLS
 from jausml.runtime.bridge.calls.services import JausToRosService, RosServiceToJaus
 from jausml.runtime.bridge.ends.topics import RosService
 from jausml.runtime.bridge.light_message import LightMessage
@@ -167,9 +167,9 @@ class TestServedCalls:
 
     def test_too_many_calls(self, setting, client):
         served = setting.open(connection())
-        for _ in range(MOST_CALLS + 1):
+        for _ in range(MAX_CALLS + 1):
             client.call()
-        assert client.told == [(False, f"{MOST_CALLS} calls are under way")]
+        assert client.told == [(False, f"{MAX_CALLS} calls are under way")]
         assert setting.drops(served) == {"too_many_calls": 1}
 
     def test_end_of_the_bridge_ends_calls(self, setting, client):

@@ -148,7 +148,7 @@ def test_an_event_tells_each_change(world, client):
 
 
 def test_a_count_of_entries_stays_at_its_end(world, client, monkeypatch):
-    monkeypatch.setattr(machine_states, "MOST_ENTRIES", 3)
+    monkeypatch.setattr(machine_states, "MAX_ENTRIES", 3)
     door = started(world)
     for _ in range(10):
         door.raise_event("Turn")

@@ -17,7 +17,7 @@ class Line:
         self.ordering = Ordering(self.arrival, lambda: self.time)
 
     def is_late(self, number, sender=ONE, *, is_sure=False, origin=("127.0.0.1", 3794)):
-        self.arrival.number, self.arrival.is_sure = number, is_sure
+        self.arrival.number, self.arrival.wants_acknowledgement = number, is_sure
         self.arrival.origin = origin
         return self.ordering.is_late(sender)
 

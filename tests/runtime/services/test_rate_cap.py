@@ -69,7 +69,7 @@ def test_each_source_has_its_own_allowance():
 
 
 def test_many_names_are_worth_no_more_than_one(monkeypatch):
-    monkeypatch.setattr(shaping, "_MOST_SOURCES", 3)
+    monkeypatch.setattr(shaping, "_MAX_SOURCES", 3)
     gate = Gate(10.0)
     for name in "abc":
         gate.send(1, name)

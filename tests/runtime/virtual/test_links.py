@@ -5,7 +5,7 @@ from itertools import groupby, pairwise
 import pytest
 
 from jausml.runtime.virtual import Link, VirtualWorld
-from jausml.runtime.virtual.network import LONGEST_HOLD, Way
+from jausml.runtime.virtual.network import LONGEST_HOLD, Path
 
 MANY = 20_000
 PERIOD = 0.01
@@ -13,12 +13,12 @@ PERIOD = 0.01
 
 def pass_all(world, link, count=MANY, period=PERIOD):
     """Lets numbered things pass, one in each period; returns (number, delay) as they arrive."""
-    way = Way(world.loop, world.random, link)
+    path = Path(world.loop, world.random, link)
     arrived = []
 
     def send(number):
         begun = world.now()
-        way.carry(lambda: arrived.append((number, world.now() - begun)))
+        path.carry(lambda: arrived.append((number, world.now() - begun)))
 
     for number in range(count):
         world.call_at(number * period, lambda number=number: send(number))
@@ -37,17 +37,17 @@ class TestDelay:
         assert all(delay == pytest.approx(0.1, abs=1e-9) for _, delay in arrived)
 
     def test_what_is_sent_at_once_stays_in_order(self, world):
-        way = Way(world.loop, world.random, Link(delay=0.05))
+        path = Path(world.loop, world.random, Link(delay=0.05))
         arrived = []
         for number in range(50):
-            way.carry(lambda number=number: arrived.append(number))
+            path.carry(lambda number=number: arrived.append(number))
         world.run_for(1)
         assert arrived == list(range(50))
 
     def test_without_any_it_arrives_in_the_next_turn(self, world):
-        way = Way(world.loop, world.random, Link())
+        path = Path(world.loop, world.random, Link())
         arrived = []
-        assert way.carry(lambda: arrived.append(world.now()))
+        assert path.carry(lambda: arrived.append(world.now()))
         assert not arrived
         world.run_for(0.0)
         assert arrived == [0.0]
@@ -67,11 +67,11 @@ class TestDelay:
         assert sum(delay > 0.03 for delay in delays) / MANY == pytest.approx(0.368, abs=0.02)
 
     def test_another_link_counts_from_then_on(self, world):
-        way = Way(world.loop, world.random, Link(delay=1.0))
+        path = Path(world.loop, world.random, Link(delay=1.0))
         arrived = []
-        way.carry(lambda: arrived.append(("former", world.now())))
-        way.link = Link(delay=0.25)
-        way.carry(lambda: arrived.append(("later", world.now())))
+        path.carry(lambda: arrived.append(("former", world.now())))
+        path.link = Link(delay=0.25)
+        path.carry(lambda: arrived.append(("later", world.now())))
         world.run_for(2)
         assert arrived == [("later", 0.25), ("former", 1.0)]
 
@@ -95,9 +95,9 @@ class TestLoss:
         assert sum(runs) / MANY == pytest.approx(loss, rel=0.2)
 
     def test_a_way_that_is_cut(self, world):
-        way = Way(world.loop, world.random, Link())
-        way.is_cut = True
-        assert not way.carry(pytest.fail)
+        path = Path(world.loop, world.random, Link())
+        path.is_cut = True
+        assert not path.carry(pytest.fail)
         world.run_for(1)
 
 
@@ -115,9 +115,9 @@ class TestOrder:
         assert overtaken / MANY == pytest.approx(0.09, abs=0.01)
 
     def test_where_nothing_follows_it_goes_on(self, world):
-        way = Way(world.loop, world.random, Link(delay=0.1, reorder=1.0))
+        path = Path(world.loop, world.random, Link(delay=0.1, reorder=1.0))
         arrived = []
-        way.carry(lambda: arrived.append(world.now()))
+        path.carry(lambda: arrived.append(world.now()))
         world.run_for(5)
         assert arrived == [pytest.approx(LONGEST_HOLD + 0.1)]
 

@@ -199,7 +199,7 @@ _TAKEN_ATTRIBUTES = names_in(
     """
     accept at clients clock close compiled component connections core core_services decide_handoff
     fast_subscriber
-    fast_translation follow is_active loop note_guardian note_unasked now
+    fast_translation follow frozen_at guardian_stopped is_active loop note_guardian note_unasked now
     on_control_lost on_handoff_requested on_not_ready open parameters publisher report ros
     set_active settings
     shared_messages shared_topics simulation standing subscribe ward

@@ -1,7 +1,7 @@
-"""Calls: what the two connections of ROS services have in common.
+"""Calls: the common part of both connections of ROS services.
 
-A call is a request and what becomes of it. Many are under way at once; all of them run on the loop,
-or with its lock.
+A call is a request and its outcome: a response, a rejection or a failure. Many calls are under way
+at once; everything runs on the loop, or with its lock.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ AskingT = TypeVar("AskingT")
 
 
 class CallFailedError(Exception):
-    """A half of a call that could not be translated, which is counted already."""
+    """A request or response could not be translated; the failure is counted already."""
 
 
 class CallTranslation(Limiting):
@@ -51,7 +51,14 @@ class CallTranslation(Limiting):
         type: type[LightMessage],  # noqa: A002 - the word of the model
         to_ros: bool,
     ) -> None:
-        """Prepares the translation; a call for which it makes None fails."""
+        """Prepares the translation.
+
+        Args:
+            translate: Returns the target message, or None, which fails the call.
+            message: The JAUS message.
+            type: The request or response of the ROS service.
+            to_ros: Whether the JAUS message is the source.
+        """
         super().__init__()
         self.name = name
         self.statistics = Statistics()
@@ -62,7 +69,7 @@ class CallTranslation(Limiting):
         self._transcode: Transcode
 
     def open(self, ends: Ends) -> None:
-        """Finds out how both messages are read and written."""
+        """Chooses the decoder of the source and the encoder of the target message."""
         self.counters = ends.component.counters
         self._is_open = True
         real = uses_ros_classes(self.translate)
@@ -73,7 +80,7 @@ class CallTranslation(Limiting):
         )
 
     def translated(self, data: bytes) -> bytes:
-        """Returns the translation of an encoded message."""
+        """Returns the translation of an encoded message; raises CallFailedError."""
         try:
             target = self._transcode(data)
         except Exception as error:
@@ -87,7 +94,7 @@ class CallTranslation(Limiting):
         return target
 
     def describe(self) -> list[tuple[str, str]]:
-        """Names and values of its counts, for diagnostics."""
+        """Returns names and values of its counts, for diagnostics."""
         counts = self.statistics
         half = self.name.rpartition("_")[2]
         return [
@@ -103,7 +110,9 @@ def _encode(message: Message) -> bytes:
     return message.encode()
 
 
-MOST_CALLS = 64  # calls of one connection that are under way at most; further ones are refused
+MAX_CALLS = 64  # calls of one connection that are under way at most; further ones are refused
+
+# Reasons of failures, as counters and diagnostics name them.
 TOO_MANY = "too_many_calls"
 TIMED_OUT = "timed_out"
 NOT_ASKED = "not_asked"
@@ -115,14 +124,14 @@ UNANSWERED = "unanswered"
 
 
 class Call:
-    """A call that is under way."""
+    """A call that is under way; `forget` cancels the request, whose answer is ignored then."""
 
     def __init__(self) -> None:
         self.forget: Callable[[], None] = lambda: None
 
 
 class Calls(Generic[CallT, AskingT]):
-    """The part of a connection that keeps its calls, counts them and tells of them."""
+    """Base class of the connections of services: keeps, counts and reports their calls."""
 
     counters: Counters
 
@@ -133,7 +142,6 @@ class Calls(Generic[CallT, AskingT]):
         service: RosService,
         request: AskingT,
         response: CallTranslation | type[Message] | None,
-        # Seconds after which a call without an answer has failed, once it was sent.
         timeout: float = 1.0,
         is_command: bool = False,
         priority: Priority = Priority.STANDARD,
@@ -141,9 +149,12 @@ class Calls(Generic[CallT, AskingT]):
         """Prepares the connection; nothing is exchanged before `open`.
 
         Args:
-            request: The translation of what asks, or such a message, whose defaults are asked for.
-            response: The translation of responses, or the JAUS message that answers without one;
-                None where nothing answers.
+            request: The translation of requests, or without one the JAUS message: the instance
+                that is sent, or the class that is received.
+            response: The translation of responses, or without one the JAUS message that answers;
+                None where no message answers.
+            timeout: Seconds after sending after which a call without an answer fails.
+            is_command: Whether calls end when the bridge may not command any more.
         """
         self.name = name
         self.service = service
@@ -163,7 +174,7 @@ class Calls(Generic[CallT, AskingT]):
     # ------------------------------------------------------------------ for the kinds
 
     def open(self, ends: Ends) -> None:
-        """Opens the ends of the connection."""
+        """Opens the translations, and reads the parameters of the connection."""
         self._ends = ends
         self.counters = ends.component.counters
         for translation in self._translations():
@@ -176,37 +187,37 @@ class Calls(Generic[CallT, AskingT]):
         )
 
     def abandon(self, call: CallT, reason: str, text: str) -> None:
-        """Tells whoever asked that a call came to nothing."""
+        """Answers the client that its call failed; the text says why."""
         raise NotImplementedError
 
     def describe_peers(self) -> list[tuple[str, str]]:
-        """Names and states of the other ends, for diagnostics."""
+        """Returns names and states of peers and services, for diagnostics."""
         raise NotImplementedError
 
     def fault(self) -> str:
-        """Why calls cannot be carried now, empty when they can."""
+        """Returns why no call can be made now; empty when calls can."""
         raise NotImplementedError
 
     # ------------------------------------------------------------------ calls
 
     def _begin(self, call: CallT) -> bool:
-        """Counts a call; False when it was refused, and whoever asked was told."""
+        """Counts a call; returns False when it was refused, and its client answered."""
         counts = self.statistics
         counts.arrivals += 1
         counts.last_arrival = self._ends.loop.now()
         if self._halt is not None:
             self._fail(call, NOT_READY, self._halt.value)
-        elif len(self._under_way) >= MOST_CALLS:
-            self._fail(call, TOO_MANY, f"{MOST_CALLS} calls are under way")
+        elif len(self._under_way) >= MAX_CALLS:
+            self._fail(call, TOO_MANY, f"{MAX_CALLS} calls are under way")
         else:
             self._under_way[call] = None
             return True
         return False
 
-    def _translated(self, half: object, data: bytes, default: Callable[[], bytes]) -> bytes:
-        """Returns what a message becomes, or the default where nothing translates it."""
-        if isinstance(half, CallTranslation):
-            return half.translated(data)
+    def _translated(self, translation: object, data: bytes, default: Callable[[], bytes]) -> bytes:
+        """Returns the translation of a message, or the default where there is no translation."""
+        if isinstance(translation, CallTranslation):
+            return translation.translated(data)
         try:
             return default()
         except EncodeError as error:
@@ -218,13 +229,12 @@ class Calls(Generic[CallT, AskingT]):
             component.address, peer, payload, priority=self._priority, acknowledge=acknowledge
         )
 
-    def _done(self, call: CallT) -> None:
-        """Counts a call that was answered."""
+    def _count_answered(self, call: CallT) -> None:
         self._under_way.pop(call, None)
         self.statistics.passed += 1
 
     def _fail(self, call: CallT, reason: str, text: str) -> None:
-        """Counts a call that came to nothing, and tells whoever asked."""
+        """Ends and counts a call that failed, and answers its client."""
         self._under_way.pop(call, None)
         call.forget()
         self.drop(reason, text)
@@ -234,7 +244,7 @@ class Calls(Generic[CallT, AskingT]):
             self.drop(FAILED, repr(error), error)
 
     def drop(self, reason: str, detail: str = "", error: Exception | None = None) -> None:
-        """Counts a call that came to nothing."""
+        """Counts a call that failed."""
         self.statistics.drops[reason] += 1
         self.counters.count(f"bridge.{self.name}.{reason}", detail, error=error)
 
@@ -250,10 +260,10 @@ class Calls(Generic[CallT, AskingT]):
     # ------------------------------------------------------------------ as a connection
 
     def watch(self) -> None:
-        """Calls are watched one by one."""
+        """Does nothing: each call has its own time-out."""
 
     def follow(self, standing: Standing, lost: StopReason | None) -> bool:
-        """Ends commands while the bridge may not command, and all calls of an inactive one."""
+        """Ends calls that command while the bridge may not, and all calls while it is inactive."""
         if self.is_command or not standing.is_active:
             self._halt = standing.halt
             return self._end_all(lost or standing.halt)
@@ -261,11 +271,11 @@ class Calls(Generic[CallT, AskingT]):
         return False
 
     def lose(self, reason: StopReason) -> bool:  # noqa: ARG002 - the time of calls is the loop's
-        """A simulation that stands still ends no call."""
+        """Returns False: a simulation that stands still ends no call."""
         return False
 
     def end(self) -> bool:
-        """Ends all calls for good; whether there were any."""
+        """Ends all calls for good; returns whether there were any."""
         self._halt = StopReason.END
         return self._end_all(StopReason.END)
 
@@ -277,14 +287,14 @@ class Calls(Generic[CallT, AskingT]):
 
     @property
     def when_lost(self) -> str:
-        """What happens when the bridge may not command any more."""
+        """The effect of lost control, in words for the log."""
         return "calls under way end"
 
     def measure_latency(self, wanted: bool) -> None:  # noqa: FBT001
-        """Calls are rare: their latency is not measured."""
+        """Does nothing: calls are rare, and their latency is not measured."""
 
     def close_account(self) -> list[tuple[str, int]]:
-        """Returns what became of all calls; nothing gets lost that was not counted at once."""
+        """Returns the number of calls for each outcome."""
         counts = self.statistics
         return [
             ("calls taken", counts.arrivals),
@@ -301,7 +311,7 @@ class Calls(Generic[CallT, AskingT]):
             sum(translation.statistics.drops.values()) for translation in self._translations()
         )
         is_new, self._reported = failures > self._reported, failures
-        judged = judge(
+        verdict = judge(
             Facts(
                 lacking=self.fault(),
                 forbidden="" if self._halt is None else self._halt.value,
@@ -309,13 +319,13 @@ class Calls(Generic[CallT, AskingT]):
                 complaint="calls fail" if is_new else "",
             )
         )
-        self._log.note(judged, self._ends.loop.now())
-        values = (("state", judged.phase.value), *self._values())
+        self._log.note(verdict, self._ends.loop.now())
+        values = (("state", verdict.phase.value), *self._values())
         own = str(self._ends.settings.address)
-        return ConnectionStatus(self.name, judged.level, judged.reason, own, values)
+        return ConnectionStatus(self.name, verdict.level, verdict.reason, own, values)
 
     def refusal(self) -> str:
-        """Why nobody who is asked obeys, empty while somebody does or need not."""
+        """Returns why no peer obeys; empty while one does, or none has to."""
         return ""
 
     def _values(self) -> tuple[tuple[str, str], ...]:

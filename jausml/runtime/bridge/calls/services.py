@@ -1,4 +1,4 @@
-"""Connections of ROS services with JAUS messages that ask, and answers: both directions."""
+"""Connections between ROS services and JAUS queries or commands, in both directions."""
 
 from __future__ import annotations
 
@@ -47,10 +47,10 @@ class ServedCall(Call):
 
 
 class RosServiceToJaus(Calls[ServedCall, "CallTranslation | Message"]):
-    """Serves a ROS service: asks a JAUS peer for each request, and answers with what it says.
+    """Serves a ROS service: sends each request to a JAUS peer and returns the peer's answer.
 
-    A client is never told that all is well when it is not. Where the response has no bool for it, a
-    call that came to nothing stays without a response.
+    A call that failed is answered with False in the response's bool of success. A response without
+    such a bool is not sent then, since it would pass for success.
     """
 
     def __init__(
@@ -63,14 +63,21 @@ class RosServiceToJaus(Calls[ServedCall, "CallTranslation | Message"]):
         is_success_mapped: bool = False,
         **options: Any,
     ) -> None:
-        """Prepares the connection; a command that nobody answers is done when it is sent."""
+        """Prepares the connection. A command that has no answer succeeds when it is sent.
+
+        Args:
+            peers: JAUS components to ask, or how they are found; the first that obeys is asked.
+            rejections: JAUS messages with which a peer refuses a request.
+            control: Guard of the peers for their senders.
+            is_success_mapped: Whether the translation itself sets the bool of success.
+        """
         super().__init__(name, **options)
         self._peers = ControlledPeers(peers, control)
         self._rejections = codes_of(rejections)
         self._is_success_mapped = is_success_mapped
 
     def open(self, ends: Ends) -> None:
-        """Meets the peers and serves the service."""
+        """Finds the peers and serves the ROS service."""
         super().open(ends)
         self._peers.open(
             ends, self.name, join=self._changed, leave=self._changed, changed=self._changed
@@ -81,8 +88,8 @@ class RosServiceToJaus(Calls[ServedCall, "CallTranslation | Message"]):
     @property
     def _answers(self) -> list[type[Message]]:
         answer = self._response
-        usual = answer.message if isinstance(answer, CallTranslation) else answer
-        return [*([] if usual is None else [usual]), *self._rejections.values()]
+        expected = answer.message if isinstance(answer, CallTranslation) else answer
+        return [*([] if expected is None else [expected]), *self._rejections.values()]
 
     def _serve(self, request: bytes, reply: Callable[[bytes], None]) -> None:
         call = ServedCall(reply)
@@ -100,8 +107,8 @@ class RosServiceToJaus(Calls[ServedCall, "CallTranslation | Message"]):
             self._ask(call, peer, message)
 
     def _default(self) -> bytes:
-        asking = self._request
-        return b"" if isinstance(asking, CallTranslation) else asking.encode()
+        request = self._request
+        return b"" if isinstance(request, CallTranslation) else request.encode()
 
     def _refuse(self, call: ServedCall) -> None:
         """Fails a call for which there is no peer that obeys."""
@@ -165,10 +172,10 @@ class RosServiceToJaus(Calls[ServedCall, "CallTranslation | Message"]):
             self._under_way.pop(call, None)
             self.drop(FAILED, repr(error), error)
         else:
-            self._done(call)
+            self._count_answered(call)
 
     def abandon(self, call: ServedCall, reason: str, text: str) -> None:  # noqa: ARG002
-        """Answers that the call failed, and why; not at all where a response cannot say so."""
+        """Responds that the call failed, and why; not at all where the response has no bool."""
         if not self.service.success:
             self.counters.add(f"bridge.{self.name}.{UNANSWERED}")
             return
@@ -179,21 +186,21 @@ class RosServiceToJaus(Calls[ServedCall, "CallTranslation | Message"]):
         call.reply(response.to_cdr())
 
     def describe_peers(self) -> list[tuple[str, str]]:
-        """The JAUS components and the state of their control."""
+        """Returns the JAUS components and the state of their control."""
         return self._peers.describe()
 
     def fault(self) -> str:
-        """What is searched for."""
+        """Returns which peer is searched for; empty when none is."""
         lacking = self._peers.lacking()
         return f"searching {lacking}" if lacking else ""
 
     def refusal(self) -> str:
-        """Whether nobody obeys."""
+        """Returns that no peer obeys; empty when one does."""
         obeying = any(map(self._peers.obeys, self._peers.present))
         return "" if obeying else "no peer obeys"
 
     def _changed(self, peer: JausAddress) -> None:
-        """Nothing is prepared for a peer: the next call looks who obeys."""
+        """Does nothing: each call looks up the peer that obeys."""
 
 
 def _described(rejection: type[Message], payload: bytes) -> str:
@@ -211,7 +218,7 @@ NO_SERVICE = "no_service"
 
 
 class AskedCall(Call):
-    """A message of a JAUS component that asks."""
+    """A query or command of a JAUS component."""
 
     def __init__(self, sender: JausAddress) -> None:
         super().__init__()
@@ -219,9 +226,9 @@ class AskedCall(Call):
 
 
 class JausToRosService(Calls[AskedCall, "CallTranslation | type[Message]"]):
-    """Calls a ROS service for each message that asks, and answers with what it says.
+    """Calls a ROS service for each JAUS query or command, and sends its response back.
 
-    Where something goes wrong the answer is a rejection, or nothing where there is none.
+    A call that failed is answered with a rejection, or not at all where the model has none.
     """
 
     def __init__(
@@ -237,9 +244,11 @@ class JausToRosService(Calls[AskedCall, "CallTranslation | type[Message]"]):
         """Prepares the connection.
 
         Args:
-            peers: JAUS components that may ask, or how they are found; none means anybody.
-            rejections: The first of these messages answers when a call came to nothing.
-            reason: Its text that says why, with the most characters that it holds; None for none.
+            peers: JAUS components that may call, or a search for them; none means all.
+            rejections: JAUS messages of which the first answers a call that failed.
+            reason: Name of the field of the rejection that says why, and its most characters.
+            when: Guard of the calls: any sender, the controller, or the controller in Ready. A
+                function returns it for a message.
         """
         super().__init__(name, **options)
         self._peers = PeerBinding(peers)
@@ -249,13 +258,13 @@ class JausToRosService(Calls[AskedCall, "CallTranslation | type[Message]"]):
         self._client: NodeClient
 
     def open(self, ends: Ends) -> None:
-        """Makes the client, then takes what asks."""
+        """Makes the client of the ROS service, then takes queries and commands."""
         super().open(ends)
         self._peers = parameters.peers(ends.ros, self.name, self._peers)
         self._peers.follow(ends.component, lambda _: None, lambda _: None)
         self._client = ends.ros.part(node_services).client(self.service)
-        asking = self._request
-        message = asking.message if isinstance(asking, CallTranslation) else asking
+        request = self._request
+        message = request.message if isinstance(request, CallTranslation) else request
         senders = None if self._peers.is_anybody else self._peers
         ends.shared_messages.accept(
             message, Taker(self._take, senders, self._refuse_sender), self._when
@@ -281,7 +290,7 @@ class JausToRosService(Calls[AskedCall, "CallTranslation | type[Message]"]):
             return
         request = self._translated(self._request, payload, lambda: self.service.request().to_cdr())
         timer = self._ends.loop.call_later(self.timeout, partial(self._time_out, call))
-        call.forget = timer.cancel  # what sends the request may raise
+        call.forget = timer.cancel  # for a client that raises
         forget = self._client.call(request, partial(self._answered, call))
 
         def end() -> None:
@@ -312,14 +321,14 @@ class JausToRosService(Calls[AskedCall, "CallTranslation | type[Message]"]):
         except CallFailedError as error:
             self._fail(call, NOT_TRANSLATED, str(error))
         else:
-            self._done(call)
+            self._count_answered(call)
 
     def _default(self) -> bytes:
         answer = self._response
         return b"" if answer is None or isinstance(answer, CallTranslation) else answer().encode()
 
     def abandon(self, call: AskedCall, reason: str, text: str) -> None:  # noqa: ARG002
-        """Answers with a rejection, where there is one; it says why, where it has a text."""
+        """Answers with the rejection of the model, if any, and the text in it that says why."""
         if self._rejections:
             rejection = self._rejections[0]()
             if self._reason is not None:
@@ -331,19 +340,19 @@ class JausToRosService(Calls[AskedCall, "CallTranslation | type[Message]"]):
             self.counters.add(f"bridge.{self.name}.{UNANSWERED}")
 
     def describe_peers(self) -> list[tuple[str, str]]:
-        """What a search has found, and whether the service is there."""
+        """Returns the peers that were found, and whether the service is there."""
         state = "there" if self._client.is_ready() else "absent"
         return [*self._peers.describe(), ("service is", state)]
 
     def fault(self) -> str:
-        """Whether nobody serves, or nobody is found who may ask."""
+        """Returns that the service or its client is lacking; empty when both are there."""
         if self._peers.is_lacking:
             return f"searching {self._peers.search}"
         return "" if self._client.is_ready() else f"nobody serves {self.service.name}"
 
 
 def node_services() -> type[NodeServices]:
-    """Returns what has the services of a node of rclpy, which need not be installed before."""
+    """Returns the class with the services of a node; imported late, as it needs rclpy."""
     from ..ros.services import NodeServices  # noqa: PLC0415
 
     return NodeServices

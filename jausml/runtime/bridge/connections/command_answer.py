@@ -1,4 +1,4 @@
-"""How the last command of a connection is told to whoever asks for it."""
+"""Answers to queries for the last command that a connection has passed on."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from .translations import Transcode
 
 
 class CommandAnswer:
-    """Remembers the last command that was passed on, and tells it until a stop is sent."""
+    """Keeps the last command that was passed on, and reports it until a stop is sent."""
 
     def __init__(
         self,
@@ -20,26 +20,28 @@ class CommandAnswer:
         same: tuple[str, ...] = (),
         has_empty: bool = False,
     ) -> None:
-        """Remembers nothing yet.
+        """Keeps no command yet.
 
         Args:
-            same: Attributes of the query that say which command is meant.
-            has_empty: Whether a report without any field can say that nothing is commanded.
+            query: The query for the command.
+            report: The report that answers it, with the same fields as the command.
+            same: Fields of query and report that must be equal; otherwise there is no answer.
+            has_empty: Whether a report without optional fields says that no command stands.
         """
         self._query, self._report, self._same, self._has_empty = query, report, same, has_empty
         self._payload: bytes | None = None
 
     def provide(self, component: Host) -> None:
-        """Answers the query, and periodic events on it; nobody watches for changes."""
+        """Answers the query, and periodic events on it; events on every change are refused."""
         self._payload = None
         component.provide(self._query, self._report, self._answer, every_change=False)
 
     def forget(self) -> None:
-        """Tells nothing before the next command, since a stop stands."""
+        """Reports no command before the next one, since a stop was sent."""
         self._payload = None
 
     def remembering(self, transcode: Transcode) -> Transcode:
-        """Returns a translation of commands, of which those that it passes on are remembered."""
+        """Returns a translation that also keeps each command that it passes on."""
 
         def remember(data: bytes, **joined: object) -> bytes | None:
             target = transcode(data, **joined)

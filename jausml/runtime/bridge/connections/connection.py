@@ -1,13 +1,12 @@
-"""Connection of a bridge: takes a message, translates it, hands it over.
+"""Connection of a bridge: takes a message, translates it, delivers it.
 
-Messages are bytes on both sides. All go one way, `take`: what must not pass now is refused or
-kept, what waited too long dropped, what is too much thinned, and the rest is translated, handed
-over and counted (`pass_on`, which each kind of connection has). A core may pass usual messages
-alone; who changes what is usual tells it by `note_case`.
+Messages are bytes on both sides. Each one goes through `take`: it is refused or kept while the
+connection is halted, dropped if it is too old, thinned out if there are too many, and otherwise
+translated, delivered and counted (`pass_on`, which each kind of connection has). The compiled core
+may do all that without Python while `is_direct`; `handling_changed` tells it that this changes.
 
-All of it happens on the thread of the loop, or with its lock. What is lost is counted under a
-reason; nothing that a message contains, and nothing that an overridden method does, ends the
-thread.
+Everything runs on the thread of the loop, or with its lock. Each lost message is counted under a
+reason. No content of a message, and no error of an overridden method, ends the thread.
 """
 
 from __future__ import annotations
@@ -43,14 +42,13 @@ INACTIVE = "inactive"
 NOT_READY = "not_ready"
 NO_PEER = "no_peer"
 
-
-_PLAIN = Shape()  # everything passes when it comes
+_PLAIN = Shape()  # passes every message at once
 
 
 class Connection(Reporting, Generic[SourceT, TargetT]):
-    """What the connections of both directions have in common."""
+    """Base class of the connections of both directions."""
 
-    _type: type[Any]  # light or of rclpy: the class of the ROS messages
+    _type: type[Any]  # class of the ROS messages: a light one, or that of rclpy
 
     def __init__(
         self,
@@ -62,7 +60,7 @@ class Connection(Reporting, Generic[SourceT, TargetT]):
     ) -> None:
         super().__init__(name, **when_lost)
         self._shaping = Shaping(shape, self.statistics, self.drop)
-        self._backlog = Backlog(self.statistics, self.drop, self.waited)
+        self._backlog = Backlog(self.statistics, self.drop, self.seconds_waited)
         self._translate = translate
         self._transcode: Transcode
         self._latest: tuple[bytes, Any] | None = None
@@ -75,43 +73,45 @@ class Connection(Reporting, Generic[SourceT, TargetT]):
         super().open(ends)
         self.counters = ends.component.counters
         self._is_open = True
-        self._transcode = self._made_transcode()
-        age = self.make_age()
+        self._transcode = self._make_transcode()
+        age = self.age_function()
         if age is not None:
-            self._shaping.open(self.name, ends, age, self._pass, self.note_case, self.judge_silence)
+            self._shaping.open(
+                self.name, ends, age, self._pass, self.handling_changed, self.judge_silence
+            )
 
     def declare(self, ends: Ends) -> None:
-        """Declares the parameters of the connection, and reads what they say."""
+        """Declares the parameters of the connection, and reads their values."""
         super().declare(ends)
         self._wants_latency = ends.ros.parameter(
             parameters.LATENCY.of(value=False, owner=self.name), self._set_wants_latency
         )
 
     def decoder(self) -> Callable[[bytes], SourceT]:
-        """Returns what makes the objects that the readable translation is given."""
+        """Returns the function that decodes source messages for the translation in Python."""
         raise NotImplementedError
 
     def pass_on(self, data: bytes, origin: Any) -> None:
-        """Translates a message, hands it over, and counts what became of it.
+        """Translates and delivers a message, and counts the outcome.
 
-        The source is heard when the translation succeeds, which ends a stop.
+        Where the translation succeeds, the source counts as heard, and a stop ends.
         """
         raise NotImplementedError
 
     def age(self, data: bytes, origin: Any) -> float | None:
-        """Returns the age of a message that arrives now in seconds, None if it has no stamp."""
+        """Returns the age in seconds of a message that arrives now; None without a stamp."""
         raise NotImplementedError
 
-    def waited(self, origin: Any) -> float | None:  # noqa: ARG002
-        """Returns the seconds since a message with an origin was sent; None when nobody knows."""
+    def seconds_waited(self, origin: Any) -> float | None:  # noqa: ARG002
+        """Returns the seconds since a message was sent; None if they are unknown."""
         return None
 
-    def make_age(self) -> Age | None:
-        """Returns what tells how old a message is; None where messages are not shaped."""
+    def age_function(self) -> Age | None:
+        """Returns the function for the age of a message; None where messages are not shaped."""
         return None
 
     def join(self, joined: Sequence[Joined]) -> None:
-        """Has the translation given the latest messages of joins, which are open."""
+        """Gives the translation the latest messages of open joins from now on."""
         self._joined = tuple(joined)
         if joined:
             is_compiled = self.form is Form.COMPILED
@@ -119,16 +119,20 @@ class Connection(Reporting, Generic[SourceT, TargetT]):
 
     @property
     def is_latched(self) -> bool:
-        """Whether the latest message counts until there is another, however old it is."""
+        """Whether the latest message stays valid until the next one, however old it is."""
         return False
 
     # ------------------------------------------------------------------ messages
 
     def take(self, data: bytes, origin: Any = None) -> None:
-        """Takes a message; its origin is its sender, or when it was published in nanoseconds."""
+        """Takes a message.
+
+        Args:
+            origin: The JAUS ID of its sender, or the nanoseconds at which ROS published it.
+        """
         if self._halt is not None:
             self._take_halted(self._halt, data, origin)
-        elif self._backlog.is_there and not self._backlog.admits(origin):
+        elif self._backlog.is_active and not self._backlog.admits(origin):
             pass  # it is counted: a command of long ago must not be obeyed
         elif self._shaping.is_plain:
             self._pass(data, origin)
@@ -136,7 +140,7 @@ class Connection(Reporting, Generic[SourceT, TargetT]):
             self._shaping.take(data, origin)
 
     def _take_halted(self, reason: StopReason, data: bytes, origin: Any) -> None:
-        """Keeps a message that counts until there is another, or refuses it."""
+        """Keeps a latched message of an inactive bridge, or refuses the message."""
         if reason is StopReason.INACTIVE and self.is_latched:
             self._latest = data, origin
             return
@@ -145,30 +149,30 @@ class Connection(Reporting, Generic[SourceT, TargetT]):
         self.refuse_halted(reason)
 
     def _pass(self, data: bytes, origin: Any) -> None:
-        """Passes a message on whose time has come; how long that takes is measured if wanted."""
+        """Passes a message on, and measures its latency if that is wanted."""
         if self._latency is None:
             self.pass_on(data, origin)
         else:
             self._latency.measure(self.pass_on, data, origin, self.statistics)
 
     @property
-    def is_usual(self) -> bool:
-        """Whether all messages are passed on when they come, and nothing is to be known of them."""
+    def is_direct(self) -> bool:
+        """Whether every message is passed on at once: no stop, no shaping, no measurement."""
         passes = self.stopped is None and self._halt is None
-        is_shaped = self._backlog.is_there or not self._shaping.is_plain
+        is_shaped = self._backlog.is_active or not self._shaping.is_plain
         return passes and self._latency is None and not is_shaped
 
     def watch(self) -> None:
-        """Starts to mind the source, and to measure if that is wanted."""
+        """Starts to watch the source, and to measure latency if that is wanted."""
         super().watch()
         if self.is_command:
             self._backlog.open(self._ends, self.silence_timeout, self._backlog_changed)
         self._measure()
 
     def _backlog_changed(self) -> None:
-        """Does first what is due after a standstill: the stop goes before whatever waited."""
+        """Sends the stop that is due after a standstill before any message that waited."""
         self.judge_silence()
-        self.note_case()
+        self.handling_changed()
 
     def _set_silence_timeout(self, seconds: float) -> None:
         with self._ends.loop.lock:
@@ -176,22 +180,22 @@ class Connection(Reporting, Generic[SourceT, TargetT]):
             self._backlog.change(seconds)
 
     def end(self) -> bool:
-        """Sends the safe value for good; whether messages of the source stood until now."""
+        """Sends the safe value for good; returns whether a message of the source was in effect."""
         self._backlog.close()
         return super().end()
 
     def stop(self, reason: StopReason) -> bool:
-        """Sends the safe value, once; what waits for its time gives way to it."""
+        """Sends the safe value, once; drops the message that waits for its time to pass."""
         # Withdrawn before the stop is sent, which must be the last word.
         waiting = self._shaping.withdraw()
         if waiting is not None and reason is StopReason.INACTIVE and self.is_latched:
-            # Its source will not say it again: it is passed on when the bridge is active.
+            # Its source will not repeat it: it is passed on when the bridge is active.
             self._latest = waiting.data, waiting.origin
         elif waiting is not None:
             self._shaping.thin()
         return super().stop(reason)
 
-    def _made_transcode(self) -> Transcode:
+    def _make_transcode(self) -> Transcode:
         is_real = uses_ros_classes(self._translate) or not is_light(self._type)
         self.form = Form.ROS_CLASSES if is_real else Form.LIGHT
         self.override = override_of(self._translate)
@@ -212,26 +216,27 @@ class Connection(Reporting, Generic[SourceT, TargetT]):
         return compiled_first(function, compiled.joins, transcode)
 
     def _fast_translation(self) -> Any:
-        """Returns what a core is given to translate as this connection does; None for Python."""
+        """Returns the translation that the core can run without Python; None if it cannot."""
         compiled = compiled_of(self._translate)
-        is_plain = compiled is not None and self.is_translated_alone and not self._joined
-        return self._ends.fast_translation(compiled) if compiled and is_plain else None
+        if compiled is None or self._joined or not self.is_translated_alone:
+            return None
+        return self._ends.fast_translation(compiled)
 
     @property
     def is_translated_alone(self) -> bool:
-        """Whether nothing but the translation is to know of a message."""
+        """Whether only the translation needs the message."""
         return True
 
     def _note_unknown(self, left_out: int) -> None:
-        """Counts fields that a core has left out, a bit for each."""
+        """Counts the fields that the core has left out; `left_out` has a bit for each."""
         compiled = compiled_of(self._translate)
         for path in () if compiled is None else compiled.paths_of(left_out):
             self.drop_field.unknown(path)
 
     def halt(self, reason: StopReason | None) -> bool:
-        """Passes nothing on from now on, after the stop; or again, for None.
+        """Sends the stop and passes no message on for a reason, until it is called with None.
 
-        What counts until there is another is passed on then, as its source will not say it again.
+        Then the latched message that was kept is passed on, as its source will not repeat it.
         """
         stopped = super().halt(reason)
         if reason is None and self._latest is not None:
@@ -240,9 +245,9 @@ class Connection(Reporting, Generic[SourceT, TargetT]):
         return stopped
 
     def refuse_halted(self, reason: StopReason) -> None:
-        """Counts a message that comes while nothing is passed on, unless it is the end anyway.
+        """Counts a message that comes during a halt, unless the bridge ends.
 
-        The log does not tell what an inactive bridge drops, as somebody wants it so.
+        It is not logged for an inactive bridge, which is meant to drop messages.
         """
         if reason is StopReason.INACTIVE:
             self.statistics.drops[INACTIVE] += 1
@@ -252,7 +257,7 @@ class Connection(Reporting, Generic[SourceT, TargetT]):
     # ------------------------------------------------------------------ latency
 
     def measure_latency(self, wanted: bool) -> None:  # noqa: FBT001
-        """Measures the latency from now on, whatever the connection's own parameter says."""
+        """Measures latency while `wanted`; otherwise the parameter of the connection decides."""
         self._all_want_latency = wanted
         self._measure()
 
@@ -263,10 +268,10 @@ class Connection(Reporting, Generic[SourceT, TargetT]):
 
     def _measure(self) -> None:
         wanted = self._wants_latency or self._all_want_latency
-        # Only a change begins anew: what was measured so far stays.
+        # Only a change begins anew, so that earlier measurements stay.
         if wanted is not (self._latency is not None):
             self._latency = Latency(self.age, self._ends.loop.stopwatch) if wanted else None
-            self.note_case()
+            self.handling_changed()
 
 
 AnyConnection = Connection[Any, Any]

@@ -16,13 +16,14 @@ from ..ends.ends import Ends
 
 
 class ControlledPeers:
-    """Who gets the messages of a connection, and who of them obeys."""
+    """The peers that get the messages of a connection, and which of them obey."""
 
     def __init__(self, peers: Sequence[JausAddress] | Search, control: Guard) -> None:
-        """Meets nobody before `open`.
+        """Contacts no peer before `open`.
 
-        Unless control, which they demand of a sender that they obey, is ANY, it is acquired and
-        kept, and they are resumed for READY.
+        Args:
+            control: Guard of the peers for their senders. Unless that is ANY, control
+                is acquired and kept; for READY the peers are also resumed.
         """
         self._binding = PeerBinding(peers)
         self._control = control
@@ -32,7 +33,7 @@ class ControlledPeers:
 
     @property
     def present(self) -> tuple[JausAddress, ...]:
-        """Those that are there: all that are named, or that were found."""
+        """The peers that are named, or that a search has found."""
         return self._binding.present
 
     def open(
@@ -44,7 +45,13 @@ class ControlledPeers:
         leave: Callable[[JausAddress], None],
         changed: Callable[[JausAddress], None],
     ) -> None:
-        """Meets the peers and starts to acquire control."""
+        """Finds the peers and starts to acquire control.
+
+        Args:
+            join: Called with each peer that is there from now on.
+            leave: Called with each peer that has gone.
+            changed: Called with a peer of which the control has changed.
+        """
         self._ends, self._changed = ends, changed
         self._binding = parameters.peers(ends.ros, connection, self._binding)
 
@@ -60,33 +67,33 @@ class ControlledPeers:
 
     @property
     def demands_control(self) -> bool:
-        """Whether they obey only who controls them."""
+        """Whether the peers obey only their controller."""
         return self._control is not Guard.ANY
 
     def obeys(self, peer: JausAddress) -> bool:
-        """Whether a peer listens; one that demands no control does always."""
+        """Returns whether a peer obeys; always if it demands no control."""
         if self._control is Guard.ANY:
             return True
         session = self._sessions.get(peer)
         if session is None:
             return False
         if session.state is ControlState.CONTROLLED:
-            # Without Ready it obeys only what does not demand it.
+            # A peer that is not Ready obeys only commands that do not demand Ready.
             return self._control is Guard.CONTROLLED
         return session.state is ControlState.READY
 
     def reason(self, peer: JausAddress) -> str:
-        """Why a peer does not obey, in words."""
+        """Returns why a peer does not obey, in words."""
         session = self._sessions.get(peer)
-        known = session.reason if session is not None else ""
-        return known or "it is not controlled"
+        reason = session.reason if session is not None else ""
+        return reason or "it is not controlled"
 
     def lacking(self) -> str:
-        """What is searched for and not found, empty when nothing is lacking."""
+        """Returns which peer is searched for and not found; empty when none is lacking."""
         return str(self._binding.search) if self._binding.is_lacking else ""
 
     def describe(self) -> list[tuple[str, str]]:
-        """Names and states of the peers, for diagnostics; why one refuses."""
+        """Returns names and states of the peers, for diagnostics; also why one refuses."""
         states = {peer: _described(session) for peer, session in self._sessions.items()}
         named = [(f"peer {peer}", states.get(peer, "addressed")) for peer in self.present]
         return [*self._binding.describe(), *named]
@@ -115,10 +122,10 @@ def _described(session: ControlSession) -> str:
 
 
 class RepeatedStops:
-    """Has a stop sent again until it is known to have arrived, is not due, or is not obeyed.
+    """Repeats a stop until it is acknowledged, is not due any more, or its peer does not obey.
 
-    The radio may be away for longer than a message is repeated, and be back before control is
-    lost: the peer would go on for ever with what was commanded before.
+    A radio link may fail for longer than the transport repeats a message, and be back before
+    control is lost: the peer would follow the command before the stop for ever.
     """
 
     def __init__(
@@ -129,8 +136,9 @@ class RepeatedStops:
     ) -> None:
         """Repeats nothing before `open`.
 
-        A stop is due while it is the last word to a peer and may not have arrived; what sends it
-        tells `sent` what became of it.
+        Args:
+            is_due: Returns whether the stop is still the last command to a peer.
+            send: Sends the stop to a peer; the outcome is to be reported to `sent`.
         """
         self._peers = peers
         self._is_due = is_due
@@ -140,31 +148,31 @@ class RepeatedStops:
         self._ends: Ends
 
     def open(self, ends: Ends) -> None:
-        """Begins a life, in which no stop was sent yet."""
+        """Begins anew, as if no stop had been sent."""
         self._ends = ends
         self._waiting.clear()
         self._has_ended = False
 
     def end(self) -> None:
-        """Has nothing sent again from now on: the bridge ends."""
+        """Repeats nothing from now on: the bridge ends."""
         self._has_ended = True
 
     def has_arrived(self, peer: JausAddress, acknowledged: bool) -> bool:  # noqa: FBT001 - a fact
-        """Whether a message counts as arrived: some peers acknowledge nothing."""
+        """Returns whether a message counts as arrived: also at peers that never acknowledge."""
         quirks = self._ends.component.transport.quirks
         return acknowledged or quirks.has(peer, Quirk.NO_ACKNOWLEDGEMENTS)
 
     def sent(self, peer: JausAddress, arrived: bool) -> None:  # noqa: FBT001 - a fact
-        """Takes what became of a stop."""
+        """Takes the outcome of a stop, and schedules a repetition if it did not arrive."""
         # One repetition at a time for each peer.
         if arrived or self._has_ended or peer in self._waiting:
             return
         settings = self._ends.settings.component
-        is_bounded = self._peers.demands_control  # by the loss of control
         # Slower where no loss of control ends the repetition.
+        is_bounded = self._peers.demands_control
         pause = settings.retry_min if is_bounded else settings.watch_interval
         self._waiting.add(peer)
-        self._ends.loop.call_later(pause, partial(self._again, peer))
+        self._ends.loop.call_later(pause, partial(self._repeat, peer))
 
     def changed(self, peer: JausAddress) -> None:
         """Sends the stop to a peer that obeys again, which has missed it while it was away."""
@@ -173,6 +181,6 @@ class RepeatedStops:
         if is_obeyed and not self._has_ended and self._is_due(peer):
             self._send(peer)
 
-    def _again(self, peer: JausAddress) -> None:
+    def _repeat(self, peer: JausAddress) -> None:
         self._waiting.discard(peer)
         self.changed(peer)

@@ -1,4 +1,4 @@
-"""Connections that ask JAUS components for reports by events, for ROS topics."""
+"""Connections that publish reports on ROS topics, which JAUS components send as events."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ UNASKED = "unasked"
 
 
 class EventRequests:
-    """The AS5710 events of a report, one of each peer."""
+    """Subscriptions to the AS5710 event of a report, one for each peer."""
 
     def __init__(
         self, ends: Ends, query: Message, message: type[Message], take: Take, rate: float | None
@@ -36,43 +36,43 @@ class EventRequests:
         self._take = take
         self._events: dict[JausAddress, EventSubscription] = {}
         self._lost = self._late = 0
-        # Peers have real time: another pace of the simulation is another rate for them.
+        # Peers run in real time, so their rate depends on the pace of simulated time.
         if rate is not None and ends.simulation is not None:
-            ends.simulation.clock.follow_ratio(self._ask_anew)
+            ends.simulation.clock.follow_ratio(self._renew)
 
     def begin(self, peer: JausAddress) -> None:
-        """Asks a peer for the event."""
+        """Subscribes to the event of a peer."""
         self._events[peer] = self._ends.component.part(EventClient).subscribe(
             peer, self._query, self._message, self._take, rate=self._real_rate, payloads=True
         )
 
     def end(self, peer: JausAddress) -> None:
-        """Asks a peer no more."""
+        """Cancels the event of a peer."""
         self._end(self._events.pop(peer))
 
     @property
     def lost(self) -> int:
-        """Reports that did not arrive."""
+        """Number of reports that did not arrive."""
         return self._lost + sum(event.lost for event in self._events.values())
 
     @property
     def late(self) -> int:
-        """Reports that came after newer ones."""
+        """Number of reports that came after newer ones."""
         return self._late + sum(event.late for event in self._events.values())
 
     def set_rate(self, hertz: float) -> None:
-        """Has the events of all peers come at another rate."""
+        """Renews the events of all peers for another rate."""
         with self._ends.loop.lock:
             self.rate = hertz
-            self._ask_anew()
+            self._renew()
 
     def state_of(self, peer: JausAddress) -> str:
-        """How it stands with a peer, for diagnostics."""
+        """Returns the state of the event of a peer, for diagnostics."""
         event = self._events.get(peer)
         return "confirmed" if event is not None and event.active else "asked"
 
-    def _ask_anew(self) -> None:
-        """Has the events of all peers come at the present rate."""
+    def _renew(self) -> None:
+        """Replaces the events of all peers by ones of the present rate."""
         if self._events:
             former, self._events = self._events, {}
             # The new event is asked for before the former one ends, so that reports go on.
@@ -86,7 +86,7 @@ class EventRequests:
 
     @property
     def _real_rate(self) -> float | None:
-        """The rate that peers are asked for, whose clock is not that of a simulation."""
+        """The rate requested from peers, which run in real time, also in simulated time."""
         simulation = self._ends.simulation
         if simulation is None or self.rate is None:
             return self.rate
@@ -94,11 +94,7 @@ class EventRequests:
 
 
 class EventToTopics(ToTopics[SourceT, TargetT]):
-    """Receives a report as an AS5710 event and publishes it.
-
-    The rate is in reports each second, 0 for the frequency of the bridge; None means one on every
-    change.
-    """
+    """Receives a report as an AS5710 event and publishes it."""
 
     def __init__(
         self,
@@ -109,7 +105,13 @@ class EventToTopics(ToTopics[SourceT, TargetT]):
         rate: float | None = None,
         **options: Any,
     ) -> None:
-        """Prepares the connection; the query, whose answer is the report, selects the fields."""
+        """Prepares the connection.
+
+        Args:
+            query: The query that the report answers; it selects the fields.
+            rate: Reports each second, 0 for the frequency of the bridge; None means one on every
+                change.
+        """
         super().__init__(name, translate, **options)
         self.rate = rate
         self._query = query
@@ -118,11 +120,11 @@ class EventToTopics(ToTopics[SourceT, TargetT]):
 
     @property
     def declared_rate(self) -> float:
-        """The rate of the event, from all peers."""
+        """Reports each second from all peers together."""
         return (self.rate or 0.0) * len(self.peers)
 
     def open(self, ends: Ends) -> None:
-        """Makes the publishers, then asks each peer for the event."""
+        """Makes the publishers, then subscribes to the event of each peer."""
         if self.rate is not None:
             # The frequency of the bridge, for 0, is known only now.
             rate = self.rate or ends.settings.frequency
@@ -130,12 +132,12 @@ class EventToTopics(ToTopics[SourceT, TargetT]):
         super().open(ends)
 
     def begin(self, ends: Ends) -> None:
-        """Prepares to ask for the event."""
+        """Prepares the subscriptions to the event."""
         self._events = EventRequests(ends, self._query, self._message, self._take, self.rate)
         ends.shared_messages.note_unasked(self._message, self._note_unasked, self._peers)
 
     def _note_unasked(self, _data: bytes, sender: JausAddress) -> None:
-        """Counts a report of a peer that is no event: which fields it has nobody has asked for."""
+        """Counts a report that a peer sent without an event; its fields are not those asked for."""
         self._unasked_of = sender
         self.drop(UNASKED, self._unasked_text(sender))
 
@@ -144,14 +146,14 @@ class EventToTopics(ToTopics[SourceT, TargetT]):
         return f"{sent}; exchange: message takes what comes unasked"
 
     def topic_faults(self) -> Iterator[TopicFault]:
-        """What is wrong with the topics; also that a peer sends its reports in another way."""
+        """Yields faults of the topics, and that a peer sends reports without an event."""
         yield from super().topic_faults()
         if self._unasked_of is not None and self.statistics.last_arrival is None:
             yield TopicFault(UNASKED, self._unasked_text(self._unasked_of))
 
     @property
     def is_latched(self) -> bool:
-        """Whether the latest report counts until there is another, as with every change."""
+        """Whether the latest report stays valid until the next one: where each change is sent."""
         return self.rate is None and not self.is_command
 
     def _set_rate(self, hertz: float) -> None:
@@ -165,11 +167,11 @@ class EventToTopics(ToTopics[SourceT, TargetT]):
         self._events.end(peer)
 
     def silent_peers(self) -> Iterable[JausAddress]:
-        """Peers that do not confirm the event, or have ceased to send it."""
+        """Returns peers that do not confirm the event, or have ceased to send it."""
         return [peer for peer in self.peers if self._state_of(peer) == "asked"]
 
     def losses(self) -> dict[str, int]:
-        """How many reports did not arrive, or too late, and how many nobody has heard."""
+        """Returns how many reports were lost, came out of order, or had no subscriber."""
         return {
             LOST_ON_THE_WAY: self._events.lost,
             OUT_OF_ORDER: self._events.late,

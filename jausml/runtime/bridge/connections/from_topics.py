@@ -1,4 +1,4 @@
-"""What all connections that carry ROS topics to JAUS have in common."""
+"""Base class of the connections that carry ROS topics to JAUS."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import Any, Concatenate, TypeVar
 
-from ...base.fast_path import FastSending, Outlet, through
+from ...base.fast_path import FastSending, Outlet, with_fast_path
 from ...wire.message import Message
 from ..ends import parameters
 from ..ends.ends import Ends, SharedFeed
@@ -21,19 +21,19 @@ TargetT = TypeVar("TargetT", bound="Message")
 
 
 class Sink:
-    """How messages are handed over now, and the latest one that was."""
+    """The function that delivers messages now, and when the latest one was taken."""
 
     __slots__ = ("deliver", "latest")
 
     def __init__(self, deliver: Callable[[bytes], bool | None]) -> None:
-        self.deliver = deliver  # hands a message over; False when it was dropped and counted
-        # When the last message was published, in nanoseconds by the clock of its publisher, and
-        # when it was taken, by the clock of the bridge.
+        self.deliver = deliver  # returns False when it has dropped and counted the message
+        # Of the last message: nanoseconds of its publication by the clock of its publisher, and
+        # seconds of its arrival by the clock of the bridge.
         self.latest = 0, 0.0
 
 
 class FromTopics(Connection[SourceT, TargetT]):
-    """What the connections from ROS topics have in common: the topics."""
+    """Base class of the connections from ROS topics: subscribes and translates."""
 
     def __init__(
         self,
@@ -50,9 +50,10 @@ class FromTopics(Connection[SourceT, TargetT]):
         """Prepares the connection.
 
         Args:
-            translate: Makes the JAUS message, or None to pass nothing on. Joined topics give it
-                their messages as keyword arguments.
-            named: What it takes by place, and is put in order by its names.
+            translate: Returns the JAUS message, or None to pass nothing on. It is given messages of
+                joined topics as keyword arguments.
+            joins: The joined topics.
+            named: Arrays whose elements are put in order by their names before the translation.
         """
         super().__init__(name, translate, **when_lost)
         self._topic_joins = tuple(joins)
@@ -71,11 +72,11 @@ class FromTopics(Connection[SourceT, TargetT]):
             joined.open(ends, self.name, real=uses_ros_classes(self._translate))
         self.join(self._topic_joins)
         # A partial, as a bound method cannot carry the fast path.
-        take = self._through(partial(self.take))
+        take = self._with_fast_path(partial(self.take))
         self._feeds = [ends.shared_topics.feed(self._type, topic, take) for topic in self._topics]
 
     def pass_on(self, data: bytes, origin: int) -> None:
-        """Translates a message and hands it over to JAUS."""
+        """Translates a message and delivers it to JAUS."""
         counts, now, sink = self.statistics, self._ends.clock.now, self._sink
         counts.arrivals += 1
         try:
@@ -98,8 +99,8 @@ class FromTopics(Connection[SourceT, TargetT]):
             return
         counts.passed += 1
 
-    def _through(self, take: Take) -> Take:
-        """Returns what takes messages, with the fast path of those that a core sends."""
+    def _with_fast_path(self, take: Take) -> Take:
+        """Returns `take`, with a fast path by which the core sends messages without Python."""
         if self.form is not Form.COMPILED:
             return take
         counts, sink, unknown = self.statistics, self._sink, self._note_unknown
@@ -114,30 +115,30 @@ class FromTopics(Connection[SourceT, TargetT]):
                 unknown(left_out)
 
         def find(feed: Any) -> Any:
-            # None with several peers, or one that does not obey: only a single sender has one.
+            # Only the sender to a single peer that obeys has a fast path.
             outlet: Outlet | None = getattr(sink.deliver, "fast_path", lambda: None)()
-            if outlet is None or not self.is_usual:
+            if outlet is None or not self.is_direct:
                 return None
             translation = self._fast_translation()
             if translation is None:
                 return None
             return self._ends.fast_subscriber(feed, FastSending(translation, outlet, passed))
 
-        return through(take, find)
+        return with_fast_path(take, find)
 
     @property
     def has_one_source(self) -> bool:
-        """Whether a second publisher of a topic would make a value jump."""
+        """Whether a topic must have one publisher only, as values of two would alternate."""
         return False
 
     @property
     def is_latched(self) -> bool:
-        """Whether the latest message counts until there is another, as that of a latched topic."""
+        """Whether the latest message stays valid until the next one: on a latched topic."""
         latches = any(topic.qos.durability != "volatile" for topic in self._topics)
         return latches and not self.is_command
 
     def decoder(self) -> Callable[[bytes], SourceT]:
-        """Returns what makes objects of serialized messages."""
+        """Returns the function that decodes serialized ROS messages."""
         real = uses_ros_classes(self._translate)
         decode = ros_decoder(self._ends.ros, self._type, real=real)
         named = self._named
@@ -148,15 +149,15 @@ class FromTopics(Connection[SourceT, TargetT]):
         return target.encode()
 
     def age(self, data: bytes, origin: Any) -> float | None:  # noqa: ARG002
-        """Returns the age of a message by the stamp of its publisher."""
+        """Returns the seconds since a message was published, by the clock of this computer."""
         return (self._ends.loop.wall() - origin) / 1e9 if origin else None
 
-    def make_age(self) -> Age:
-        """Returns what tells the age of a message by its stamp, or that of its publisher."""
+    def age_function(self) -> Age:
+        """Returns the function for the age of a message by its stamp, or its publication."""
         return ros_age(self._type, self._ends.ros, self._ends.loop.wall)
 
     def topic_faults(self) -> Iterator[TopicFault]:
-        """What is wrong with the topics, those of joins included."""
+        """Yields the faults of the topics, those of joins included."""
         for topic in self._topics:
             yield from self._ends.ros.faults(topic, publishes=False, alone=self.has_one_source)
         for joined in self._topic_joins:
@@ -164,7 +165,7 @@ class FromTopics(Connection[SourceT, TargetT]):
                 yield from self._ends.ros.faults(topic, publishes=False)
 
     def losses(self) -> dict[str, int]:
-        """How many messages of the topics have never been taken."""
+        """Returns how many messages of the topics were lost before they were taken, by reason."""
         counts = [feed.counts for feed in self._feeds]
         return {
             LOST_IN_QUEUE: sum(count.lost for count in counts),

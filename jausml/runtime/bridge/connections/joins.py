@@ -1,6 +1,6 @@
 """Joins: the latest messages of other topics or reports that a translation is given too.
 
-Freshness of what is joined is that of its arrival, by the steady clock of the bridge: clocks of
+Freshness counts from the arrival of a joined message, by the steady clock of the bridge: clocks of
 other computers, and stamps that nobody filled, do not matter.
 """
 
@@ -17,10 +17,15 @@ from .translations import ros_decoder
 
 
 class Latest:
-    """The latest message of a join; it is made an object when somebody asks for it."""
+    """The latest message of a join, which is decoded when a translation needs it."""
 
     def __init__(self, name: str, *, freshness: float, drop: bool) -> None:
-        """Keeps nothing yet; the main message may be dropped when there is nothing fresh."""
+        """Keeps no message yet.
+
+        Args:
+            freshness: Seconds after which the latest message is stale.
+            drop: Whether the main message is dropped when there is no fresh joined one.
+        """
         self.name = name
         self.freshness = freshness
         self._drop = drop
@@ -31,18 +36,24 @@ class Latest:
         self._latest: Any = None
 
     def begin(self, ends: Ends, owner: str, decode: Callable[[bytes], Any]) -> None:
-        """Makes the parameter of the freshness, which names connection and join."""
+        """Declares the parameter of the freshness, and forgets messages of an earlier run.
+
+        Args:
+            owner: Connection and join, as the name of the parameter has them.
+            decode: Decodes a message; raises DecodeError.
+        """
         self._ends = ends
         self._decode = decode
         self._arrival = self._data = self._latest = None
-        stale = parameters.FRESHNESS.of(self.freshness, owner)
-        self.freshness = ends.ros.parameter(stale, self._set_freshness)
+        parameter = parameters.FRESHNESS.of(self.freshness, owner)
+        self.freshness = ends.ros.parameter(parameter, self._set_freshness)
 
     def fresh(self) -> Any:
-        """Returns the latest message, or None when it is stale or there is none.
+        """Returns the latest message, decoded; None when it is stale or there is none.
 
-        Where the main message is dropped then, that is a StaleJoinError; a DecodeError, where it
-        cannot be read.
+        Raises:
+            StaleJoinError: Instead of None, where the main message is to be dropped.
+            DecodeError: The message cannot be read.
         """
         if not self.is_stale:
             if self._latest is None and self._data is not None:
@@ -55,9 +66,8 @@ class Latest:
         return None
 
     def fresh_data(self) -> bytes | None:
-        """Returns the latest message as it came; of what is not fresh, as `fresh` does."""
-        # When it is stale: that raises an error, or says None.
-        return self._data if not self.is_stale else self.fresh()
+        """Returns the latest message as bytes; None or a StaleJoinError as `fresh` does."""
+        return self.fresh() if self.is_stale else self._data
 
     @property
     def age(self) -> float | None:
@@ -67,12 +77,12 @@ class Latest:
 
     @property
     def is_stale(self) -> bool:
-        """Whether there is nothing fresh."""
+        """Whether the latest message is too old, or there is none."""
         age = self.age
         return age is None or age > self.freshness
 
     def keep(self, data: bytes, _origin: Any = None) -> None:
-        """Takes a message, which is the latest one from now on."""
+        """Takes a message as the latest one."""
         self._arrival, self._data, self._latest = self._ends.clock.now(), data, None
 
     def _set_freshness(self, seconds: float) -> None:
@@ -91,12 +101,9 @@ class Join(Latest):
         *,
         drop: bool = False,
     ) -> None:
-        """Keeps nothing yet.
+        """Keeps no message yet; `freshness` and `drop` are those of `Latest`.
 
-        Args:
-            freshness: Seconds after which the latest message is stale.
-            drop: Whether a message of the main topic is dropped when there is nothing fresh.
-                Otherwise its translation is given None.
+        Unless `drop`, the translation is given None when there is no fresh message.
         """
         super().__init__(name, freshness=freshness, drop=drop)
         self._type = type

@@ -1,4 +1,4 @@
-"""Connections that ask JAUS components for reports by queries, for ROS topics."""
+"""Connections that publish reports on ROS topics, for which they query JAUS components."""
 
 from __future__ import annotations
 
@@ -38,23 +38,23 @@ class QueryRequests:
         self._silent: set[JausAddress] = set()
 
     def start(self, peers: PeerBinding) -> None:
-        """Asks whoever is there, from the next turn of the loop on."""
+        """Queries all present peers, from the next turn of the loop on."""
         self._peers = peers
         self._component = self._ends.component
         self._next = self._ends.clock.now()
         self._ends.loop.call_soon(self._ask)
 
     def set_rate(self, hertz: float) -> None:
-        """Asks at another rate from the next query on."""
+        """Changes the rate from the next query on."""
         self.rate = hertz
 
     def is_silent(self, peer: JausAddress) -> bool:
-        """Whether a peer did not answer lately."""
+        """Returns whether a peer did not answer the last query."""
         return peer in self._silent
 
     def _ask(self) -> None:
         if not self._component.running:
-            return  # the bridge was closed; opened again, it has other queries
+            return  # the bridge was closed; opened again, it makes new `QueryRequests`
         clock = self._ends.clock
         # Absolute times, so that the rate does not drift; a late loop does not catch up.
         self._next = max(self._next + 1 / self.rate, clock.now())
@@ -62,7 +62,7 @@ class QueryRequests:
         for peer in self._peers.present:
             (self._silent.add if peer in self._unanswered else self._silent.discard)(peer)
             self._unanswered.discard(peer)
-            # Repetition is the next period's; a late answer counts as an answer.
+            # No retries: the next period asks again. A late answer counts as an answer.
             self._component.part(QueryClient).ask(
                 peer,
                 self._query,
@@ -87,6 +87,7 @@ class QueryToTopics(ToTopics[SourceT, TargetT]):
         rate: float,
         **options: Any,
     ) -> None:
+        """Prepares the connection; the rate is in queries each second, 0 for that of the bridge."""
         super().__init__(name, translate, **options)
         self.rate = rate
         self._query = query
@@ -94,11 +95,11 @@ class QueryToTopics(ToTopics[SourceT, TargetT]):
 
     @property
     def declared_rate(self) -> float:
-        """The rate of the queries."""
+        """Queries each second to all peers together."""
         return self.rate * len(self.peers)
 
     def open(self, ends: Ends) -> None:
-        """Makes the publishers, then starts to ask."""
+        """Makes the publishers, then starts to query."""
         super().open(ends)
         rate = self.rate or ends.settings.frequency
         self._queries = QueryRequests(ends, self._query, self._message, self._take, rate)
@@ -111,7 +112,7 @@ class QueryToTopics(ToTopics[SourceT, TargetT]):
         self._queries.set_rate(hertz)
 
     def silent_peers(self) -> Iterable[JausAddress]:
-        """Peers that did not answer lately."""
+        """Returns the peers that did not answer the last query."""
         return [peer for peer in self.peers if self._queries.is_silent(peer)]
 
     def _state_of(self, peer: JausAddress) -> str:

@@ -17,7 +17,7 @@ from .queries_to_ros import QueryRequests
 
 
 class ReportJoin(Latest):
-    """The latest of the reports of whoever sends it."""
+    """The latest report of any of the peers."""
 
     def __init__(
         self,
@@ -31,17 +31,14 @@ class ReportJoin(Latest):
         freshness: float = 1.0,
         drop: bool = False,
     ) -> None:
-        """Keeps nothing yet.
+        """Keeps no report yet; `freshness` and `drop` are those of `Latest`.
 
         Args:
-            query: The query whose answer is the report; None takes reports that are sent unasked.
+            query: The query that the report answers; None takes reports that are sent unasked.
             rate: Reports each second that are asked for, 0 for the frequency of the bridge; None
                 means one on every change.
-            is_asked: Whether a query asks for each report, instead of an event.
+            is_asked: Whether a query asks for each report, instead of an event for all.
             peers: JAUS components that send it; none means those of the connection.
-            freshness: Seconds after which the latest report is stale.
-            drop: Whether a main message is dropped when there is nothing fresh. Otherwise its
-                translation is given None.
         """
         super().__init__(name, freshness=freshness, drop=drop)
         self._message = message
@@ -53,30 +50,38 @@ class ReportJoin(Latest):
     def open(
         self, ends: Ends, connection: str, peers: PeerBinding, refuse: Callable[[bytes, Any], None]
     ) -> None:
-        """Asks for the reports, or listens."""
+        """Subscribes to the reports, starts to query for them, or waits for unasked ones.
+
+        Args:
+            connection: Name of the connection, for names of parameters.
+            peers: Peers of the connection.
+            refuse: Called with a report of any other sender.
+        """
         owner, message = f"{connection}.{self.name}", self._message
-        usual = self._rate or (None if self._rate is None else ends.settings.frequency)
+        default_rate = self._rate or (None if self._rate is None else ends.settings.frequency)
         self.begin(ends, owner, message.decode)
         if self._own_peers:
-            met = parameters.peers(ends.ros, owner, PeerBinding(self._own_peers))
+            binding = parameters.peers(ends.ros, owner, PeerBinding(self._own_peers))
         else:
-            met = PeerBinding(peers.search or peers.present)
+            binding = PeerBinding(peers.search or peers.present)
         if self._query is None:
-            senders = None if met.is_anybody else met
+            senders = None if binding.is_anybody else binding
             ends.shared_messages.accept(message, Taker(self.keep, senders, refuse), Guard.ANY)
-            met.follow(ends.component, _nothing, _nothing)
-        elif self._is_asked and usual is not None:
-            asked = QueryRequests(ends, self._query, message, self.keep, usual)
-            asked.rate = ends.ros.parameter(parameters.RATE.of(usual, owner), asked.set_rate)
-            met.follow(ends.component, _nothing, _nothing)
-            asked.start(met)
+            binding.follow(ends.component, _ignore, _ignore)
+        elif self._is_asked and default_rate is not None:
+            queries = QueryRequests(ends, self._query, message, self.keep, default_rate)
+            queries.rate = ends.ros.parameter(
+                parameters.RATE.of(default_rate, owner), queries.set_rate
+            )
+            binding.follow(ends.component, _ignore, _ignore)
+            queries.start(binding)
         else:
-            events = EventRequests(ends, self._query, message, self.keep, usual)
-            if usual is not None:
-                rate = parameters.RATE.of(usual, owner)
+            events = EventRequests(ends, self._query, message, self.keep, default_rate)
+            if default_rate is not None:
+                rate = parameters.RATE.of(default_rate, owner)
                 events.rate = ends.ros.parameter(rate, events.set_rate)
-            met.follow(ends.component, events.begin, events.end)
+            binding.follow(ends.component, events.begin, events.end)
 
 
-def _nothing(_peer: JausAddress) -> None:
-    """Nothing is to be done about a peer that is met or gone."""
+def _ignore(_peer: JausAddress) -> None:
+    """Does nothing about a peer that has come or gone."""

@@ -1,4 +1,4 @@
-"""What `/diagnostics` and the log say of a connection, from one report to the next."""
+"""Status of a connection for `/diagnostics` and the log, from one report to the next."""
 
 from __future__ import annotations
 
@@ -13,40 +13,37 @@ from ..reports.states import Facts, StateLog, StopReason, judge
 from .stopping import Stopping
 from .translations import Form, Joined
 
-PERIODS = 3
-"""Periods of a source over which its rate is taken, if they are longer than one of diagnostics."""
-
-_MOST = 1000
+PERIODS = 3  # of a source, over which its rate is averaged unless diagnostics are slower
+FEWEST_FAILURES = 3  # consecutive messages that fail before a connection counts as failed
+_MAX_SAMPLES = 1000
 
 
 class Rate:
-    """The rate of a connection, from one status to the next."""
+    """The rate of arrivals of a connection, averaged over several calls for a slow source."""
 
     def __init__(self) -> None:
-        self._noted: deque[tuple[float, int]] = deque(maxlen=_MOST)
+        self._samples: deque[tuple[float, int]] = deque(maxlen=_MAX_SAMPLES)
         self.hertz = 0.0
         self.is_slow = False
 
-    def note(self, now: float, arrivals: int, declared: float) -> None:
-        """Takes the rate since the last call, or over more of them for a slow source.
+    def update(self, now: float, arrivals: int, declared: float) -> None:
+        """Computes the rate from the messages that have arrived until `now`.
 
-        What is declared are messages each second; 0 when the source promises none.
+        Args:
+            arrivals: Number of all messages so far.
+            declared: Messages each second that the source promises; 0 if it promises none.
         """
         span = PERIODS / declared if declared > 0 else 0.0
-        noted = self._noted
-        # The last note from before the span stays, as the rate is counted from it.
-        while len(noted) > 1 and noted[1][0] <= now - span:
-            noted.popleft()
-        since, before = noted[0] if noted else (now, arrivals)
-        noted.append((now, arrivals))
+        samples = self._samples
+        # The last sample from before the span stays, as the rate is counted from it.
+        while len(samples) > 1 and samples[1][0] <= now - span:
+            samples.popleft()
+        since, before = samples[0] if samples else (now, arrivals)
+        samples.append((now, arrivals))
         elapsed = now - since
         self.hertz = (arrivals - before) / elapsed if elapsed > 0 else 0.0
         # Not before a whole span has passed: a source that has just begun is not slow.
         self.is_slow = 0 < span <= elapsed and self.hertz < declared / 2
-
-
-FEWEST_FAILURES = 3
-"""Messages on end that could not be passed on, after which a connection has failed."""
 
 
 class _Totals(NamedTuple):
@@ -61,18 +58,18 @@ class _Totals(NamedTuple):
 
 
 class Reporting(Stopping):
-    """The part of a connection that tells of it. All of it runs on the loop, or with its lock."""
+    """The part of a connection that reports its status; runs on the loop, or with its lock."""
 
     form: Form
-    override: list[tuple[str, str]]  # names of methods of the user in the place of generated ones
+    override: list[tuple[str, str]]  # methods that a user has overridden, for diagnostics
 
     def __init__(self, name: str, **when_lost: Any) -> None:
         super().__init__(name, **when_lost)
         self._reported: _Totals | None = None
         self._faults: list[TopicFault] = []
-        self._noted: dict[str, int] = {}
-        self._pace = Rate()
-        self._succeeded: tuple[int, dict[str, int]] = (0, {})
+        self._counted_losses: dict[str, int] = {}
+        self._rate = Rate()
+        self._last_success: tuple[int, dict[str, int]] = (0, {})  # passed; failures until then
         self._states = StateLog(name)
         self._joined: tuple[Joined, ...] = ()
         self._latency: Latency | None = None
@@ -85,55 +82,55 @@ class Reporting(Stopping):
         return 0.0
 
     def losses(self) -> Mapping[str, int]:
-        """How many messages never came as far as this, or no further than this, by reason."""
+        """Returns how many messages were lost before or behind this connection, by reason."""
         return {}
 
     def not_taken(self) -> Mapping[str, int]:
-        """How many messages for this were dropped before it was asked, by reason."""
+        """Returns how many messages the component dropped before this connection, by reason."""
         return {}
 
     def lacks_peers(self) -> str:
-        """What the connection searches for and has not found, empty when it lacks nothing."""
+        """Returns which peers are searched for and not found; empty when none are lacking."""
         return ""
 
     def forbidden(self) -> str:
-        """Why nothing may be passed on now, empty while it may."""
+        """Returns why no message may be passed on now; empty while messages may."""
         return "" if self._halt is None else self._halt.value
 
     def refusal(self) -> str:
-        """Why nobody at the other end obeys, empty while somebody does or need not."""
+        """Returns why no peer obeys; empty while one does, or none has to."""
         return ""
 
-    def unwilling(self) -> str:
-        """Which of several at the other end do not obey, empty while all do or none does."""
+    def disobeying(self) -> str:
+        """Returns which of several peers do not obey; empty while all do, or none does."""
         return ""
 
     def silent_peers(self) -> Iterable[JausAddress]:
-        """Peers that were asked for messages and say nothing."""
+        """Returns the peers that were asked for messages and send none."""
         return ()
 
     def topic_faults(self) -> Iterable[TopicFault]:
-        """What is wrong with the topics at present."""
+        """Returns the present faults of the topics."""
         return ()
 
     def describe_peers(self) -> list[tuple[str, str]]:
-        """Names and states of the other ends, for diagnostics."""
+        """Returns names and states of the peers, for diagnostics."""
         raise NotImplementedError
 
     # ------------------------------------------------------------------ reports
 
     def note_losses(self) -> int:
-        """Counts what was lost since the last call; returns how much was lost in all."""
+        """Counts the losses since the last call; returns the number of all lost messages."""
         counters = self.counters
         total = 0
         thinned = {THINNED: self.statistics.thinned}
         for reason, count in {**self.losses(), **thinned}.items():
-            new = count - self._noted.get(reason, 0)
+            new = count - self._counted_losses.get(reason, 0)
             if new:
-                self._noted[reason] = count
+                self._counted_losses[reason] = count
                 name = f"bridge.{self.name}.{reason}"
                 if reason in NOT_LOST:
-                    # Left out on purpose: counted, but no line of the log.
+                    # Left out on purpose: counted, but not logged.
                     counters.add(name, new)
                 else:
                     counters.count(name, f"{new} since the last report", amount=new)
@@ -146,30 +143,30 @@ class Reporting(Stopping):
         present = _Totals(
             now,
             counts.arrivals,
-            # What a filter holds back is what it is there for.
+            # Messages that a filter holds back are no losses.
             sum(n for why, n in counts.drops.items() if why != FILTERED or not self.filters),
             self.note_losses(),
             counts.errors,
             counts.limited,
         )
         former, self._reported = self._reported or _Totals(now), present
-        self._pace.note(now, present.arrivals, self.declared_rate)
-        faults = self._told_faults()
-        judged = judge(self._facts(former, present, faults))
-        self._states.note(judged, now)
-        values = (("state", judged.phase.value), *self._values(now, faults))
+        self._rate.update(now, present.arrivals, self.declared_rate)
+        faults = self._present_faults()
+        verdict = judge(self._facts(former, present, faults))
+        self._states.note(verdict, now)
+        values = (("state", verdict.phase.value), *self._values(now, faults))
         own = str(self._ends.settings.address)
-        return ConnectionStatus(self.name, judged.level, judged.reason, own, values)
+        return ConnectionStatus(self.name, verdict.level, verdict.reason, own, values)
 
     def close_account(self) -> list[tuple[str, int]]:
-        """Counts what was lost since the last status; returns what became of all messages."""
+        """Counts the losses since the last status; returns the account of all messages."""
         self.note_losses()
         return self.account()
 
     def account(self) -> list[tuple[str, int]]:
-        """Returns what became of all messages, by the names that people see.
+        """Returns the number of messages for each outcome, by the names that diagnostics show.
 
-        Those that were taken are those that were passed, thinned and dropped together.
+        The messages taken are the sum of those passed, thinned and dropped.
         """
         counts = self.statistics
         return [
@@ -190,7 +187,7 @@ class Reporting(Stopping):
             *self.override,
             *((("passed on by the core", str(counts.alone)),) if counts.alone else ()),
             *((name, str(n)) for name, n in self.account()),
-            ("rate (Hz)", f"{self._pace.hertz:.2f}"),
+            ("rate (Hz)", f"{self._rate.hertz:.2f}"),
             ("declared rate (Hz)", f"{self.declared_rate:.2f}"),
             ("age (s)", age),
             *self._describe_joins(),
@@ -214,11 +211,11 @@ class Reporting(Stopping):
         ]
 
     def stale_joins(self) -> list[str]:
-        """Names of the joins that have nothing fresh."""
+        """Returns the names of the joins without a fresh message."""
         return [join.name for join in self._joined if join.is_stale]
 
-    def _told_faults(self) -> list[TopicFault]:
-        """Returns the faults of the topics; the log tells of each when it begins."""
+    def _present_faults(self) -> list[TopicFault]:
+        """Returns the faults of the topics; counts and logs each when it begins."""
         faults = list(self.topic_faults())
         for fault in faults:
             if fault not in self._faults:
@@ -233,7 +230,7 @@ class Reporting(Stopping):
         if not is_heard and not lacking and (silent := list(self.silent_peers())):
             verb = "does" if len(silent) == 1 else "do"
             lacking = f"{' and '.join(map(str, silent))} {verb} not answer"
-        # Where messages arrive and none has passed yet, what they lack is the point.
+        # Where messages arrive and none has passed yet, the reason is a join without a message.
         has_begun = is_heard and self.stopped in (StopReason.START, StopReason.INACTIVE)
         lacks_joins = has_begun and bool(self.stale_joins())
         return Facts(
@@ -249,13 +246,13 @@ class Reporting(Stopping):
         )
 
     def _failing(self) -> str:
-        """Returns why nothing passes, when several messages on end have failed."""
+        """Returns why no message passes, once several in a row have failed; else an empty text."""
         counts = self.statistics
         failures = {reason: n for reason, n in counts.drops.items() if reason in FAILURES}
-        passed, before = self._succeeded
-        # Something has passed: failures are counted from here on.
+        passed, before = self._last_success
+        # A message has passed: failures are counted from here on.
         if counts.passed != passed:
-            self._succeeded = counts.passed, failures
+            self._last_success = counts.passed, failures
             return ""
         new = {reason: n - before.get(reason, 0) for reason, n in failures.items()}
         if sum(new.values()) < FEWEST_FAILURES:
@@ -265,13 +262,13 @@ class Reporting(Stopping):
         return f"no message can be translated: {text}; change its map, or what is sent"
 
     def _complaint(self, former: _Totals, present: _Totals) -> str:
-        """Returns what is not as it should be, though messages pass."""
+        """Returns the fault of a connection that passes messages on; empty without one."""
         stale = ", ".join(self.stale_joins())
         if stale:
             return f"nothing fresh from {stale}"
-        unwilling = self.unwilling()
-        if unwilling:
-            return unwilling
+        disobeying = self.disobeying()
+        if disobeying:
+            return disobeying
         silent = ", ".join(map(str, self.silent_peers()))
         if silent:
             return f"nothing from {silent}"
@@ -279,6 +276,6 @@ class Reporting(Stopping):
             return "messages are dropped"
         if present.lost > former.lost:
             return "messages are lost"
-        if self._pace.is_slow:
+        if self._rate.is_slow:
             return "slower than declared"
         return "values are clamped" if present.limited > former.limited else ""

@@ -1,7 +1,7 @@
-"""Shaping: which messages of a connection pass, by their number, their pace and their age.
+"""Shaping: which messages of a connection pass, by their number, rate and age.
 
-Messages come to it before they are passed on, and only where there is something to shape, or the
-process stood still.
+`RateCap` limits each source, `Shaping` applies the limits of the model, and `Backlog` refuses
+commands that waited while the process stood still. All are asked before a message is translated.
 """
 
 from __future__ import annotations
@@ -25,22 +25,21 @@ from ..messages import cdr
 from ..reports.diagnostics import TOO_OLD, Age, Statistics
 
 Take = Callable[[bytes, Any], None]
-Drop = Callable[[str, str], None]
+Drop = Callable[[str, str], None]  # counts a message that is dropped: reason and detail
 
-
-OVER_RATE = "over_rate"  # messages of a source that sends more than its connection takes
+OVER_RATE = "over_rate"  # reason of messages beyond the rate cap of their source
 _BURST_S = 1.0
-_MOST_SOURCES = 256
+_MAX_SOURCES = 256
 _EVERYBODY_ELSE = "everybody else"
 
 
 class RateCap:
-    """Lets pass so many messages a second of each source, and a second's worth of them at once.
+    """Limits the messages each second of each source, with bursts of one second's worth.
 
-    What a source has sent is one number: the time until which it would have taken at the rate of
-    the cap. Beyond a certain number of sources the others have one allowance together, so that
-    many names are worth no more than one, and need no memory. It stands before the translation, as
-    a source that sends far more than it should would make the others wait.
+    For each source it keeps one number: the time at which the messages so far would end if they
+    came at the rate of the cap. Sources beyond `_MAX_SOURCES` share one allowance, so that many
+    names gain nothing and need no memory. It acts before the translation, since the translations
+    for one source that sends far too much would delay all others.
     """
 
     def __init__(
@@ -51,69 +50,69 @@ class RateCap:
         self._ahead = max(_BURST_S - self._interval, 0.0) + self._interval / 2
         self._clock = clock
         self._drop = drop
-        self._until: dict[Any, float] = {}
-        self._looked = clock()
+        self._ends: dict[Any, float] = {}  # of the allowance that each source has used
+        self._last_cleanup = clock()
 
-    def before(self, way: Take) -> Take:
-        """Returns what takes messages instead of a way, and gives it those that pass."""
-        clock, drop, until = self._clock, self._drop, self._until
+    def before(self, take: Take) -> Take:
+        """Returns a function that drops messages over the cap, and calls `take` with the others."""
+        clock, drop, ends = self._clock, self._drop, self._ends
         interval, ahead = self._interval, self._ahead
 
-        def take(data: bytes, sender: Any) -> None:
+        def take_capped(data: bytes, sender: Any) -> None:
             now = clock()
             # A known source costs one look-up.
-            name = sender if sender in until else self._name(sender, now)
-            taken = until.get(name, now)
-            if taken - now > ahead:
+            name = sender if sender in ends else self._allowance(sender, now)
+            end = ends.get(name, now)
+            if end - now > ahead:
                 drop(OVER_RATE, str(name))
                 return
-            until[name] = max(taken, now) + interval
-            way(data, sender)
+            ends[name] = max(end, now) + interval
+            take(data, sender)
 
-        return take
+        return take_capped
 
-    def _name(self, sender: Any, now: float) -> Any:
-        """Returns under which name a new source has its allowance."""
-        until = self._until
+    def _allowance(self, sender: Any, now: float) -> Any:
+        """Returns the name of the allowance of a new source: its own, or that of the rest."""
+        ends = self._ends
         # Once a second at most: a flood of names must not cost a search each.
-        if len(until) >= _MOST_SOURCES and now - self._looked >= _BURST_S:
-            self._looked = now
-            for name in [name for name, time in until.items() if time <= now]:
-                del until[name]
-        return sender if len(until) < _MOST_SOURCES else _EVERYBODY_ELSE
+        if len(ends) >= _MAX_SOURCES and now - self._last_cleanup >= _BURST_S:
+            self._last_cleanup = now
+            for name in [name for name, end in ends.items() if end <= now]:
+                del ends[name]
+        return sender if len(ends) < _MAX_SOURCES else _EVERYBODY_ELSE
 
 
 @dataclass(frozen=True, slots=True)
 class Shape:
-    """What shall pass."""
+    """Limits on the messages that pass."""
 
     max_rate: float = 0.0  # most messages each second; 0 means all
-    decimation: int = 1  # every how many messages one passes
+    decimation: int = 1  # of so many messages one passes
     age_limit: float = 0.0  # seconds after which a message is too old; 0 means never
 
     @property
     def is_plain(self) -> bool:
-        """Whether all messages pass when they come."""
+        """Whether all messages pass at once."""
         return not (self.max_rate > 0 or self.decimation > 1 or self.age_limit > 0)
 
     @property
     def interval(self) -> float:
-        """Least seconds from one message to the next."""
+        """Least seconds between two messages."""
         return 1 / self.max_rate if self.max_rate > 0 else 0.0
 
 
 class Waiting(NamedTuple):
-    """A message whose time has not come."""
+    """A message that waits for the end of the interval."""
 
     data: bytes
     origin: Any
-    expiry: float  # when it becomes too old, by the clock of the bridge
+    expiry: float  # time at which it becomes too old, by the clock of the bridge
 
 
 class Shaping:
-    """Lets pass what shall, in order, the newest at last.
+    """Passes messages within the limits of a shape, in order; of those that wait, the newest.
 
-    All of it runs on the loop, or with its lock.
+    Everything runs on the loop, or with its lock.
     """
 
     def __init__(self, shape: Shape, counts: Statistics, drop: Drop) -> None:
@@ -122,12 +121,12 @@ class Shaping:
         self._drop = drop
         self._ends: Ends
         self._age: Age
-        self._way: Take
+        self._pass_on: Take
         self._reshaped: Callable[[], None]
         self._judge_silence: Callable[[], None]
         self._skipped = 0
         self._is_usable = False
-        self._passed = -math.inf
+        self._last_pass = -math.inf
         self._waiting: Waiting | None = None
         self._timer: Alarm
 
@@ -136,15 +135,21 @@ class Shaping:
         name: str,
         ends: Ends,
         age: Age,
-        way: Take,
+        pass_on: Take,
         reshaped: Callable[[], None],
         judge_silence: Callable[[], None],
     ) -> None:
-        """Reads what parameters say, and tells when other messages shall pass than before."""
-        self._ends, self._age, self._way, self._reshaped = ends, age, way, reshaped
+        """Declares the parameters of the connection `name` and reads their values.
+
+        Args:
+            pass_on: Called with each message that passes.
+            reshaped: Called when a parameter has changed the shape.
+            judge_silence: Called before a message that waited passes, to stop a silent source.
+        """
+        self._ends, self._age, self._pass_on, self._reshaped = ends, age, pass_on, reshaped
         self._judge_silence = judge_silence
         self._timer = Alarm(ends.clock)
-        self._skipped, self._is_usable, self._passed = 0, False, -math.inf
+        self._skipped, self._is_usable, self._last_pass = 0, False, -math.inf
         shape, declare = self._shape, ends.ros.parameter
         self._shape = Shape(
             declare(parameters.MAX_RATE.of(shape.max_rate, name), self._setting("max_rate")),
@@ -158,20 +163,20 @@ class Shaping:
     def _change(self, shape: Shape) -> None:
         with self._ends.loop.lock:
             self._shape = shape
-            # It may be due now, or later than before.
+            # The message may be due now, or later than before.
             if self._waiting is not None:
-                self._arrange()
+                self._pass_when_due()
             self._reshaped()
 
     # ------------------------------------------------------------------ messages
 
     @property
     def is_plain(self) -> bool:
-        """Whether there is nothing to shape."""
+        """Whether all messages pass at once."""
         return self._shape.is_plain
 
     def withdraw(self) -> Waiting | None:
-        """Begins anew; returns what waited and passes no more."""
+        """Begins anew; returns the message that waited, which will not pass."""
         self._skipped = 0
         waiting, self._waiting = self._waiting, None
         if waiting is not None:
@@ -179,7 +184,7 @@ class Shaping:
         return waiting
 
     def thin(self) -> None:
-        """Counts a message that gives way to others."""
+        """Counts a message that is left out in favour of others."""
         self._counts.arrivals += 1
         self._counts.thinned += 1
 
@@ -189,7 +194,7 @@ class Shaping:
         # 0 after a stop, so that the first message then passes.
         if 0 < self._skipped < self._shape.decimation:
             self._skipped += 1
-            self._note(now)
+            self._mark_alive(now)
             self.thin()
             return
         self._skipped = 1
@@ -201,26 +206,26 @@ class Shaping:
             # The newest takes the place of the one that waits; the time stays.
             self.thin()
             self._waiting = Waiting(data, origin, expiry)
-            self._note(now)
+            self._mark_alive(now)
         elif now < self._due:
             self._waiting = Waiting(data, origin, expiry)
-            self._note(now)
-            self._arrange()
+            self._mark_alive(now)
+            self._pass_when_due()
         else:
             self._pass(data, origin, now)
 
     @property
     def _due(self) -> float:
-        return self._passed + self._shape.interval
+        return self._last_pass + self._shape.interval
 
-    def _arrange(self) -> None:
-        """Has what waits pass when its time has come, or now."""
+    def _pass_when_due(self) -> None:
+        """Passes the message that waits, now or by a timer when it is due."""
         self._timer.cancel()
         if self._ends.clock.now() < self._due:
-            self._timer.set_at(self._due, self._arrange)
+            self._timer.set_at(self._due, self._pass_when_due)
             return
         self._judge_silence()
-        # The stop of a silent source may have withdrawn it just now.
+        # The stop of a silent source may have withdrawn the message just now.
         waiting, self._waiting = self._waiting, None
         if waiting is not None:
             now = self._ends.clock.now()
@@ -230,9 +235,9 @@ class Shaping:
                 self._pass(waiting.data, waiting.origin, now)
 
     def _pass(self, data: bytes, origin: Any, now: float) -> None:
-        self._passed = now
-        self._way(data, origin)
-        # What could not be translated was not heard: the source said nothing usable.
+        self._last_pass = now
+        self._pass_on(data, origin)
+        # A message that could not be translated does not count as heard.
         self._is_usable = self._counts.heard >= now
 
     def _expiry(self, data: bytes, origin: Any, now: float) -> float:
@@ -241,15 +246,15 @@ class Shaping:
         return now + self._shape.age_limit - (self._age(data, origin) or 0.0)
 
     def _refuse(self, now: float, excess: float) -> None:
-        """Counts a message that is too old; the source has said nothing that could be used."""
+        """Counts a message that is too old, and by which the source does not count as heard."""
         self._counts.arrivals += 1
         self._counts.last_arrival = now
         self._is_usable = False
         age = self._shape.age_limit + excess
         self._drop(TOO_OLD, f"{age:.3f} s old, the limit is {self._shape.age_limit:g} s")
 
-    def _note(self, now: float) -> None:
-        """Notes that the source lives, if the last message that passed said something usable."""
+    def _mark_alive(self, now: float) -> None:
+        """Counts the source as heard, if its last message that passed could be translated."""
         self._counts.last_arrival = now
         if self._is_usable:
             self._counts.heard = now
@@ -261,15 +266,15 @@ _NANO = 10**9
 
 
 def ros_age(ros_type: type[Any], ros: RosSide, wall: Callable[[], int]) -> Age:
-    """Returns what tells the age of messages of a ROS type.
+    """Returns the function for the age of messages of a ROS type.
 
-    That is the one of its stamp by the ROS clock; of a type or message without one, that of its
-    publication, which the publisher tells by the clock of its computer.
+    The age is that of the stamp by the ROS clock; without a stamp, that of the publication, which
+    `wall` compares with the clock of the publisher's computer.
     """
     is_stamped = _begins_with_stamp(ros_type)
 
     def age(data: bytes, origin: int) -> float | None:
-        # It stands at the begin of the bytes, so nothing has to be decoded for it.
+        # The stamp is at the begin of the bytes, so the message need not be decoded.
         stamp = _first_stamp(data) if is_stamped else 0
         if stamp:
             return (_nanoseconds(ros.now()) - stamp) / _NANO
@@ -279,7 +284,7 @@ def ros_age(ros_type: type[Any], ros: RosSide, wall: Callable[[], int]) -> Age:
 
 
 def jaus_age(message_type: type[Message], clock: Callable[[], Time]) -> Age:
-    """Returns what tells the age of a JAUS message by its TimeStamp and a clock."""
+    """Returns the function for the age of JAUS messages by their TimeStamp and a clock."""
 
     def age(data: bytes, _origin: object) -> float | None:
         try:
@@ -289,7 +294,7 @@ def jaus_age(message_type: type[Message], clock: Callable[[], Time]) -> Age:
             now = clock()
             sent = timestamp_to_time(stamp, near=now)
         except (DecodeError, ConversionError):
-            return None  # whoever translates the message says what is wrong with it
+            return None  # the translation reports the error
         return (_nanoseconds(now) - _nanoseconds(sent)) / _NANO
 
     return age
@@ -304,7 +309,7 @@ def _begins_with_stamp(ros_type: type[Any]) -> bool:
 
 
 def _first_stamp(data: bytes) -> int:
-    """Returns the stamp that a message begins with in nanoseconds, 0 if nobody filled it."""
+    """Returns the stamp at the begin of a message in nanoseconds; 0 if it was not filled."""
     order = cdr.ORDERS.get(data[:2])
     if order is None or len(data) < len(cdr.HEADER) + 8:
         return 0
@@ -316,70 +321,72 @@ def _nanoseconds(moment: Time) -> int:
     return moment.sec * _NANO + moment.nanosec
 
 
-_REPEATED = 5.0
-"""Seconds after a standstill in which the middleware of ROS may still bring what was sent before.
-
-It repeats what a reader has missed when the writer tells of it, which Fast DDS does each 3 s.
-"""
+# Seconds after a standstill in which the middleware of ROS may still deliver older messages. It
+# repeats messages that a reader has missed at the heartbeat of the writer: with Fast DDS, each 3 s.
+_REPETITION_S = 5.0
 
 
 class Backlog:
-    """Tells after a standstill which commands of a connection are of long ago.
+    """Refuses commands that are too old after the process stood still.
 
-    A time-out of silence says how long a command may stand. One that waited longer, before anybody
-    could notice the silence, counts no more either. Where nothing says when a message was sent,
-    all that waited is refused: the next one is on its way.
+    The time-out of silence limits how long a command may be in effect, so a command that waited
+    longer during the standstill is refused too. Where the time of sending is unknown, every command
+    that waited is refused: the source will soon send the next one.
     """
 
     def __init__(
-        self, counts: Statistics, drop: Drop, waited: Callable[[Any], float | None]
+        self, counts: Statistics, drop: Drop, seconds_waited: Callable[[Any], float | None]
     ) -> None:
-        """Refuses nothing before `open`; None has waited where nobody knows when it was sent."""
-        self._counts, self._drop, self._waited = counts, drop, waited
+        """Refuses no command before `open`.
+
+        Args:
+            seconds_waited: Returns the seconds since a message was sent, by its origin; None if
+                they are unknown.
+        """
+        self._counts, self._drop, self._seconds_waited = counts, drop, seconds_waited
         self._ends: Ends
         self._changed: Callable[[], None]
         self._watch: Watch | None = None
         self._end: Timer | None = None
-        self._limit = self._still = 0.0
+        self._limit = self._standstill = 0.0
         self._has_caught_up = True
 
     @property
-    def is_there(self) -> bool:
-        """Whether a message may have waited."""
+    def is_active(self) -> bool:
+        """Whether messages that waited during a standstill may still come."""
         return self._end is not None
 
     def open(self, ends: Ends, limit: float, changed: Callable[[], None]) -> None:
         """Begins to look for standstills.
 
         Args:
-            limit: Seconds that a command may have waited; 0 for any time.
-            changed: Called when there is a backlog, before any of it is taken, and when there is
-                none any more.
+            limit: Longest seconds that a command may have waited; 0 for any time.
+            changed: Called at the begin of a backlog, before its first message, and at its end.
         """
         self._ends, self._changed, self._limit = ends, changed, limit
         self._watch = ends.loop.standstill.watch(limit, self._stood_still, self._caught_up)
 
     def close(self) -> None:
-        """Looks no more."""
+        """Ends the backlog, and the watch for standstills."""
         if self._watch is not None:
             self._watch.cancel()
         self._finish()
 
     def change(self, limit: float) -> None:
-        """Lets commands have waited for another time from now on."""
+        """Changes the longest seconds that a command may have waited."""
         self._limit = limit
         if self._watch is not None:
             self._watch.change(limit)
 
     def admits(self, origin: Any) -> bool:
-        """Returns whether a message is young enough; it is counted if it is not."""
-        waited = self._waited(origin)
-        # Of unknown age, while what waited is served: it may be as old as the standstill.
+        """Returns whether a message is young enough; drops and counts it otherwise."""
+        waited = self._seconds_waited(origin)
+        # A message of unknown age that waited may be as old as the standstill.
         if waited is None and not self._has_caught_up:
-            waited = self._still
+            waited = self._standstill
         if waited is None or self._limit <= 0 or waited <= self._limit:
             return True
-        # Refused before the way on which arrivals are counted.
+        # `Connection.pass_on`, which counts arrivals, does not see this one.
         self._counts.arrivals += 1
         self._counts.last_arrival = self._ends.clock.now()
         self._drop(TOO_OLD, f"it waited up to {waited:.2f} s while the process stood still")
@@ -388,14 +395,14 @@ class Backlog:
     def _stood_still(self, seconds: float) -> None:
         # A further standstill begins the time anew.
         self._finish()
-        self._still, self._has_caught_up = seconds, False
-        self._end = self._ends.loop.call_later(_REPEATED, self._over)
+        self._standstill, self._has_caught_up = seconds, False
+        self._end = self._ends.loop.call_later(_REPETITION_S, self._finish_backlog)
         self._changed()
 
     def _caught_up(self) -> None:
         self._has_caught_up = True
 
-    def _over(self) -> None:
+    def _finish_backlog(self) -> None:
         self._finish()
         self._changed()
 

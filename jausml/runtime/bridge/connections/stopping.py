@@ -1,4 +1,4 @@
-"""What a connection does when its source is lost: safe values, silence and halts."""
+"""Stops of a connection whose source is lost: safe values, silence and halts."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ _LOG_INTERVAL = 5.0  # seconds between two lines of the log about the silence of
 
 
 class Stopping(Limiting):
-    """The part of a connection that minds its source.
+    """The part of a connection that watches its source and sends the safe value, or stop.
 
-    All of it runs on the loop, or with its lock.
+    Everything runs on the loop, or with its lock.
 
     Attributes:
         silence_timeout: Seconds without a message after which the safe value is sent; 0: never.
-        is_command: Whether its messages set something in motion, which must not outlive its source.
-        stopped: Why the safe value stands on the target side; None while messages of the source do.
+        is_command: Whether its messages set something in motion, which has to end with its source.
+        stopped: Why the safe value was the last message sent; None while one of the source is.
     """
 
     def __init__(
@@ -37,10 +37,12 @@ class Stopping(Limiting):
         stop: tuple[str, ...] = (),
         hold_reason: str = "",
     ) -> None:
-        """Minds nothing before `watch`.
+        """Watches for nothing before `watch`.
 
-        A stop is what the model states for the safe value, each as `thrust = 0`; none means zeros.
-        A reason to hold says why the last command may stand where there is no safe value.
+        Args:
+            safe_value: Makes the message that stops the target; None where there is none.
+            stop: Fields of the safe value for the log, each as `thrust = 0`; none means all zero.
+            hold_reason: Why the last command may stay in effect without a safe value.
         """
         super().__init__()
         self.name = name
@@ -54,17 +56,17 @@ class Stopping(Limiting):
         self._safe_value = safe_value
         self._next_log = 0.0
         self._watch: Timer | None = None
-        self._guarded: Any = None  # what arms the stop, where there is a guardian
+        self._guarded: Any = None  # arms the stop of the guardian, if there is one
         self._ends: Ends
 
     def open(self, ends: Ends) -> None:
-        """Begins a life, in which nothing was stopped yet."""
+        """Begins anew, as if nothing had been stopped."""
         self._ends = ends
-        self._halt = self.stopped = self._guarded = None  # of an earlier life
+        self._halt = self.stopped = self._guarded = None
         self.declare(ends)
 
     def declare(self, ends: Ends) -> None:
-        """Declares the parameters of the connection, and reads what they say."""
+        """Declares the parameters of the connection, and reads their values."""
         self.silence_timeout = ends.ros.parameter(
             parameters.SILENCE_TIMEOUT.of(self.silence_timeout, self.name),
             self._set_silence_timeout,
@@ -73,28 +75,28 @@ class Stopping(Limiting):
     # ------------------------------------------------------------------ for the kinds
 
     def deliver(self, payload: bytes) -> bool:
-        """Hands a message to the target side; False when it was dropped and counted."""
+        """Delivers an encoded message; returns False when it was dropped and counted."""
         raise NotImplementedError
 
     def deliver_stop(self, payload: bytes) -> bool:
-        """Hands the safe value to the target side; False when nobody is there."""
+        """Delivers the safe value; returns False when it has no receiver."""
         return self.deliver(payload)
 
     def guarded_stops(self, payload: bytes) -> dict[str, Any]:
-        """Returns the `topics` or `datagrams` that the guardian says, of a stop for its moment."""
+        """Returns the `topics` or `datagrams` by which the guardian sends an encoded stop."""
         raise NotImplementedError
 
     def encode(self, target: Any) -> bytes:
-        """Encodes what a translation or the safe value makes."""
+        """Encodes a message of the target side."""
         raise NotImplementedError
 
-    def note_case(self) -> None:
-        """Tells a core, which passes usual messages alone, and the guardian that the case changed.
+    def handling_changed(self) -> None:
+        """Tells the core and the guardian that messages are handled in another way from now on.
 
-        To be called whenever something changes that decides what becomes of messages.
+        To be called after each change of a stop, a halt, the shape, the backlog or measurements.
         """
         self._ends.loop.revision.changed()
-        # What stands from now on is for the guardian to end.
+        # A command may be in effect from now on, which the guardian has to stop.
         if self.stopped is None and self._halt is None and self._guarded is not None:
             self._guarded.arm(True)  # noqa: FBT003
 
@@ -102,33 +104,33 @@ class Stopping(Limiting):
 
     @property
     def is_silent(self) -> bool:
-        """Whether the source has said nothing usable since the safe value was due."""
+        """Whether no usable message of the source has come since the safe value was due."""
         return self.stopped is not None
 
     def watch(self) -> None:
-        """Starts to watch for silence, which a source that never spoke also is."""
+        """Starts to watch for silence, also of a source that has never sent a message."""
         self.statistics.heard = self._ends.clock.now()
         if self.is_command:
-            # A life before, which may have crashed, can have left a command behind.
+            # An earlier process, which may have crashed, can have left a command in effect.
             self.stop(StopReason.START)
         else:
             self._arm(self.silence_timeout)
 
     def note_usable(self) -> None:
-        """Notes that the source has said something: one that sends nothing usable is silent."""
+        """Counts the source as heard, and ends its stop, after a message could be translated."""
         self.statistics.heard = self._ends.clock.now()
-        # While it is halted the stop stands, whatever the source says.
+        # While it is halted the stop stays, whatever the source sends.
         if self.stopped is not None and self._halt is None:
             self.stopped = None
             self._arm(self.silence_timeout)
-            self.note_case()
+            self.handling_changed()
 
     def _arm(self, delay: float) -> None:
         if self.silence_timeout > 0:
             self._watch = self._ends.clock.call_later(delay, self._check_silence)
 
     def _check_silence(self) -> None:
-        # The timer is not set anew by each message: it looks how much is left.
+        # Messages do not restart the timer: when it fires, it waits for the rest of the time-out.
         remaining = self.statistics.heard + self.silence_timeout - self._ends.clock.now()
         if remaining > 0:
             self._arm(remaining)
@@ -138,13 +140,13 @@ class Stopping(Limiting):
                 self._log_silence()
 
     def judge_silence(self) -> None:
-        """Does what is due when the source is silent, without waiting for the timer.
+        """Sends the stop of a silent source if it is due, without waiting for the timer.
 
-        To be called before what the source said is used again: when the process stood still, other
-        timers may be earlier.
+        To be called before a message that waited is used: after the process stood still, other
+        timers may fire earlier.
         """
-        is_minded = self.silence_timeout > 0 and self.stopped is None
-        if is_minded and self.statistics.heard + self.silence_timeout <= self._ends.clock.now():
+        is_watched = self.silence_timeout > 0 and self.stopped is None
+        if is_watched and self.statistics.heard + self.silence_timeout <= self._ends.clock.now():
             self._check_silence()
 
     def _set_silence_timeout(self, seconds: float) -> None:
@@ -158,7 +160,7 @@ class Stopping(Limiting):
                 self._arm(seconds)
 
     def _log_silence(self) -> None:
-        """Says what silence has done, at most once in a while: it may come and go."""
+        """Logs the effect of silence, at most once in `_LOG_INTERVAL`: it may come and go."""
         now = self._ends.clock.now()
         if now >= self._next_log:
             self._next_log = now + _LOG_INTERVAL
@@ -167,47 +169,47 @@ class Stopping(Limiting):
     # ------------------------------------------------------------------ stops
 
     def stop(self, reason: StopReason) -> bool:
-        """Sends the safe value, once: the next message from the source ends what it stands for.
+        """Sends the safe value, unless it was the last message; the next one ends the stop.
 
-        Returns whether messages of the source stood until now.
+        Returns whether a message of the source was in effect.
         """
         if self._watch is not None:
             self._watch.cancel()
-        stood = self.stopped is None
-        # What stands already stands for its own reason: a bridge begins inactive.
-        if stood or reason is not StopReason.INACTIVE:
+        was_running = self.stopped is None
+        # A stop keeps its reason when the bridge becomes inactive.
+        if was_running or reason is not StopReason.INACTIVE:
             self.stopped = reason
         # First the core is stopped, so that no older command follows the stop.
-        self.note_case()
-        if stood:
+        self.handling_changed()
+        if was_running:
             self.statistics.stops[reason] += 1
             self.send_safe_value(self.deliver_stop)
-        # Only after the stop was sent: until then the guardian must say it if this process dies.
+        # Only after the stop was sent: if this process dies before, the guardian has to send it.
         if self._guarded is not None:
             self._guarded.arm(False)  # noqa: FBT003
-        return stood
+        return was_running
 
     def guard(self) -> None:
-        """Has the guardian say the stop when the bridge cannot, if there are both."""
+        """Registers the stop of a command with the guardian, if there is one."""
         ward = self._ends.ward
         if ward is not None and self.is_command and self._safe_value is not None:
-            self._guarded = ward.guard(self._handed_over)
+            self._guarded = ward.guard(self._guardian_content)
 
-    def _handed_over(self) -> dict[str, Any]:
-        """Returns what the guardian is to say, and after which silence."""
+    def _guardian_content(self) -> dict[str, Any]:
+        """Returns the stops for the guardian to send, and the seconds of silence before them."""
         patience = max(_LEAST_PATIENCE, self.silence_timeout)
         content: dict[str, Any] = {"patience": patience, "topics": [], "datagrams": []}
         try:
-            # At a moment that is found again in the octets, where the guardian puts the present.
-            with self._ends.at(self._ends.ward.moment):
+            # The guardian finds this moment in the octets and replaces it by the present.
+            with self._ends.frozen_at(self._ends.ward.moment):
                 payload = self.encode(self._safe_value() if self._safe_value else None)
             content |= self.guarded_stops(payload)
-        except Exception as error:  # of what the user has overridden
+        except Exception as error:  # of an overridden method
             self.fail(error)
         return content
 
     def send_safe_value(self, deliver: Callable[[bytes], bool]) -> None:
-        """Hands the modelled safe value to the target side; nothing when there is none."""
+        """Encodes and delivers the safe value of the model, if there is one."""
         if self._safe_value is None:
             return
         try:
@@ -217,31 +219,35 @@ class Stopping(Limiting):
             self.fail(error)
 
     def follow(self, standing: Standing, lost: StopReason | None) -> bool:  # noqa: ARG002
-        """Stops what must not go on as the bridge stands; here, whatever passes while inactive.
+        """Stops the connection if it may not go on: here, while the bridge is inactive.
 
-        What the former controller commanded may be lost for a reason. Returns whether something was
-        stopped.
+        Args:
+            standing: Activity, status and controller of the bridge.
+            lost: Why commands of the former controller end; None if they do not.
+
+        Returns:
+            Whether a message of the source was stopped.
         """
         return self.halt(None if standing.is_active else StopReason.INACTIVE)
 
     def lose(self, reason: StopReason) -> bool:
-        """Stops what is watched, as its time does not pass any more; whether messages stood."""
+        """Stops a watched source whose clock stands still; returns whether that ended a message."""
         is_watched = self.is_command or self.silence_timeout > 0
         return is_watched and self.stopped is None and self.stop(reason)
 
     def halt(self, reason: StopReason | None) -> bool:
-        """Passes nothing on after the stop, or again for None; whether something was stopped."""
+        """Stops and refuses messages for a reason, or ends that for None; returns as `stop`."""
         self._halt = reason
-        self.note_case()
+        self.handling_changed()
         return reason is not None and self.stop(reason)
 
     def end(self) -> bool:
-        """Sends the safe value for good; whether messages of the source stood until now."""
+        """Sends the safe value for good; returns whether a message of the source was in effect."""
         return self.halt(StopReason.END) if self._safe_value or self.is_command else False
 
     @property
     def when_lost(self) -> str:
-        """What happens on the target side when the source of a command is lost."""
+        """The effect of a lost source on the target side, in words for the log."""
         if self._safe_value is not None:
             return f"the stop is sent ({self._stop})" if self._stop else "the stop is sent"
         return f"the last message stands ({self._hold_reason or 'nobody says why'})"

@@ -1,4 +1,4 @@
-"""Connections that carry ROS topics to JAUS as messages that are sent."""
+"""Connections that send ROS messages to JAUS peers."""
 
 from __future__ import annotations
 
@@ -22,8 +22,7 @@ Send = Callable[[bytes], None]
 SourceT = TypeVar("SourceT")
 TargetT = TypeVar("TargetT", bound="Message")
 
-
-_BUSY = 3.0  # seconds after a message in which its receivers should be heard, if nothing was before
+_BUSY = 3.0  # seconds without a packet of a peer, to which messages go, before it counts as silent
 
 
 class TopicsToMessage(FromTopics[SourceT, TargetT]):
@@ -44,27 +43,28 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         """Prepares the connection.
 
         Args:
-            translate: Makes the JAUS message, or None to pass nothing on.
-            filters: Whether values out of range choose the messages that pass.
-            control: What the peers demand of a sender that they obey. Unless that is ANY, control
+            translate: Returns the JAUS message, or None to pass nothing on.
+            peers: JAUS components that receive the message, or how they are found.
+            control: Guard of the peers for their senders. Unless that is ANY, control
                 of them is acquired and kept, they are resumed for READY, and the message is sent
                 to a peer only while it obeys.
+            filters: Whether messages with values out of range are dropped on purpose.
         """
         super().__init__(name, translate, **options)
         self.filters = filters
         self._peers = ControlledPeers(peers, control)
         self._priority = priority
         self._acknowledge = acknowledge
-        self._prepared: dict[JausAddress, Send] = {}
+        self._sender_by_peer: dict[JausAddress, Send] = {}
         self._senders: tuple[Send, ...] = ()  # to the peers that obey
         self._refusing: tuple[JausAddress, ...] = ()
-        self._before = self._sink.latest
-        self._doubted: dict[JausAddress, float] = {}
+        self._reference = self._sink.latest
+        self._silent_since: dict[JausAddress, float] = {}
         self._stops = RepeatedStops(self._peers, lambda _: self.is_silent, self._stop_again)
 
     @property
     def peers(self) -> tuple[JausAddress, ...]:
-        """JAUS components that receive it."""
+        """JAUS components that receive the message."""
         return self._peers.present
 
     def open(self, ends: Ends) -> None:
@@ -76,35 +76,35 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         )
         self.guard()
 
-    def waited(self, origin: Any) -> float | None:
-        """Returns the seconds since a message was published, by the last one before a standstill.
+    def seconds_waited(self, origin: Any) -> float | None:
+        """Returns how much later a message arrived than the last one before a standstill would.
 
-        The clock of its publisher may be another one, so only what passed between both counts.
+        Only times between the two messages are used, as the publisher may have another clock.
         """
-        stamp, at = self._before
+        stamp, arrival = self._reference
         if not (stamp and origin) or self._ends.simulation is not None:
             return None
-        return self._ends.clock.now() - at - float(origin - stamp) * 1e-9
+        return self._ends.clock.now() - arrival - float(origin - stamp) * 1e-9
 
     def _backlog_changed(self) -> None:
-        # What comes later is compared with the last one before the standstill.
-        self._before = self._sink.latest
+        # Later messages are compared with the last one before the standstill.
+        self._reference = self._sink.latest
         super()._backlog_changed()
 
     def _join(self, peer: JausAddress) -> None:
-        self._prepared[peer] = self._sender(peer)
+        self._sender_by_peer[peer] = self._sender(peer)
         self._find_route()
 
     def _leave(self, peer: JausAddress) -> None:
-        del self._prepared[peer]
+        del self._sender_by_peer[peer]
         self._find_route()
         if self._guarded is not None:
-            # First the stop of the peer goes: the place may become that of another.
-            self._guarded.hand()
+            # First the stop of the peer is removed: its slot may be given to another peer.
+            self._guarded.send()
             self._ends.ward.slots.give_back(self, (self._ends.component.address, peer))
 
     def _sender(self, peer: JausAddress) -> Send:
-        """Returns what sends a message to a peer, whether it obeys or not."""
+        """Returns the function that sends a message to a peer."""
         component = self._ends.component
         transport, own = component.transport, component.address
         if self._acknowledge:
@@ -112,47 +112,47 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         return transport.sender(own, peer, self._priority)
 
     def _find_route(self) -> None:
-        """Finds out who gets the messages, now that peers, their control or a halt changed."""
-        prepared = self._prepared
-        obeying = [peer for peer in prepared if self._peers.obeys(peer)]
-        self._senders = tuple(prepared[peer] for peer in obeying)
-        self._refusing = tuple(peer for peer in prepared if not self._peers.obeys(peer))
+        """Selects the peers that get messages, after a change of peers, control or halt."""
+        senders = self._sender_by_peer
+        obeying = [peer for peer in senders if self._peers.obeys(peer)]
+        self._senders = tuple(senders[peer] for peer in obeying)
+        self._refusing = tuple(peer for peer in senders if peer not in obeying)
         is_simple = len(obeying) == 1 and not self._refusing and self._halt is None
         # One peer, and it obeys: its sender is called without another function between.
         self._sink.deliver = self._senders[0] if is_simple else self.deliver
         self._ends.loop.revision.changed()
 
-    def note_case(self) -> None:
-        """Tells others that the case changed, and finds out who gets the messages now."""
-        super().note_case()
+    def handling_changed(self) -> None:
+        """Tells the core and the guardian of a change, and selects the peers anew."""
+        super().handling_changed()
         self._find_route()
 
     def lacks_peers(self) -> str:
-        """What is searched for and not found."""
+        """Returns which peer is searched for and not found."""
         return self._peers.lacking()
 
     def refusal(self) -> str:
-        """Why no peer obeys."""
+        """Returns why no peer obeys; empty while one does."""
         if not self._refusing or self._senders:
             return ""
         return f"no peer obeys: {self._peers.reason(self._refusing[0])}"
 
-    def unwilling(self) -> str:
-        """Which of several peers do not obey."""
+    def disobeying(self) -> str:
+        """Returns which of several peers do not obey."""
         if not self._senders or not self._refusing:
             return ""
         return f"does not obey: {', '.join(map(str, self._refusing))}"
 
     def follow(self, standing: Standing, lost: StopReason | None) -> bool:
-        """Stops what the bridge commands while it may not command."""
+        """Stops commands while the bridge may not command."""
         return self.halt(standing.halt) if self.is_command else super().follow(standing, lost)
 
     def deliver(self, payload: bytes) -> bool:
-        """Sends to each peer that obeys; False when none does."""
-        if self._halt is not None:  # since the message was taken; the stop is the last word
+        """Sends a message to each peer that obeys; returns False when none does."""
+        if self._halt is not None:  # since the message was taken: the stop must stay the last one
             self.refuse_halted(self._halt)
             return False
-        if not self._prepared:
+        if not self._sender_by_peer:
             self.drop(NO_PEER)
             return False
         for send in self._senders:
@@ -164,18 +164,18 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         return True
 
     def deliver_stop(self, payload: bytes) -> bool:
-        """Sends the stop to each peer that obeys, again until it is acknowledged or obeys no more.
+        """Sends the stop to each peer that obeys, repeated until it is acknowledged.
 
-        The others get it when they obey again.
+        The other peers get it when they obey again. Returns False when no peer obeys.
         """
         obeying = [peer for peer in self.peers if self._peers.obeys(peer)]
         return self._send_stop(obeying, payload)
 
     def guarded_stops(self, payload: bytes) -> dict[str, Any]:
-        """Returns the datagram of the stop for each peer that obeys and has a known place.
+        """Returns the datagram of the stop for each peer that obeys and is reached by UDP.
 
-        Behind a node manager or TCP there is none: there, control lapses. So it does where the
-        page of the guardian is full, which the ward tells.
+        There is none for a peer behind a node manager or TCP, or if the page of the guardian is
+        full: such a peer stops when its control lapses.
         """
         component = self._ends.component
         transport, own, datagrams = component.transport, component.address, []
@@ -198,10 +198,10 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
                 peer,
                 payload,
                 priority=self._priority,
-                # Whatever the model says of the commands: a stop that gets lost is sent again.
+                # Acknowledged even where commands are not, so that a lost stop is sent again.
                 acknowledge=True,
                 on_result=partial(self._stop_sent, peer),
-                # No command before it is repeated or sent from now on.
+                # Earlier commands are neither sent nor repeated any more.
                 supersedes=True,
             )
         return bool(peers)
@@ -210,7 +210,7 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         self._stops.sent(peer, self._stops.has_arrived(peer, acknowledged))
 
     def end(self) -> bool:
-        """Sends the safe value for good; whether messages of the source stood until now."""
+        """Sends the safe value for good; returns whether a message of the source was in effect."""
         self._stops.end()
         return super().end()
 
@@ -218,21 +218,21 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         self.send_safe_value(partial(self._send_stop, [peer]))
 
     def silent_peers(self) -> Iterable[JausAddress]:
-        """Peers of which nothing is heard, though messages go to them: they may not be there."""
+        """Returns peers that are sent messages, and from which no packet comes."""
         now, latest = self._ends.clock.now(), self.statistics.last_arrival
         is_busy = self._halt is None and latest is not None and now - latest < _BUSY
         unheard = self._ends.component.transport.is_unheard
-        silent = [peer for peer in self._prepared if is_busy and unheard(peer)]
-        self._doubted = {peer: self._doubted.get(peer, now) for peer in silent}
-        return [peer for peer, since in self._doubted.items() if now - since >= _BUSY]
+        silent = [peer for peer in self._sender_by_peer if is_busy and unheard(peer)]
+        self._silent_since = {peer: self._silent_since.get(peer, now) for peer in silent}
+        return [peer for peer, since in self._silent_since.items() if now - since >= _BUSY]
 
     def describe_peers(self) -> list[tuple[str, str]]:
-        """The JAUS components and the state of their control."""
+        """Returns the JAUS components and the state of their control."""
         return self._peers.describe()
 
     def _control_changed(self, peer: JausAddress) -> None:
         self._find_route()
-        # Others obey now, so the guardian has to say its stops to others.
+        # The guardian has to send its stops to the peers that obey now.
         if self._guarded is not None:
-            self._guarded.hand()
+            self._guarded.send()
         self._stops.changed(peer)

@@ -1,4 +1,4 @@
-"""Connections that carry ROS topics to JAUS as reports that are offered."""
+"""Connections that offer ROS messages as JAUS reports."""
 
 from __future__ import annotations
 
@@ -16,7 +16,8 @@ SourceT = TypeVar("SourceT")
 TargetT = TypeVar("TargetT", bound="Message")
 ValueT = TypeVar("ValueT")
 
-_OF_MANY = ("sensor_msgs/msg/JointState", "diagnostic_msgs/msg/DiagnosticStatus")
+# Types whose messages name their joints or devices, so that several nodes may publish them.
+_NAMED_SOURCES = ("sensor_msgs/msg/JointState", "diagnostic_msgs/msg/DiagnosticStatus")
 
 
 class TopicsToReport(FromTopics[SourceT, TargetT]):
@@ -36,11 +37,12 @@ class TopicsToReport(FromTopics[SourceT, TargetT]):
         """Prepares the connection.
 
         Args:
-            translate: Makes the JAUS report, or None to keep the one before.
+            translate: Returns the JAUS report, or None to keep the one before.
+            query: The query that the report answers.
             freshness: Seconds after which a message is too old to be reported; 0 means never.
-            empty: Makes the report that says that there is no data, when its fields are optional.
+            empty: Makes the report without data, where all fields are optional.
         """
-        # A report that is too old and a source that is silent are one thing.
+        # A report is too old when its source is silent for so long.
         super().__init__(name, translate, silence_timeout=silence_timeout or freshness, **options)
         self._query = query
         self._empty = empty
@@ -59,17 +61,25 @@ class TopicsToReport(FromTopics[SourceT, TargetT]):
     def pass_on(self, data: bytes, origin: int) -> None:
         """Translates a message and makes it the present report."""
         super().pass_on(data, origin)
-        # Also of a message that was not put: its values must not age the next one.
+        # Also after a message that failed: the age of its values must not count for the next one.
         self._oldest = math.inf
 
     def by_name(
         self, names: Collection[str], keys: Sequence[str], values: Sequence[ValueT], needed: str
     ) -> list[ValueT | None]:
-        """Returns values in the order of names; messages before may have said some of them.
+        """Returns values in the order of names, also values of earlier messages.
 
-        Several nodes publish joint states of one robot, each of its own joints. The newest value of
-        each name counts, for as long as a report of it would: such a report is as old as its oldest
-        value. A message with all names stands by itself.
+        Several nodes may publish joint states of one robot, each of its own joints. The newest
+        value of each name is used while it is fresh, and the report is as old as its oldest value.
+        A message with all names is used alone.
+
+        Args:
+            names: Names in the order of the translation.
+            keys: Names of the values of this message.
+            needed: Field of the values, for the error.
+
+        Raises:
+            AbsentFieldError: A name has no value.
         """
         values_by_name = dict(zip(keys, values, strict=False))
         if not self._is_open or all(name in values_by_name for name in names):
@@ -81,7 +91,7 @@ class TopicsToReport(FromTopics[SourceT, TargetT]):
         ordered_values = limits.by_name(
             names, [*fresh], [value for _, value in fresh.values()], needed
         )
-        self._oldest = min(self._oldest, *(at for at, _ in fresh.values()))
+        self._oldest = min(self._oldest, *(arrival for arrival, _ in fresh.values()))
         return ordered_values
 
     def deliver(self, payload: bytes) -> bool:
@@ -90,24 +100,24 @@ class TopicsToReport(FromTopics[SourceT, TargetT]):
         return True
 
     def stop(self, reason: StopReason) -> bool:
-        """Reports the safe value; without one, that there is no data.
+        """Reports the safe value; without one, withdraws the report.
 
-        A number that is old is no report. Where the standard lets every field be absent, queries
-        and events say so; else queries stay without an answer, and events pause.
+        Old values are not reported. Where all fields of the report are optional, an empty report
+        takes its place; otherwise queries have no answer, and events pause.
         """
-        stood = super().stop(reason)
-        # Of several connections to one report, the one that spoke last has the word.
+        was_running = super().stop(reason)
+        # Of several connections to one report, only the one that reported last withdraws it.
         if self._safe_value is None and self._report.judge_silence in (None, self.judge_silence):
             self._put(self.encode(self._empty()) if self._empty is not None else None)
-        return stood
+        return was_running
 
     def _putting(self, ends: Ends) -> Callable[[bytes | None], None]:
-        """Returns what makes a message the present report and tells subscribers of changes."""
+        """Returns the function that sets the present report and informs its subscribers."""
         holder, message, changed = self._report, self._message, ends.component.report_changed
 
         def put(report: bytes | None) -> None:
             holder.value, holder.judge_silence = report, self.judge_silence
-            # A report that was put together is as old as the oldest of its values.
+            # A report of several messages is as old as its oldest value.
             if self._oldest < math.inf:
                 self.statistics.heard = self._oldest
             changed(message)
@@ -116,9 +126,9 @@ class TopicsToReport(FromTopics[SourceT, TargetT]):
 
     @property
     def has_one_source(self) -> bool:
-        """A report is of one sensor; messages that name what they are of may come from many."""
-        return str(getattr(self._type, "TYPE", "")) not in _OF_MANY
+        """Whether only one node may publish: unless messages name the joint or device."""
+        return str(getattr(self._type, "TYPE", "")) not in _NAMED_SOURCES
 
     def describe_peers(self) -> list[tuple[str, str]]:
-        """Reports go to whoever asks."""
+        """Returns that any peer may ask for the report."""
         return [("peer", "any")]

@@ -1,4 +1,4 @@
-"""Connections that carry JAUS messages to ROS topics."""
+"""Connections that publish JAUS messages on ROS topics."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from functools import partial
 from typing import Any, Concatenate, TypeVar
 
 from ...base.address import JausAddress
-from ...base.fast_path import FastPath, through
+from ...base.fast_path import FastPath, with_fast_path
 from ...clients.peer_binding import PeerBinding, Search
 from ...conversions import Time
 from ...services.definitions import Guard, Status
@@ -29,12 +29,11 @@ TargetT = TypeVar("TargetT")
 NOT_PUBLISHED = "not_published"
 UNEXPECTED = "unexpected_source"
 
-_GREETING = 10.0
-"""Seconds after the start in which subscribers may still be found that were there before."""
+_DISCOVERY_S = 10.0  # after the start, in which ROS may still find subscribers from before it
 
 
 class ToTopics(Connection[SourceT, TargetT]):
-    """What the connections to ROS topics have in common: the topics, and the peers."""
+    """Base class of the connections to ROS topics: translates and publishes."""
 
     def __init__(
         self,
@@ -50,8 +49,11 @@ class ToTopics(Connection[SourceT, TargetT]):
     ) -> None:
         """Prepares the connection.
 
-        The translation makes the ROS message, or None to pass nothing on; joined reports give it
-        their messages as keyword arguments.
+        Args:
+            translate: Returns the ROS message, or None to pass nothing on. It is given the messages
+                of joined reports as keyword arguments.
+            peers: JAUS components whose messages are taken, or how they are found; none means all.
+            joins: The joined reports.
         """
         super().__init__(name, translate, **when_lost)
         self._peers = PeerBinding(peers)
@@ -76,11 +78,13 @@ class ToTopics(Connection[SourceT, TargetT]):
         self._topics = parameters.topics(ends.ros, self.name, self._topics)
         self._peers = parameters.peers(ends.ros, self.name, self._peers)
         self._opened = ends.loop.now()
-        greet = self._greet if self.is_command and self._safe_value is not None else None
+        on_match = (
+            self._send_start_stop if self.is_command and self._safe_value is not None else None
+        )
         self._publishers = [
-            ends.shared_topics.publisher(self._type, topic, greet) for topic in self._topics
+            ends.shared_topics.publisher(self._type, topic, on_match) for topic in self._topics
         ]
-        # Of several no core can take charge: `_Publishers` has no address.
+        # The core publishes on one topic only: `_Publishers` has no address.
         only = self._publishers[0] if len(self._publishers) == 1 else None
         self._publisher = only or _Publishers(self._publishers)
         self.guard()
@@ -88,16 +92,16 @@ class ToTopics(Connection[SourceT, TargetT]):
             report_join.open(ends, self.name, self._peers, self._refuse_sender)
         self.join(self._report_joins)
         # A partial, as a bound method cannot carry the fast path.
-        self._take = self._through(partial(self.take))
+        self._take = self._with_fast_path(partial(self.take))
         self.begin(ends)
-        # At last: a peer may answer as soon as it is asked.
+        # Last, as a peer may answer as soon as it is asked.
         self._peers.follow(ends.component, self._join, self._leave)
 
     def begin(self, ends: Ends) -> None:
-        """Prepares to meet the peers; by default nothing is to be done."""
+        """Prepares for the peers; called before any of them joins. Does nothing by default."""
 
     def decoder(self) -> Callable[[bytes], SourceT]:
-        """Returns what decodes the JAUS message."""
+        """Returns the function that decodes the JAUS message."""
         return self._message.decode
 
     def encode(self, target: TargetT) -> bytes:
@@ -123,7 +127,7 @@ class ToTopics(Connection[SourceT, TargetT]):
                 publisher.publish(target)
             except Exception as error:
                 failure = error
-        # What is only counted is counted when the message has gone on.
+        # Counted after the message was published, so that it is not delayed.
         counts.arrivals += 1
         counts.heard = counts.last_arrival = now()
         if target is None:
@@ -135,8 +139,8 @@ class ToTopics(Connection[SourceT, TargetT]):
             if not publisher.matched:
                 publisher.unmatched += 1
 
-    def _through(self, take: Take) -> Take:
-        """Returns what takes messages, with the fast path of those that a core publishes."""
+    def _with_fast_path(self, take: Take) -> Take:
+        """Returns `take`, with a fast path by which the core publishes messages without Python."""
         address = getattr(self._publisher, "address", 0)
         if self.form is not Form.COMPILED or not address:
             return take
@@ -153,44 +157,44 @@ class ToTopics(Connection[SourceT, TargetT]):
                 unknown(left_out)
 
         def find(_sender: JausAddress) -> FastPath | None:
-            translation = self._fast_translation() if self.is_usual else None
+            translation = self._fast_translation() if self.is_direct else None
             if translation is None:
                 return None
             return FastPath(self._message.CODE, translation, address, passed)
 
-        return through(take, find)
+        return with_fast_path(take, find)
 
     def age(self, data: bytes, origin: Any) -> float | None:
-        """Returns the age of a message with a TimeStamp."""
+        """Returns the age of a message by its TimeStamp and the clock of this computer."""
         wall = Time(*divmod(self._ends.loop.wall(), 10**9))
         return jaus_age(self._message, lambda: wall)(data, origin)
 
-    def make_age(self) -> Age:
-        """Returns what tells the age of a message by its TimeStamp."""
+    def age_function(self) -> Age:
+        """Returns the function for the age of a message by its TimeStamp and the ROS clock."""
         return jaus_age(self._message, self._ends.ros.now)
 
     def _join(self, peer: JausAddress) -> None:
-        """Begins with a peer; by default nothing is to be asked of it."""
+        """Subscribes at a new peer; does nothing by default."""
 
     def _leave(self, peer: JausAddress) -> None:
-        """Ends with a peer that is gone."""
+        """Ends the subscription at a peer that has gone; does nothing by default."""
 
     def _refuse_sender(self, _data: bytes, sender: JausAddress) -> None:
-        """Counts a message that no connection takes from its sender."""
+        """Counts a message of a sender that is no peer of any connection."""
         self.refuse(UNEXPECTED, str(sender))
 
     def lacks_peers(self) -> str:
-        """What is searched for and not found."""
+        """Returns which peer is searched for and not found."""
         return str(self._peers.search) if self._peers.is_lacking else ""
 
-    def _greet(self) -> None:
-        """Gives the stop of the start to subscribers that ROS finds a little later.
+    def _send_start_stop(self) -> None:
+        """Repeats the stop of the start for a subscriber that ROS has just found.
 
-        A bridge that crashed and was started again finds the robot in motion. Afterwards a
-        newcomer gets nothing: others may publish on the topic by then.
+        After a crash and restart of the bridge the robot may be in motion. Later subscribers get no
+        stop, since other nodes may publish on the topic by then.
         """
         with self._ends.loop.lock:
-            is_new = self._ends.loop.now() - self._opened < _GREETING
+            is_new = self._ends.loop.now() - self._opened < _DISCOVERY_S
             if self.stopped is StopReason.START and is_new:
                 self.send_safe_value(self.deliver)
 
@@ -199,7 +203,7 @@ class ToTopics(Connection[SourceT, TargetT]):
         return {"topics": self._ends.ward.topic_stops(self._publishers, payload)}
 
     def deliver(self, payload: bytes) -> bool:
-        """Publishes on every topic; False when ROS refuses."""
+        """Publishes on every topic; returns False when ROS refuses."""
         try:
             self._publisher.publish(payload)
         except Exception as error:
@@ -213,16 +217,16 @@ class ToTopics(Connection[SourceT, TargetT]):
         self.drop(NOT_PUBLISHED, repr(error), error)
 
     def losses(self) -> dict[str, int]:
-        """How many messages nobody has heard."""
+        """Returns how many messages were published without a subscriber."""
         return {UNHEARD: sum(publisher.unmatched for publisher in self._publishers)}
 
     def topic_faults(self) -> Iterator[TopicFault]:
-        """What is wrong with the topics."""
+        """Yields the faults of the topics."""
         for topic in self._topics:
             yield from self._ends.ros.faults(topic, publishes=True)
 
     def describe_peers(self) -> list[tuple[str, str]]:
-        """The JAUS components whose messages are taken."""
+        """Returns the JAUS components whose messages are taken, and their states."""
         named = [(f"peer {peer}", self._state_of(peer)) for peer in self.peers]
         return [*self._peers.describe(), *named]
 
@@ -233,7 +237,7 @@ class ToTopics(Connection[SourceT, TargetT]):
 class MessageToTopics(ToTopics[SourceT, TargetT]):
     """Publishes each message of a kind that a JAUS component sends to the bridge.
 
-    Without peers, messages are taken from whoever sends them.
+    Without peers, messages are taken from any component.
     """
 
     def __init__(
@@ -249,19 +253,19 @@ class MessageToTopics(ToTopics[SourceT, TargetT]):
         """Prepares the connection.
 
         Args:
-            when: Whom to obey: commands pass only from the controller of the bridge. A function
-                tells it from the message.
-            rate_cap: Messages each second that are taken of one source; 0 means all.
-            answer: The `CommandAnswer` of who asks for the last command that was passed on.
+            when: Guard of the messages: any sender, the controller of the bridge, or the
+                controller in Ready. A function returns it for a message.
+            rate_cap: Most messages each second that are taken of one source; 0 means all.
+            answer: The `CommandAnswer` to queries for the last command.
         """
         super().__init__(name, translate, **options)
         self._when = when
         self._standing: Standing | None = None
         self._rate_cap = rate_cap
-        self._memory = answer
+        self._answer = answer
 
     def open(self, ends: Ends) -> None:
-        """Makes the publishers, then listens."""
+        """Makes the publishers, then takes messages."""
         super().open(ends)
         self._rate_cap = ends.ros.parameter(parameters.RATE_CAP.of(self._rate_cap, self.name))
         if self._rate_cap > 0:
@@ -269,39 +273,39 @@ class MessageToTopics(ToTopics[SourceT, TargetT]):
         senders = None if self._peers.is_anybody else self._peers
         taker = Taker(self._take, senders, self._refuse_sender, self.is_command)
         ends.shared_messages.accept(self._message, taker, self._when)
-        if self._memory is not None:
-            self._memory.provide(ends.component)
+        if self._answer is not None:
+            self._answer.provide(ends.component)
 
-    def _made_transcode(self) -> Transcode:
-        transcode = super()._made_transcode()
-        return transcode if self._memory is None else self._memory.remembering(transcode)
+    def _make_transcode(self) -> Transcode:
+        transcode = super()._make_transcode()
+        return transcode if self._answer is None else self._answer.remembering(transcode)
 
     @property
     def is_translated_alone(self) -> bool:
-        """Whether no command is to be remembered for who asks."""
-        return self._memory is None
+        """Whether commands need not be kept for queries."""
+        return self._answer is None
 
     def deliver_stop(self, payload: bytes) -> bool:
-        """Publishes the stop, after which no command stands that could be told.
+        """Publishes the stop, and forgets the last command, which is not in effect any more.
 
-        Without one the last command stands on, whatever stopped its source.
+        Without a stop the last command stays in effect after its source has stopped.
         """
-        if self._memory is not None:
-            self._memory.forget()
+        if self._answer is not None:
+            self._answer.forget()
         return super().deliver_stop(payload)
 
     def follow(self, standing: Standing, lost: StopReason | None) -> bool:
-        """Stops what whoever commanded has left behind, in Ready too."""
+        """Stops commands of a lost controller, and those that the present state forbids."""
         self._standing = standing
         if not (self.is_command and standing.is_active):
             return super().follow(standing, lost)
-        # Of other commands the guard decides, which the bridge asks before it takes a message.
+        # With another guard, the component itself refuses messages before they come here.
         if self.halt(standing.halt if self._when is Guard.ANY else None):
             return True
         return lost is not None and self.stop(lost)
 
     def forbidden(self) -> str:
-        """Why no command is obeyed now."""
+        """Returns why no command is obeyed now; empty while commands are."""
         standing = self._standing
         if self._halt is not None or self._when is Guard.ANY or standing is None:
             return super().forbidden()
@@ -314,7 +318,7 @@ class MessageToTopics(ToTopics[SourceT, TargetT]):
         return StopReason.STANDBY.value if waits else ""
 
     def not_taken(self) -> dict[str, int]:
-        """How many messages were refused, late or unreadable, and never came as far as this."""
+        """Returns how many messages of peers the component refused or could not read, by reason."""
         counts_by_reason: Counter[str] = Counter()
         for sender, reason, count in self._ends.component.drops_before(self._message.NAME):
             if self._peers.is_anybody or sender in self._peers.present:
@@ -322,14 +326,14 @@ class MessageToTopics(ToTopics[SourceT, TargetT]):
         return dict(counts_by_reason)
 
     def describe_peers(self) -> list[tuple[str, str]]:
-        """The JAUS components whose messages are taken."""
+        """Returns the JAUS components whose messages are taken, and their states."""
         return super().describe_peers() or [("peer", "any")]
 
 
 class _Publishers:
     """Several publishers as one."""
 
-    # For whoever asks: each of the publishers counts its own.
+    # Constant, as each of the publishers counts its own messages.
     matched = 1
     unmatched = 0
 

@@ -1,7 +1,7 @@
-"""Translations as connections run them: from bytes to bytes, with joined messages at hand.
+"""Translations as connections run them: from bytes to bytes, with joined messages.
 
-Between the bytes stand objects for a method: those of ROS messages are of the light classes of the
-bridge package, or of the classes of ROS if `ros_classes` asks for them.
+A translation method works on objects in between. ROS messages are objects of the light classes of
+the bridge package, or of the classes of ROS for a method marked by `ros_classes`.
 """
 
 from __future__ import annotations
@@ -17,38 +17,38 @@ from ..ends.ros_side import RosSide
 from ..light_message import is_light
 from ..messages.compiled import Function
 
+# Returns the encoded target message of an encoded source message; None for no message.
 Transcode: TypeAlias = Callable[..., bytes | None]
-"""Makes encoded target messages of encoded source messages, or None to pass nothing on."""
 
 MethodT = TypeVar("MethodT", bound=Callable[..., Any])
 
 
 def ros_classes(method: MethodT) -> MethodT:
-    """Has a translation given, or lets it make, objects of the message classes of ROS."""
+    """Decorates a translation that works on objects of the message classes of ROS."""
     vars(method)["uses_ros_classes"] = True
     return method
 
 
 def uses_ros_classes(translate: Callable[..., Any]) -> bool:
-    """Whether a translation wants objects of the message classes of ROS."""
+    """Returns whether a translation is marked by `ros_classes`."""
     return getattr(translate, "uses_ros_classes", False) is True
 
 
 def override_of(*translations: object) -> list[tuple[str, str]]:
-    """Names the methods among translations that a subclass has in the place of generated ones."""
-    # Where two classes of its line define a method, a subclass has replaced the generated one.
-    names = [
-        translation.__name__
-        for translation in translations
-        if isinstance(translation, MethodType)
-        and sum(translation.__name__ in vars(kind) for kind in type(translation.__self__).__mro__)
-        > 1
-    ]
-    return [("override", ", ".join(names))] if names else []
+    """Returns a line for diagnostics with the names of overridden translations; none without."""
+    methods = [method for method in translations if isinstance(method, MethodType)]
+    names = ", ".join(method.__name__ for method in methods if _is_overridden(method))
+    return [("override", names)] if names else []
+
+
+def _is_overridden(method: MethodType) -> bool:
+    """Returns whether two classes define a method: a subclass has replaced the generated one."""
+    classes = type(method.__self__).__mro__
+    return sum(method.__name__ in vars(base) for base in classes) > 1
 
 
 class Form(Enum):
-    """What the translation of a connection works on; the value is what diagnostics say."""
+    """Form of the messages in a translation; diagnostics show the value."""
 
     LIGHT = "light classes"
     ROS_CLASSES = "ROS classes"
@@ -62,13 +62,14 @@ def transcoder(
     on_blocking: Callable[[float], None],
     clock: Callable[[], float],
 ) -> Transcode:
-    """Returns what runs a translation from bytes to bytes.
+    """Returns a function that decodes, translates and encodes.
 
     Args:
-        translate: Makes the target object, or None to pass nothing on.
-        decode: Makes the source object; raises DecodeError.
+        translate: Returns the target object, or None to pass nothing on.
+        decode: Returns the source object; raises DecodeError.
         encode: Encodes the target object; raises EncodeError.
-        on_blocking: Told the seconds of a translation that takes long: nothing else goes on then.
+        on_blocking: Called with the seconds of a translation that blocked the loop for too long.
+        clock: Returns seconds.
     """
 
     def transcode(data: bytes, **joins: Any) -> bytes | None:
@@ -76,7 +77,7 @@ def transcoder(
         try:
             target = translate(decode(data), **joins)
         finally:
-            # Also of a translation that fails: the loop was held up all the same.
+            # Also for a translation that fails: the loop was blocked all the same.
             elapsed = clock() - begun
             if elapsed > LONGEST_CALL:
                 on_blocking(elapsed)
@@ -86,7 +87,10 @@ def transcoder(
 
 
 def compiled_first(function: Function, names: Sequence[str], slow: Transcode) -> Transcode:
-    """Returns a translation that asks a function first, which takes the joins in order of names."""
+    """Returns a translation by a compiled function, or by `slow` where the function returns None.
+
+    The function takes the messages of joins in the order of their names.
+    """
     if not names:
 
         def transcode(data: bytes) -> bytes | None:
@@ -99,21 +103,21 @@ def compiled_first(function: Function, names: Sequence[str], slow: Transcode) ->
         target = function(data, *(joins[name].fresh_data() for name in names))
         if target is not None:
             return target
-        # Objects of joins are made only here, where the function has given way.
+        # Only `slow` needs the messages of joins as objects.
         return slow(data, **{name: join.fresh() for name, join in joins.items()})
 
     return transcode_joined
 
 
 def ros_decoder(ros: RosSide, message_type: type[Any], *, real: bool) -> Callable[[bytes], Any]:
-    """Returns what makes objects, light or of the message class of ROS, of serialized messages."""
+    """Returns the decoder of serialized messages: to light objects, or those of ROS for `real`."""
     if real or not is_light(message_type):
         return ros.codec(message_type).decode
     return message_type.from_cdr
 
 
 def ros_encoder(ros: RosSide, message_type: type[Any]) -> Callable[[Any], bytes]:
-    """Returns what serializes ROS messages, be they light or of the message class of ROS."""
+    """Returns the encoder of ROS messages; it takes light objects and those of ROS."""
     if not is_light(message_type):
         return ros.codec(message_type).encode
     encode: Callable[[Any], bytes] | None = None
@@ -122,11 +126,11 @@ def ros_encoder(ros: RosSide, message_type: type[Any]) -> Callable[[Any], bytes]
         nonlocal encode
         if isinstance(message, message_type):
             return message.to_cdr()
-        # Made for the first object of the class of ROS: rclpy need not be there before.
+        # Made for the first object of the class of ROS, since it imports rclpy.
         if encode is None:
             encode = ros.codec(message_type).encode
-        # What rclpy serializes is as long as it has estimated: behind an empty sequence of float64,
-        # and where it pads, are octets that nobody has written. They are not for others to read.
+        # rclpy leaves octets unwritten behind an empty sequence of float64, and where it pads. They
+        # may hold anything of this process, so the message is serialized anew without them.
         return message_type.from_cdr(encode(message)).to_cdr()
 
     return encode_either
@@ -134,17 +138,17 @@ def ros_encoder(ros: RosSide, message_type: type[Any]) -> Callable[[Any], bytes]
 
 @dataclass(frozen=True)
 class NamedPlaces:
-    """Elements that a translation takes by place, and that messages have in any order."""
+    """Array elements that a translation takes by position, and messages have in any order."""
 
     keys: str  # the field with the name of each element, such as `name` of sensor_msgs/JointState
-    names: tuple[str, ...]  # the names, in the order of the places
+    names: tuple[str, ...]  # the names, in the order of the positions
     arrays: tuple[str, ...]  # the fields whose elements the translation takes
 
     def ordered(self, source: Any, by_name: Callable[..., list[Any]]) -> Any:
-        """Returns a message with its elements in order; one that names none is as it should be.
+        """Returns a message with its elements in order; a message without names is unchanged.
 
         Args:
-            by_name: Returns values in the order of names, and raises AbsentFieldError.
+            by_name: Returns values in the order of names; raises AbsentFieldError.
         """
         keys = getattr(source, self.keys)
         if len(keys):
@@ -156,32 +160,35 @@ class NamedPlaces:
 
 
 class Joined(Protocol):
-    """The latest message of a join; `joins.py` has those of models with joins."""
+    """The latest message of a join; `joins.Latest` implements it."""
 
     name: str
 
     def fresh(self) -> Any:
-        """Returns the message, or None or a StaleJoinError when there is nothing fresh."""
+        """Returns the message, decoded; None or a StaleJoinError when it is not fresh."""
 
     def fresh_data(self) -> bytes | None:
-        """Returns the message as it came."""
+        """Returns the message as bytes; None or a StaleJoinError when it is not fresh."""
 
     @property
     def age(self) -> float | None:
-        """Seconds since it arrived; None before the first."""
+        """Seconds since the message arrived; None before the first."""
 
     @property
     def is_stale(self) -> bool:
-        """Whether there is nothing fresh."""
+        """Whether there is no fresh message."""
 
 
 def with_joins(
     transcode: Transcode, joined: Sequence[Joined], *, is_compiled: bool = False
 ) -> Transcode:
-    """Returns a translation with the messages of joins; one that is compiled asks them itself."""
+    """Returns a translation of bytes alone, which adds the messages of joins.
+
+    A compiled one is given the joins themselves, as it may need their bytes only.
+    """
     if is_compiled:
-        asked = {join.name: join for join in joined}
-        return lambda data: transcode(data, **asked)
+        joins = {join.name: join for join in joined}
+        return lambda data: transcode(data, **joins)
 
     def transcode_joined(data: bytes) -> bytes | None:
         return transcode(data, **{join.name: join.fresh() for join in joined})

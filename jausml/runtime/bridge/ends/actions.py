@@ -1,4 +1,4 @@
-"""Actions of ROS as a bridge sees them, on rclpy or in virtual time."""
+"""Interfaces of ROS actions for a bridge; rclpy and the virtual ROS implement them."""
 
 from __future__ import annotations
 
@@ -9,32 +9,30 @@ from typing import Any, Protocol
 
 from .topics import TopicFault
 
-LONGEST_GOAL = 1024
-"""Elements that one goal may have: as many as the list of a component takes by default."""
+LONGEST_GOAL = 1024  # elements of a goal, as many as the list of a component takes by default
 
 
 class Progress(Enum):
-    """What a number in the feedback says of the list."""
+    """Meaning of the number in the feedback of an action."""
 
     INDEX = "index"  # which element is under way, from 0
     REMAINING = "remaining"  # how many elements remain, with the one that is under way
 
+    # Metres that remain along the elements. Only clients may use it: they compute the index.
     DISTANCE = "distance"
-    """How many metres remain along the elements; whoever reads the feedback makes an index of it,
-    so nobody but the client of an action may have it."""
 
     def index(self, number: int, count: int) -> int:
-        """Returns which of some elements is under way, from 0; the nearest for a number beyond."""
+        """Returns the index of the element under way for a number, limited to 0 to `count` - 1."""
         position = count - number if self is Progress.REMAINING else number
         return min(max(position, 0), count - 1)
 
     def number(self, index: int, count: int) -> int:
-        """Returns what the feedback says while an element is under way, the first of which is 0."""
+        """Returns the number for the feedback while the element of an index is under way."""
         return count - index if self is Progress.REMAINING else index
 
 
 class Outcome(Enum):
-    """How a goal ended; the value is what logs and diagnostics say."""
+    """How a goal ended; logs and diagnostics show the value."""
 
     SUCCEEDED = "succeeded"
     ABORTED = "aborted"
@@ -53,7 +51,7 @@ class ListAction:
     goal: str  # path of the array of the goal that has the elements
     # Path of the number of the feedback that says how far the list is done; empty for none.
     progress: str = ""
-    counting: Progress = Progress.INDEX  # what that number says
+    counting: Progress = Progress.INDEX  # meaning of that number
     # Path of the string of the result that says why the list was not done; empty for none.
     reason: str = ""
 
@@ -62,26 +60,26 @@ class SentGoal(Protocol):
     """A goal that the bridge has sent."""
 
     def cancel(self) -> None:
-        """Asks that it ends; also when it is accepted later. May be repeated."""
+        """Requests its cancellation, now or when it is accepted; may be repeated."""
 
     def check(self) -> None:
-        """Finds out whether whoever executes it is still there."""
+        """Ends the goal as lost if its action server has gone."""
 
     def forget(self) -> None:
-        """Tells nothing of it any more; if it is accepted later, it is cancelled."""
+        """Calls its watcher no more; the goal is cancelled if it is accepted later."""
 
 
 class GoalWatcher(Protocol):
-    """Whoever is told of a goal that the bridge has sent: on the loop, with its lock."""
+    """Callbacks for a goal that the bridge has sent: on the loop, with its lock."""
 
     def accepted(self, goal: SentGoal) -> None:
-        """The action server executes it."""
+        """The action server executes the goal."""
 
     def progressed(self, goal: SentGoal, number: int) -> None:
-        """The feedback says how far it is."""
+        """Feedback has come, with the number of its progress."""
 
     def ended(self, goal: SentGoal, outcome: Outcome, reason: str) -> None:
-        """It has ended; nothing more comes of it."""
+        """The goal has ended; this is the last call."""
 
 
 class ActionClient(Protocol):
@@ -90,7 +88,7 @@ class ActionClient(Protocol):
     def send(
         self, elements: Sequence[bytes], fill: Callable[[Any], object] | None, watcher: GoalWatcher
     ) -> SentGoal:
-        """Sends a goal; `fill` sets what else it has, of rclpy and with the lock of the loop."""
+        """Sends a goal with encoded elements; `fill` sets its other fields, on the loop."""
 
     def faults(self) -> Sequence[TopicFault]:
         """Returns why goals cannot be sent; nothing while they can."""
@@ -105,16 +103,16 @@ class ServedGoal(Protocol):
         """Publishes feedback."""
 
     def end(self, outcome: Outcome, reason: str = "") -> None:
-        """Gives the result: succeeded, aborted or, if its client asked for that, canceled."""
+        """Sends the result: succeeded, aborted or, if its client asked for that, canceled."""
 
 
 class GoalTaker(Protocol):
-    """Whoever executes the goals of ROS clients; called with the lock of the loop."""
+    """Executes the goals of ROS clients; called with the lock of the loop."""
 
     def accepts(self, elements: Sequence[bytes], request: Any) -> bool:
-        """Whether a goal can be executed now; `begin` comes at once if so.
+        """Returns whether a goal can be executed; if so, `begin` is called next.
 
-        Of a longer goal there is one element more than `LONGEST_GOAL`.
+        Goals of more than `LONGEST_GOAL` elements are cut to one element more.
         """
 
     def begin(self, goal: ServedGoal) -> None:

@@ -1,8 +1,7 @@
-"""A bridge as its connections see it, and what they share: topics, commands, reports.
+"""The bridge as its connections see it (`Ends`), and the topics and messages that they share.
 
-Connections that name a topic alike have one publisher or subscription. What arrives for one
-connection alone goes to it without a detour; so subscriptions and commands are made when all
-connections have said what they want.
+Connections of one topic share its publisher or subscription. Subscriptions are made after all
+connections are known, so that a message for a single connection goes to it directly.
 """
 
 from __future__ import annotations
@@ -14,7 +13,7 @@ from typing import Any, Protocol
 
 from ...base.address import JausAddress
 from ...base.clocks import Timing
-from ...base.fast_path import FastPath, FastSending, fast_path_of, through
+from ...base.fast_path import FastPath, FastSending, fast_path_of, with_fast_path
 from ...base.loop import Loop
 from ...base.settings import TransportSettings
 from ...clients.peer_binding import PeerBinding
@@ -32,19 +31,20 @@ from .topics import Topic, TopicCounts
 Take = Callable[[bytes, Any], None]
 When = Guard | Callable[[Any], Guard]
 
-_MOST_SENDERS = 1024
+_MAX_SENDERS = 1024
 
 
 @dataclass(frozen=True)
 class BridgeSettings:
-    """What the model says about a bridge, apart from its connections.
+    """Settings of a bridge from its model, apart from its connections.
 
     Attributes:
         frequency: Messages each second where the model states no rate. Diagnostics come at this
             rate too, but not more often than once a second.
         services: Services that the bridge provides, inherited ones included.
         authority: Authority code that control is requested with, 0 to 255.
-        guardian: What has a small process beside the bridge say its stops when the bridge cannot.
+        guardian: Makes the `Guardian`, by which a small process sends the stops of a bridge that
+            has crashed or stands still; None for none.
     """
 
     name: str
@@ -62,16 +62,15 @@ class BridgeSettings:
 
 @dataclass(slots=True)
 class ReportHolder:
-    """The present report that topics feed."""
+    """The present report of one or more connections."""
 
-    value: bytes | None = None  # encoded; None before their first message
-    judge_silence: Callable[[], None] | None = None  # of the connection that spoke last
+    value: bytes | None = None  # encoded; None while there is no data
+    judge_silence: Callable[[], None] | None = None  # of the connection that set it
 
     def present(self) -> bytes | None:
-        """Returns the report that counts now.
+        """Returns the present report; withdraws it first if it is too old.
 
-        What is too old is withdrawn here too: after a halt of the process, whoever asks may come
-        before the timer of the silence.
+        After the process stood still, a query may come before the timer of the silence.
         """
         if self.judge_silence is not None:
             self.judge_silence()
@@ -80,25 +79,26 @@ class ReportHolder:
 
 @dataclass(frozen=True)
 class Taker:
-    """A connection that takes messages."""
+    """The callbacks of a connection for messages of some senders."""
 
     take: Take
-    senders: PeerBinding | None = None  # whose messages it takes; None for those of anybody
-    refuse: Take | None = None
+    senders: PeerBinding | None = None  # senders of its messages; None for any
+    refuse: Take | None = None  # for messages of other senders that no connection takes
     is_command: bool = False
 
 
 class BySender:
-    """Finds the connections for a sender once, however many there are.
+    """Distributes messages to the connections that take them from their sender.
 
-    A message that no connection wants is counted by the first one that names its senders, once.
+    The connections of a sender are looked up once. A message that no connection takes is given to
+    the first one with a `refuse`, so that it is counted once.
     """
 
     def __init__(self, changed: Callable[[], None]) -> None:
-        """Tells of changes when messages of a sender may go to others than before."""
+        """Has no connections yet; `changed` is called when a sender may have other ones."""
         self._changed = changed
         self._takers: list[Taker] = []
-        self._known: dict[JausAddress, tuple[Take, ...]] = {}
+        self._takes: dict[JausAddress, tuple[Take, ...]] = {}
 
     def add(self, taker: Taker) -> None:
         """Adds a connection."""
@@ -109,79 +109,79 @@ class BySender:
 
     @property
     def are_commands(self) -> bool:
-        """Whether a message takes the place of the one before, for any of the connections."""
+        """Whether any of the connections takes commands, of which a new one replaces the last."""
         return any(taker.is_command for taker in self._takers)
 
-    def taking(self) -> Take:
-        """Returns what takes all messages: the connection itself that alone takes anybody's."""
+    def distributor(self) -> Take:
+        """Returns the function that distributes messages: `take` itself of a single open taker."""
         if len(self._takers) == 1 and self._takers[0].senders is None:
             return self._takers[0].take
-        known, find = self._known, self._find
+        takes, find = self._takes, self._find
 
         def take(data: bytes, sender: JausAddress) -> None:
-            for taker in known.get(sender) or find(sender):
-                taker(data, sender)
+            for take_one in takes.get(sender) or find(sender):
+                take_one(data, sender)
 
         def fast_path(sender: JausAddress) -> FastPath | None:
-            takers = known.get(sender, ())
-            return fast_path_of(takers[0], sender) if len(takers) == 1 else None
+            of_sender = takes.get(sender, ())
+            return fast_path_of(of_sender[0], sender) if len(of_sender) == 1 else None
 
-        return through(take, fast_path)
+        return with_fast_path(take, fast_path)
 
     def _forget(self) -> None:
-        self._known.clear()
+        self._takes.clear()
         self._changed()
 
     def _find(self, sender: JausAddress) -> tuple[Take, ...]:
-        wanting = [
+        takes = [
             taker.take
             for taker in self._takers
             if taker.senders is None or sender in taker.senders.present
         ]
-        refusing = [taker.refuse for taker in self._takers if taker.refuse is not None]
-        callbacks = self._known[sender] = tuple(wanting or refusing[:1])
-        if len(self._known) > _MOST_SENDERS:  # inventions of a peer must not fill the memory
-            self._known.clear()
+        refusals = [taker.refuse for taker in self._takers if taker.refuse is not None]
+        callbacks = self._takes[sender] = tuple(takes or refusals[:1])
+        if len(self._takes) > _MAX_SENDERS:  # invented senders must not fill the memory
+            self._takes.clear()
         return callbacks
 
 
 class SharedTopics:
-    """The topics of a bridge."""
+    """The publishers and subscriptions of a bridge, one for each topic, type and QoS."""
 
     def __init__(self, ros: RosSide) -> None:
         self._ros = ros
         self._publishers: dict[tuple[type[Any], Topic, bool], RosPublisher] = {}
-        self._greeters: dict[tuple[type[Any], Topic, bool], list[Callable[[], None]]] = {}
+        self._match_callbacks: dict[tuple[type[Any], Topic, bool], list[Callable[[], None]]] = {}
         self._feeds: dict[tuple[type[Any], Topic], SharedFeed] = {}
 
     def publisher(
-        self, message_type: type[Any], topic: Topic, greet: Callable[[], None] | None
+        self, message_type: type[Any], topic: Topic, on_match: Callable[[], None] | None
     ) -> RosPublisher:
-        """Returns the publisher of a topic."""
-        # Whoever does not ask for subscribers does not pay for them.
-        key = (message_type, topic, greet is not None)
-        greeters = self._greeters.setdefault(key, [])
-        if greet is not None:
-            greeters.append(greet)
+        """Returns the publisher of a topic; `on_match` is called for each subscriber found."""
+        # Publishers without a callback are apart: to look for subscribers costs time.
+        key = (message_type, topic, on_match is not None)
+        callbacks = self._match_callbacks.setdefault(key, [])
+        if on_match is not None:
+            callbacks.append(on_match)
         if key not in self._publishers:
-            tell = (lambda: _tell(greeters)) if greet is not None else None
-            self._publishers[key] = self._ros.publisher(message_type, topic, tell)
+            call_all = (lambda: _call_all(callbacks)) if on_match is not None else None
+            self._publishers[key] = self._ros.publisher(message_type, topic, call_all)
         return self._publishers[key]
 
     def feed(self, message_type: type[Any], topic: Topic, take: Take) -> SharedFeed:
-        """Returns the subscription of a topic, which `subscribe` makes."""
+        """Returns the subscription of a topic, which `subscribe` makes later."""
         feed = self._feeds.setdefault((message_type, topic), SharedFeed())
         feed.takers.append(take)
         return feed
 
     def subscribe(self) -> None:
-        """Makes the subscriptions that were asked for, in that order."""
+        """Makes the subscriptions, in the order of the calls of `feed`."""
         for (message_type, topic), feed in self._feeds.items():
-            feed.counts = self._ros.subscribe(message_type, topic, to_each(feed.takers))
+            feed.counts = self._ros.subscribe(message_type, topic, to_all(feed.takers))
 
 
 class SharedFeed:
-    """The subscription of a topic."""
+    """The subscription of a topic: the functions that take its messages, and its counts."""
 
     def __init__(self) -> None:
         self.takers: list[Take] = []
@@ -199,9 +199,9 @@ class SharedMessages:
         self._unasked: dict[type[Message], BySender] = {}
 
     def note_unasked(self, message: type[Message], note: Take, peers: PeerBinding) -> None:
-        """Tells of reports of peers that nobody takes, since they are asked for in another way."""
-        noting = self._unasked.setdefault(message, self._by_sender())
-        noting.add(Taker(note, peers, self._count_unknown))
+        """Calls `note` with each report of a peer that no connection takes as a message."""
+        by_sender = self._unasked.setdefault(message, self._by_sender())
+        by_sender.add(Taker(note, peers, self._count_unknown))
 
     def _by_sender(self) -> BySender:
         return BySender(self._component.loop.revision.changed)
@@ -210,10 +210,10 @@ class SharedMessages:
         self._component.counters.add("component.unknown_message")
 
     def accept(self, message: type[Message], taker: Taker, when: When) -> None:
-        """Takes messages that others send, of whom `handle` says more.
+        """Registers a connection for a message; `handle` begins to take it.
 
-        Whom to obey may depend on the message; a command has one handler, which its connections
-        share.
+        Args:
+            when: Guard of the messages; connections of one command have the same.
         """
         if when is Guard.ANY:
             self._listeners.setdefault(message, self._by_sender()).add(taker)
@@ -221,50 +221,57 @@ class SharedMessages:
             self._commands.setdefault(message, (when, self._by_sender()))[1].add(taker)
 
     def handle(self) -> None:
-        """Begins to take the messages that were asked for."""
+        """Begins to take the registered messages."""
         for message, listeners in self._listeners.items():
             if message.CODE in (SetEmergency.CODE, ClearEmergency.CODE):
-                self._component.part(ManagementService).watch_emergency(message, listeners.taking())
+                self._component.part(ManagementService).watch_emergency(
+                    message, listeners.distributor()
+                )
                 continue
             self._component.on_payload(
-                message, listeners.taking(), is_robust=True, counts_each=not listeners.are_commands
+                message,
+                listeners.distributor(),
+                is_robust=True,
+                counts_each=not listeners.are_commands,
             )
-        for message, noting in self._unasked.items():
-            self._component.watch_unwanted(message, noting.taking())
-        for message, (when, takers) in self._commands.items():
-            self._component.handle_payload(message, takers.taking(), when=when, is_robust=True)
+        for message, by_sender in self._unasked.items():
+            self._component.watch_unwanted(message, by_sender.distributor())
+        for message, (when, by_sender) in self._commands.items():
+            self._component.handle_payload(
+                message, by_sender.distributor(), when=when, is_robust=True
+            )
 
     def report(self, query: type[Message], report: type[Message]) -> ReportHolder:
-        """Offers a report; connections that feed one report share its value."""
+        """Offers a report, and returns its holder, which all connections of the report share."""
         if query not in self._reports:
             holder = self._reports[query] = ReportHolder()
             self._component.provide(query, report, lambda _query, _sender: holder.present())
         return self._reports[query]
 
 
-def to_each(takers: Sequence[Take]) -> Take:
-    """Returns what gives each message to all takers; the only one itself, if it is alone."""
+def to_all(takers: Sequence[Take]) -> Take:
+    """Returns a function that gives each message to all takers; a single taker itself."""
     if len(takers) == 1:
         return takers[0]
-    several = tuple(takers)
+    takers = tuple(takers)
 
     def take(data: bytes, origin: Any) -> None:
-        for taker in several:
+        for taker in takers:
             taker(data, origin)
 
     return take
 
 
-def _tell(greeters: Sequence[Callable[[], None]]) -> None:
-    for greet in greeters:
-        greet()
+def _call_all(callbacks: Sequence[Callable[[], None]]) -> None:
+    for callback in callbacks:
+        callback()
 
 
 class Ends(Protocol):
-    """A bridge as its connections see it; `Bridge` is the one."""
+    """The attributes of a bridge that its connections need; `Bridge` implements it."""
 
     settings: BridgeSettings
-    clock: Timing  # by which messages are late: that of the loop, or of a simulation
+    clock: Timing  # for ages and time-outs of messages: that of the loop, or of a simulation
     simulation: Simulation | None
     ward: Any  # the `Guardian`, where the model asks for one
     ros: RosSide
@@ -277,16 +284,17 @@ class Ends(Protocol):
         """The loop of the JAUS side."""
 
     def compiled(self, compiled: Compiled, note: Callable[[str], None]) -> Function | None:
-        """Returns the function of a translation; None where its library is not there.
+        """Returns the compiled function of a translation; None if its library is not loaded.
 
-        A field that is left out, as its value is no number, is noted.
+        Args:
+            note: Called with the path of each field that is left out, as its value is no number.
         """
 
     def fast_translation(self, compiled: Compiled) -> Any:
-        """Returns what a core is given to translate alone; None where Python has a part in it."""
+        """Returns a translation for the core to run without Python; None where it needs Python."""
 
     def fast_subscriber(self, feed: Any, path: FastSending) -> Any:
-        """Returns a core that takes the messages of a subscription; None where none can."""
+        """Returns the taker by which the core reads a subscription itself; None without a core."""
 
-    def at(self, moment: Time) -> AbstractContextManager[None]:
-        """Lets translations take a moment for the present."""
+    def frozen_at(self, moment: Time) -> AbstractContextManager[None]:
+        """Makes `now` of the bridge return `moment` within the block."""

@@ -1,9 +1,9 @@
-"""The list driver that a bridge provides: the list of its controller, and who executes it.
+"""The list driver of a bridge: has the list of its controller executed by a connection.
 
-AS6009, list drivers: ExecuteList begins at an element, or changes the speed when it names none;
-ReportActiveElement names the element that is executed, or 0. The list is that of ListManager
-(AS5710). A component has one list, so its drivers share it: the kind of its elements says whose it
-is.
+AS6009, list drivers: ExecuteList begins at an element, or changes the speed when it names no
+element; ReportActiveElement names the element that is executed, or 0. The list is that of
+ListManager (AS5710). A component has one list, which its connections (executors) share: the kind of
+its elements decides which one executes it.
 """
 
 from __future__ import annotations
@@ -26,12 +26,12 @@ from ...wire.message import Message
 class ListMessages:
     """The messages of a list driver."""
 
-    execute: type[Message]  # that of manipulators has no speed
+    execute: type[Message]  # ExecuteList; for manipulators it has no speed
     query: type[Message]
     report: type[Message]
 
     def driver(self, component: Host) -> ListDriver:
-        """Returns the driver of a component that executes its lists."""
+        """Returns a new driver for the lists of a component."""
         return ListDriver(component, self)
 
 
@@ -40,12 +40,12 @@ Answer = tuple["type[Message]", "type[Message]"]  # a query and its report
 
 @dataclass(frozen=True)
 class ListAnswers:
-    """What a list driver tells of one kind of list besides the active element.
+    """Further queries that a list driver answers for one kind of list.
 
     Attributes:
-        speed: QueryTravelSpeed and ReportTravelSpeed; None for a driver that tells none.
-        element: The query and the report of what the active element holds, laid out as that is;
-            None for a driver that does not tell it.
+        speed: QueryTravelSpeed and ReportTravelSpeed; None if there are none.
+        element: The query and the report of the active element, where the report has the fields of
+            the element; None if there are none.
     """
 
     speed: Answer | None = None
@@ -53,60 +53,60 @@ class ListAnswers:
 
 
 class ListExecutor(Protocol):
-    """Whoever executes lists of one kind of elements."""
+    """A connection that executes lists of one kind of elements."""
 
     def obeys(self, sender: JausAddress) -> bool:
-        """Whether a controller may have lists executed."""
+        """Returns whether a sender may have lists executed."""
 
     def is_of(self, element: ListElement) -> bool:
-        """Whether an element is of the kind."""
+        """Returns whether an element is of its kind."""
 
     def can_carry(self, element: ListElement) -> bool:
-        """Whether an element of the kind says something that can be executed."""
+        """Returns whether an element of its kind can be executed."""
 
     def begin(self, uid: int, speed: float | None) -> None:
-        """Executes the list from an element on, in m/s; None for a driver that knows no speed."""
+        """Executes the list from an element on, at a speed in m/s if the driver has one."""
 
     def change_speed(self, speed: float) -> None:
-        """Goes on at another speed; 0 stands still, also for a driver that knows none."""
+        """Goes on at another speed in m/s; 0 stops, also for a driver without speed."""
 
     def list_changed(self) -> None:
-        """Follows a change of the list that is executed."""
+        """Takes over a change of the list that is executed."""
 
     def leave(self) -> None:
-        """Ends what is executed: another kind of list is."""
+        """Ends the execution, in favour of another executor."""
 
 
 class ListDriver:
-    """Executes the list of a bridge, as its controller says."""
+    """Has the list of a bridge executed, as its controller commands."""
 
     def __init__(self, component: Host, messages: ListMessages) -> None:
         """Takes ExecuteList and answers QueryActiveElement."""
         self.active = NO_UID  # UID of the element that is executed; 0 for none
-        self.speed = 0.0  # m/s, as its controller has said; 0 for none
+        self.speed = 0.0  # commanded, in m/s; 0 for none
         self._component = component
         self._list = component.part(ListManagerService)
         self._list.drivers.append(self)
         self._messages = messages
         self._executors: list[ListExecutor] = []
         self._running: ListExecutor | None = None
-        self._reports: list[type[Message]] = []  # what changes with the element and the speed
-        self._last: dict[ListExecutor, ListElement] = {}  # what was active last
+        self._reports: list[type[Message]] = []  # that change with the element and the speed
+        self._last: dict[ListExecutor, ListElement] = {}  # active ones
         self._completion = Completion()
         component.handle(messages.execute, self._execute, when=Guard.READY)
         component.provide(messages.query, messages.report, self._report)
 
     def add(self, executor: ListExecutor, answers: ListAnswers) -> None:
-        """Has lists of one more kind executed, and tells of them what is asked."""
+        """Adds an executor for one more kind of list, and the answers for that kind."""
         self._executors.append(executor)
         if answers.speed is not None:
             self._provide(answers.speed, partial(self._report_speed, answers.speed[1]))
         if answers.element is not None:
-            of_kind = partial(self._report_element, executor, answers.element[1].CODE)
-            self._provide(answers.element, of_kind)
+            provider = partial(self._report_element, executor, answers.element[1].CODE)
+            self._provide(answers.element, provider)
 
     def _provide(self, answer: Answer, provider: Callable[[Message, JausAddress], Any]) -> None:
-        # Drivers of two kinds tell the same speed.
+        # Executors of two kinds share the report of the speed.
         if answer[1] not in self._reports:
             self._component.provide(*answer, provider)
             self._reports.append(answer[1])
@@ -114,98 +114,96 @@ class ListDriver:
     # ------------------------------------------------------------------ for the bridge
 
     def supports(self, element: ListElement) -> bool:
-        """Whether the list may hold an element: somebody can execute it."""
+        """Returns whether the list may hold an element, as an executor can execute it."""
         return any(
             executor.is_of(element) and executor.can_carry(element) for executor in self._executors
         )
 
     def list_changed(self) -> None:
-        """Follows a change of the list."""
+        """Takes over a change of the list."""
         if self._running is not None:
-            self._note_active()
+            self._keep_active()
             self._running.list_changed()
-            self._tell()
+            self._update_reports()
 
     # ------------------------------------------------------------------ for the executors
 
     def is_executed_by(self, executor: ListExecutor) -> bool:
-        """Whether an executor executes the list now."""
+        """Returns whether an executor executes the list now."""
         return self._running is executor
 
     def elements_from(self, uid: int) -> list[ListElement]:
-        """Returns the elements from one on, in their order; none when it is not there."""
+        """Returns the elements from the one with a UID on; none if there is no such element."""
         elements = list(self._list.elements)
-        start = next(
-            (at for at, element in enumerate(elements) if element.uid == uid), len(elements)
-        )
-        return elements[start:]
+        uids = [element.uid for element in elements]
+        return elements[uids.index(uid) :] if uid in uids else []
 
     @property
-    def first_again(self) -> int:
-        """UID of the first element if it follows the last one; 0 if it does not."""
+    def restart_uid(self) -> int:
+        """UID of the first element of a circular list; 0 for another list."""
         elements = self._list.elements
         return elements.first.uid if elements.circular and elements.first else NO_UID
 
     def reached(self, executor: ListExecutor, uid: int) -> None:
-        """Notes which element is executed."""
+        """Sets the element that an executor executes now."""
         if self._running is executor:
             self._set_active(uid)
 
     def finished(self, executor: ListExecutor, *, succeeded: bool) -> None:
-        """Notes that the list is not executed any more."""
+        """Ends the execution of the list by an executor."""
         if self._running is not executor:
             return
         self._running = None
-        # Whoever waits for the end learns how it was before the active element tells that it is.
+        # The outcome is known before ReportActiveElement tells that the list has ended.
         if succeeded:
             self._completion.succeed()
         else:
             self._completion.fail()
         self.speed = 0.0
         self._set_active(NO_UID)
-        self._tell()
+        self._update_reports()
 
     # ------------------------------------------------------------------ messages
 
     def _execute(self, message: Any, sender: JausAddress) -> Completion:
-        """Begins at an element, or changes the speed when none is named (AS6009, ExecuteList)."""
+        """Executes the list from an element on; without an element, changes the speed (AS6009)."""
         speed: float | None = getattr(message, "speed", None)
         if message.element_uid is None and speed is not None:
             return self._change_speed(speed)
-        begun = Completion()
+        completion = Completion()
         uid = message.element_uid or getattr(self._list.elements.first, "uid", NO_UID)
         elements = self.elements_from(uid)
         executor = self._executor_of(elements, uid, sender)
         if executor is None:
-            begun.fail()
-            return begun
-        self._take_over(executor, begun)
+            completion.fail()
+            return completion
+        self._take_over(executor, completion)
         self.speed = speed or 0.0
         executor.begin(uid, speed)
-        self._tell()
-        return begun
+        self._update_reports()
+        return completion
 
-    def _take_over(self, executor: ListExecutor, begun: Completion) -> None:
-        """Has an executor execute what a command says; the command before it has failed."""
+    def _take_over(self, executor: ListExecutor, completion: Completion) -> None:
+        """Makes an executor the running one for a new command; the command before it fails."""
         self._completion.fail()
         former = self._running
         if former is not None and former is not executor:
             former.leave()
-        self._running, self._completion = executor, begun
+        self._running, self._completion = executor, completion
 
     def _change_speed(self, speed: float) -> Completion:
         if self._running is not None:
             self.speed = speed
             self._running.change_speed(speed)
-            self._tell()
-        done = Completion()
-        done.succeed()
-        return done
+            self._update_reports()
+        completion = Completion()
+        completion.succeed()
+        return completion
 
     def _executor_of(
         self, elements: list[ListElement], uid: int, sender: JausAddress
     ) -> ListExecutor | None:
-        """Returns who executes these elements; None, counted, when nobody does."""
+        """Returns the executor for elements; None if there is none, which is counted."""
         counters = self._component.counters
         if not elements:
             counters.count("list_driver.unknown_element", f"{sender} wants element {uid} executed")
@@ -231,29 +229,29 @@ class ListDriver:
     def _report_element(
         self, executor: ListExecutor, code: int, _query: Message, _sender: JausAddress
     ) -> bytes | None:
-        """Returns the active element; else the last one, or the one that a list begins with.
+        """Returns the report of the element that is or was active, else of the first of the list.
 
-        None when there never was one of the kind: a place that nobody has said is no answer.
+        None when that is not of the kind of the executor, or there is none.
         """
         first = self._list.elements.first
         element = self._last.get(executor) or first
         if element is None or not executor.is_of(element):
             return None
-        return self._told_as(code, element)
+        return self._report_of(code, element)
 
     @staticmethod
-    def _told_as(code: int, element: ListElement) -> bytes:
-        """Returns the report of an element, which is laid out as that is."""
+    def _report_of(code: int, element: ListElement) -> bytes:
+        """Returns the report of an element: a code and the fields of the element."""
         return code.to_bytes(MESSAGE_CODE_SIZE, "little") + element.data[MESSAGE_CODE_SIZE:]
 
     def _set_active(self, uid: int) -> None:
         if uid != self.active:
             self.active = uid
-            self._note_active()
+            self._keep_active()
             self._component.report_changed(self._messages.report)
-            self._tell()
+            self._update_reports()
 
-    def _note_active(self) -> None:
+    def _keep_active(self) -> None:
         element = self._element(self.active)
         if self._running is not None and element is not None:
             self._last[self._running] = element
@@ -261,6 +259,6 @@ class ListDriver:
     def _element(self, uid: int) -> ListElement | None:
         return self._list.elements.get(uid)
 
-    def _tell(self) -> None:
+    def _update_reports(self) -> None:
         for report in self._reports:
             self._component.report_changed(report)

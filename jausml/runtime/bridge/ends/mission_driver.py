@@ -1,8 +1,8 @@
-"""The mission spooler that a bridge provides: a mission of its controller, and who executes it.
+"""The mission spooler of a bridge: has the mission of its controller executed by a connection.
 
-AS6062, Mission Spooler: a mission is a tree of tasks with messages, which are executed as the
-elements of a list are: those of a task first, then those of its subtasks. One mission is kept at a
-time. Where its controller is lost, it stays, and goes on when it is resumed.
+AS6062, Mission Spooler: a mission is a tree of tasks with messages. These are executed like the
+elements of a list: the messages of a task first, then those of its subtasks. One mission is kept at
+a time. It is paused when its controller is lost, and goes on when it is resumed.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from .list_driver import ListDriver, ListExecutor, ListMessages
 class MissionMessages(ListMessages):
     """The messages of a mission spooler.
 
-    RunMission executes, and QueryMissionStatus and ReportMissionStatus tell of it.
+    `execute` is RunMission, `query` and `report` are QueryMissionStatus and ReportMissionStatus.
     """
 
     spool: type[Message]
@@ -36,7 +36,7 @@ class MissionMessages(ListMessages):
     resume: type[Message]
 
     def driver(self, component: Host) -> MissionDriver:
-        """Returns the spooler of a component."""
+        """Returns a new spooler for the missions of a component."""
         return MissionDriver(component, self)
 
 
@@ -52,7 +52,7 @@ class State(IntEnum):
 
 
 class Cause(IntEnum):
-    """Why a mission is where it is (ReportMissionStatus, SecondaryStatus)."""
+    """Why a mission is in its state (ReportMissionStatus, SecondaryStatus)."""
 
     NO_ERROR = 0
     LOST_CONTROL = 1
@@ -60,7 +60,7 @@ class Cause(IntEnum):
 
 
 class Kind(IntEnum):
-    """What is told of (ReportMissionStatus, Type)."""
+    """Subject of a report (ReportMissionStatus, Type)."""
 
     MISSION = 0
     TASK = 1
@@ -68,7 +68,7 @@ class Kind(IntEnum):
 
 
 class MissionError(Enum):
-    """Why a mission is not stored; the value is the name under which it is counted."""
+    """Why a mission is not stored; the value is the name of the counter."""
 
     NOT_INIT = "mission.not_stored"
     NO_TREE = "mission.no_tree"
@@ -78,44 +78,47 @@ class MissionError(Enum):
 
 @dataclass
 class Mission:
-    """A mission in the order in which it is executed."""
+    """A mission in the order in which it is executed.
+
+    The place of a message is its index in that order, from 1; it is also the UID of its element.
+    """
 
     number: int
-    parent: JausAddress  # who spooled it, and is told what becomes of it
-    elements: Sequence[ListElement]  # its messages; their UIDs are their places, counted from 1
-    # Task and UID of each message; a UID is unique within its task.
-    names: Sequence[tuple[int, int]]
+    parent: JausAddress  # the component that spooled it, and is sent ReportMissionStatus
+    elements: Sequence[ListElement]  # its messages
+    names: Sequence[tuple[int, int]]  # task and UID of each message, which is unique in its task
     state: State = State.INIT
     cause: Cause = Cause.NO_ERROR
-    begun: int = 1  # where RunMission began; what lies before is not executed
-    at: int = NO_UID
-    tasks: dict[int, int] = field(default_factory=dict)
+    first: int = 1  # place where RunMission began
+    present: int = NO_UID  # place that is executed
+    tasks: dict[int, int] = field(default_factory=dict)  # last place of each task
 
     def __post_init__(self) -> None:
-        self.tasks = {task: at for at, (task, _) in enumerate(self.names, 1)}
+        self.tasks = {task: place for place, (task, _) in enumerate(self.names, 1)}
 
     def place(self, task: int | None, uid: int | None) -> int:
-        """Returns the first place of a task or of one of its messages; 0 for one unknown."""
+        """Returns the first place of a task, or of one of its messages; 0 for an unknown one."""
         if task is None and uid is None:
             return 1
-        places = enumerate(self.names, 1)
-        fits = (at for at, (of, its) in places if task in (None, of) and uid in (None, its))
-        return next(fits, NO_UID)
+        for place, (own_task, own_uid) in enumerate(self.names, 1):
+            if task in (None, own_task) and uid in (None, own_uid):
+                return place
+        return NO_UID
 
     def state_at(self, first: int, last: int) -> State:
-        """Returns the state of the messages of some places."""
-        if last < self.begun:
+        """Returns the common state of the messages of some places."""
+        if last < self.first:
             return State.INIT
-        if self.state is State.FINISHED or last < self.at:
+        if self.state is State.FINISHED or last < self.present:
             return State.FINISHED
-        return self.state if first <= self.at else State.INIT
+        return self.state if first <= self.present else State.INIT
 
 
 class MissionDriver(ListDriver):
-    """Executes the mission of a bridge, as its controller says."""
+    """Has the mission of a bridge executed, as its controller commands."""
 
     def __init__(self, component: Host, messages: MissionMessages) -> None:
-        """Takes what a mission spooler takes, and answers QueryMissionStatus."""
+        """Takes the commands of a mission spooler, and answers QueryMissionStatus."""
         super().__init__(component, messages)
         self._mission: Mission | None = None
         self._commander: JausAddress | None = None
@@ -131,46 +134,46 @@ class MissionDriver(ListDriver):
     # ------------------------------------------------------------------ as a list driver
 
     def supports(self, element: ListElement) -> bool:  # noqa: ARG002
-        """A mission is no list of ListManager."""
+        """Returns False: elements of ListManager are no messages of a mission."""
         return False
 
     def list_changed(self) -> None:
-        """The list of ListManager is none of a mission."""
+        """Does nothing: the list of ListManager is not that of a mission."""
 
     def elements_from(self, uid: int) -> list[ListElement]:
-        """Returns the messages from a place on, in their order."""
+        """Returns the messages from a place on."""
         return list(self._mission.elements[uid - 1 :]) if self._mission and uid else []
 
     @property
-    def first_again(self) -> int:
-        """A mission is executed once."""
+    def restart_uid(self) -> int:
+        """0, as a mission is executed once."""
         return NO_UID
 
     def reached(self, executor: ListExecutor, uid: int) -> None:
-        """Tells the parent of each message that is executed; pauses where that is wanted."""
+        """Sets the present message, reports finished ones to the parent; pauses if that is due."""
         mission = self._mission
         if mission is None or not self.is_executed_by(executor):
             return
-        former, mission.at = mission.at, max(uid, mission.at)
-        for at in range(max(former, 1), mission.at):
-            self._tell_parent(Kind.MESSAGE, mission.names[at - 1][1], State.FINISHED)
-        super().reached(executor, mission.at)
-        if self._pause_behind and mission.at > self._pause_behind:
+        former, mission.present = mission.present, max(uid, mission.present)
+        for place in range(max(former, 1), mission.present):
+            self._tell_parent(Kind.MESSAGE, mission.names[place - 1][1], State.FINISHED)
+        super().reached(executor, mission.present)
+        if self._pause_behind and mission.present > self._pause_behind:
             self._halt(executor)
 
     def finished(self, executor: ListExecutor, *, succeeded: bool) -> None:
-        """Tells how the mission ended; one whose controller is lost waits for the next."""
+        """Reports the end of the mission; if its controller is lost, it is paused instead."""
         mission = self._mission
         if mission is None or not self.is_executed_by(executor):
             return
         if succeeded:
-            self._end(State.FINISHED)
+            self._set_state(State.FINISHED)
             self._tell_parent(Kind.MESSAGE, mission.names[-1][1], State.FINISHED)
         elif mission.state is not State.ABORTED:
             if self._is_controlled():
-                self._end(State.ABORTED, Cause.INTERNAL_FAILURE)
+                self._set_state(State.ABORTED, Cause.INTERNAL_FAILURE)
             else:
-                self._end(State.PAUSED, Cause.LOST_CONTROL)
+                self._set_state(State.PAUSED, Cause.LOST_CONTROL)
         super().finished(executor, succeeded=succeeded)
         self._tell_of_mission()
 
@@ -215,8 +218,8 @@ class MissionDriver(ListDriver):
         if not pairs or len(tasks) < len(message.mission_plan):
             return MissionError.NO_TREE
         elements = [
-            ListElement(at, data=task_message.jaus_message)
-            for at, (_, task_message) in enumerate(pairs, 1)
+            ListElement(place, data=task_message.jaus_message)
+            for place, (_, task_message) in enumerate(pairs, 1)
         ]
         if not all(
             _is_for(self._component.address, task_message.destination_id)
@@ -232,31 +235,31 @@ class MissionDriver(ListDriver):
         """Executes the mission from its beginning, or from the task or message that is named."""
         mission = self._known(message.mission_id, State.INIT, State.PAUSED)
         if mission is not None:
-            mission.begun = mission.place(message.task_id, message.message_uid)
-        return self._go(NO_UID if mission is None else mission.begun, sender)
+            mission.first = mission.place(message.task_id, message.message_uid)
+        return self._go(NO_UID if mission is None else mission.first, sender)
 
     def _resume(self, message: Any, sender: JausAddress) -> Completion:
         """Executes the mission from where it was paused."""
         mission = self._known(message.mission_id, State.INIT, State.PAUSED)
-        return self._go(NO_UID if mission is None else max(mission.at, 1), sender)
+        return self._go(NO_UID if mission is None else max(mission.present, 1), sender)
 
     def _go(self, place: int, sender: JausAddress) -> Completion:
-        begun = Completion()
+        completion = Completion()
         executor = self._executor_of(self.elements_from(place), place, sender)
         if self._mission is None or executor is None:
-            begun.fail()
-            return begun
+            completion.fail()
+            return completion
         self._completion.fail()
-        self._mission.at = place
+        self._mission.present = place
         self._pause_behind = NO_UID
-        self._end(State.RUNNING)
-        self._running, self._completion, self._commander = executor, begun, sender
+        self._set_state(State.RUNNING)
+        self._running, self._completion, self._commander = executor, completion, sender
         executor.begin(place, None)
         self._tell_of_mission()
-        return begun
+        return completion
 
     def _pause(self, message: Any, _sender: JausAddress) -> None:
-        """Stands still at once, or behind the task that is named."""
+        """Pauses at once, or behind the task that is named."""
         mission = self._known(message.mission_id, State.RUNNING)
         if mission is None or self._running is None:
             return
@@ -267,7 +270,7 @@ class MissionDriver(ListDriver):
 
     def _halt(self, executor: ListExecutor) -> None:
         self._pause_behind = NO_UID
-        self._end(State.PAUSED)
+        self._set_state(State.PAUSED)
         executor.change_speed(0.0)
         self._tell_of_mission()
 
@@ -275,23 +278,23 @@ class MissionDriver(ListDriver):
         mission = self._known(message.mission_id, State.INIT, State.RUNNING, State.PAUSED)
         if mission is None:
             return
-        self._end(State.ABORTED)
+        self._set_state(State.ABORTED)
         if self._running is not None:
             self._running.leave()
         else:
             self._tell_of_mission()
 
     def _known(self, number: int | None, *states: State) -> Mission | None:
-        """Returns the mission that a message names, in one of some states; else None, counted."""
+        """Returns the mission of a number if it is in one of some states; else None, counted."""
         mission = self._mission
         if mission is not None and number in (None, mission.number) and mission.state in states:
             return mission
         self._component.counters.count("mission.not_there", f"mission {number} is not to be had")
         return None
 
-    # ------------------------------------------------------------------ what is told
+    # ------------------------------------------------------------------ reports
 
-    def _end(self, state: State, cause: Cause = Cause.NO_ERROR) -> None:
+    def _set_state(self, state: State, cause: Cause = Cause.NO_ERROR) -> None:
         if self._mission is not None:
             self._mission.state, self._mission.cause = state, cause
 
@@ -317,26 +320,27 @@ class MissionDriver(ListDriver):
 
 
 def _in_order(tasks: Sequence[Any]) -> list[Any]:
-    """Returns the tasks of a tree, each before its subtasks; too few when they are no tree."""
+    """Returns the tasks of a tree, each before its subtasks; fewer tasks if they are no tree."""
     children = [[sub_task.child_task_index for sub_task in task.sub_tasks] for task in tasks]
-    named = [index for child in children for index in child]
-    if len(set(named)) < len(named) or any(index >= len(tasks) for index in named):
+    subtasks = [index for indices in children for index in indices]
+    if len(set(subtasks)) < len(subtasks) or any(index >= len(tasks) for index in subtasks):
         return []
 
-    def walk(index: int) -> Iterator[Any]:
-        waiting = [index]
+    def walk(root: int) -> Iterator[Any]:
+        waiting = [root]
         while waiting:
-            at = waiting.pop()
-            yield tasks[at]
-            waiting += reversed(children[at])
+            index = waiting.pop()
+            yield tasks[index]
+            waiting += reversed(children[index])
 
-    roots = (index for index in range(len(tasks)) if index not in set(named))
+    roots = (index for index in range(len(tasks)) if index not in set(subtasks))
     return [task for root in roots for task in walk(root)]
 
 
 def _is_for(address: JausAddress, destination: Any) -> bool:
-    """Whether a message of a mission is for a component, itself or by a wildcard."""
-    wanted = (destination.subsystem_id, destination.node_id, destination.component_id)
-    own = (address.subsystem, address.node, address.component)
-    anybody = (0xFFFF, 0xFF, 0xFF)
-    return all(want in (has, every) for want, has, every in zip(wanted, own, anybody, strict=True))
+    """Returns whether a message of a mission is for a component, itself or by a wildcard."""
+    return (
+        destination.subsystem_id in (address.subsystem, 0xFFFF)
+        and destination.node_id in (address.node, 0xFF)
+        and destination.component_id in (address.component, 0xFF)
+    )

@@ -1,7 +1,7 @@
-"""Parameters of a bridge: what a deployment may change without generating again.
+"""Parameters of a bridge, by which a deployment changes it without generating again.
 
-A parameter has the value of the model until a parameter file, the command line or, for those that
-may change while the bridge runs, `ros2 param set` says otherwise.
+A parameter has the value of the model unless a parameter file, the command line or, for those that
+may change at run time, `ros2 param set` gives another one.
 """
 
 from __future__ import annotations
@@ -23,26 +23,21 @@ GREATEST = 1.7976931348623157e308  # greatest number
 GREATEST_SPEED = 327.67  # metres per second that a speed of AS6009 can say
 LONGEST_TIME = 3600.0  # longest time in seconds that a parameter takes
 
-LONGEST_FRESHNESS = 1e9
-"""Longest time in seconds in which a joined message is fresh: for ever, where it holds a state."""
-
+LONGEST_FRESHNESS = 1e9  # longest freshness in seconds: for ever, where a message holds a state
 SHORTEST_TIME = 0.001  # shortest freshness, and shortest time of a call, in seconds
 LEAST_RATE = 0.02  # least rate in hertz of an event or a query
 LEAST_MAX_RATE = 0.001  # least rate in hertz above which messages are thinned out, besides 0
 GREATEST_DECIMATION = 1_000_000  # most messages of which one passes
 LEAST_DIAGNOSTICS = 0.01  # least number of diagnostics each second
 
+# Seconds that a ROS message may wait in the queue of the bridge: far more than in normal operation,
+# also while the bridge starts. After a longer stall older commands must not be obeyed.
 QUEUE_AGE_LIMIT = 2.0
-"""Seconds that a ROS message may have waited in the queue of the bridge.
-
-That is far more than a bridge that keeps up needs, also while it starts. After a longer stall the
-commands of before are history: what comes next is the word.
-"""
 
 
 @dataclass(frozen=True)
 class AttributeParameter:
-    """A parameter that sets an attribute of the bridge, also while the bridge runs."""
+    """A parameter that sets an attribute of the bridge, also while it runs."""
 
     name: str
     attribute: str
@@ -50,32 +45,34 @@ class AttributeParameter:
     is_positive: bool = False  # whether a number is above 0
 
     def of(self, value: Any) -> Parameter:
-        """Returns the parameter of the node, with the value that the attribute has."""
+        """Returns the parameter of the node, with the present value of the attribute."""
         lowest = LEAST if self.is_positive else -GREATEST
         limits = (lowest, GREATEST) if isinstance(value, float) else None
         return Parameter(self.name, value, self.description, limits)
 
 
 def network(model: BridgeSettings) -> tuple[Parameter, ...]:
-    """Returns what says how the process takes part in JAUS, named as its options are."""
+    """Returns the parameters of address and transport, with the names of command line options."""
     values = option_values(model.transport)
     options = {name: option for group in OPTIONS.values() for name, option in group.items()}
     return (
         Parameter("jaus_id", str(model.address), "JAUS address of the bridge.", check=address),
         *(
-            Parameter(f"jaus_{name}", values[name], f"{_begun(option)}.", LIMITS.get(name), check)
+            Parameter(
+                f"jaus_{name}", values[name], f"{_description(option)}.", LIMITS.get(name), check
+            )
             for name, option in options.items()
-            if name not in _OF_COMMAND_LINES
+            if name not in _OPTIONS_ONLY
             for check in (_choice(option["choices"]) if "choices" in option else None,)
         ),
     )
 
 
-_OF_COMMAND_LINES = ("peer", "node_manager_directory")  # options that are no parameters
+_OPTIONS_ONLY = ("peer", "node_manager_directory")  # options that are no parameters
 
 
-def _begun(option: Mapping[str, Any]) -> str:
-    """Returns what an option is, as a sentence begins."""
+def _description(option: Mapping[str, Any]) -> str:
+    """Returns the help of an option with a capital letter, without its default."""
     text: str = option["help"].partition(" (default")[0]
     return text[:1].upper() + text[1:]
 
@@ -89,7 +86,7 @@ def _choice(words: Sequence[str]) -> Callable[[str], None]:
 
 
 def digital_resources(urls: Sequence[str]) -> Parameter:
-    """Returns where streams and files of the bridge are, for Digital Resource Discovery."""
+    """Returns the parameter with the URLs of the bridge for Digital Resource Discovery."""
 
     def check(text: str) -> None:
         for word in text.split():
@@ -100,10 +97,10 @@ def digital_resources(urls: Sequence[str]) -> Parameter:
 
 
 @dataclass(frozen=True)
-class Known:
-    """A parameter that is not declared yet: all of it but its value."""
+class Template:
+    """A parameter without its value and the connection that it belongs to."""
 
-    name: str  # in which `{}` stands for the connection, or the connection and join
+    name: str  # `{}` stands for the connection, or the connection and join
     description: str
     limits: tuple[float, float] | None = None
     check: Callable[[Any], object] | None = None
@@ -114,77 +111,77 @@ class Known:
         return Parameter(self.name.format(owner), value, text, self.limits, self.check)
 
 
-def _is_no_limit(hertz: float) -> None:
+def _check_rate(hertz: float) -> None:
     if 0 < hertz < LEAST_MAX_RATE:
         raise ValueError(f"{hertz:g} Hz is neither 0 nor {LEAST_MAX_RATE:g} Hz or more")
 
 
-MAX_EVENTS = Known("jaus_max_events", "JAUS events at a time.", (1, 255))
-EVENT_RATE_BUDGET = Known(
+MAX_EVENTS = Template("jaus_max_events", "JAUS events at a time.", (1, 255))
+EVENT_RATE_BUDGET = Template(
     "jaus_event_rate_budget",
     "Reports of all periodic JAUS events together each second.",
     (1.0, 255 * MAX_EVENT_RATE),
 )
-AUTHORITY = Known(
+AUTHORITY = Template(
     "jaus_authority", "Authority that control of JAUS components is requested with.", (0, 255)
 )
-DIAGNOSTICS_FREQUENCY = Known(
+DIAGNOSTICS_FREQUENCY = Template(
     "diagnostics_frequency", "Diagnostics published each second (Hz).", (LEAST_DIAGNOSTICS, 100.0)
 )
-FREQUENCY = Known(
+FREQUENCY = Template(
     "frequency",
     "Messages each second of the connections that state no rate (Hz).",
     (0.0, MAX_EVENT_RATE),
 )
-AUTOSTART = Known(
+AUTOSTART = Template(
     "autostart", "Whether the node becomes active by itself; if not, it waits unconfigured."
 )
-QUEUE_AGE = Known(
+QUEUE_AGE = Template(
     "queue_age_limit",
     "Seconds after which a message of a topic that is not latched is too old to be taken.",
     (0.0, LONGEST_TIME),
 )
-COMPILED = Known("compiled", "Whether compiled translations are used where they are built.")
+COMPILED = Template("compiled", "Whether compiled translations are used where they are built.")
 
-RATE = Known(
+RATE = Template(
     "{}.rate", "Messages of the connection {} each second (Hz).", (LEAST_RATE, MAX_EVENT_RATE)
 )
-SILENCE_TIMEOUT = Known(
+SILENCE_TIMEOUT = Template(
     "{}.silence_timeout",
     "Seconds without a message that count as silence of the source of {}.",
     (0.0, LONGEST_TIME),
 )
-MAX_RATE = Known(
+MAX_RATE = Template(
     "{}.max_rate",
     "Messages of {} that pass each second at most (Hz); 0 is all.",
     (0.0, GREATEST),
-    _is_no_limit,
+    _check_rate,
 )
-RATE_CAP = Known(
+RATE_CAP = Template(
     "{}.rate_cap",
     "Messages of {} that are taken of one source each second (Hz); 0 is all.",
     (0.0, GREATEST),
-    _is_no_limit,
+    _check_rate,
 )
-DECIMATION = Known(
+DECIMATION = Template(
     "{}.decimation", "Every how many messages of {} one passes.", (1, GREATEST_DECIMATION)
 )
-AGE_LIMIT = Known(
+AGE_LIMIT = Template(
     "{}.age_limit",
     "Seconds after which a message of {} is too old to pass; 0 is never.",
     (0.0, LONGEST_TIME),
 )
-LATENCY = Known("{}.latency", "Whether the latency of {} is measured.")
-ALL_LATENCY = Known("latency", "Whether the latency of all is measured.")
-FRESHNESS = Known(
+LATENCY = Template("{}.latency", "Whether the latency of {} is measured.")
+ALL_LATENCY = Template("latency", "Whether the latency of all is measured.")
+FRESHNESS = Template(
     "{}.freshness",
     "Seconds after which the latest message of {} is stale.",
     (SHORTEST_TIME, LONGEST_FRESHNESS),
 )
-SPEED = Known(
+SPEED = Template(
     "{}.speed", "Speed at which the lists of {} are executed (m/s).", (0.0, GREATEST_SPEED)
 )
-TIMEOUT = Known(
+TIMEOUT = Template(
     "{}.timeout",
     "Seconds after which a call of {} without an answer has failed.",
     (SHORTEST_TIME, LONGEST_TIME),
@@ -192,13 +189,13 @@ TIMEOUT = Known(
 
 
 def lift_emergency(check: Callable[[str], None]) -> Parameter:
-    """Returns whose emergencies are to be lifted, by somebody at the robot."""
+    """Returns the parameter by which a person at the robot lifts emergencies of a client."""
     text = "JAUS address of clients that set an emergency and are gone; setting it lifts theirs."
     return Parameter("lift_emergency", "", text, check=check)
 
 
 def topics(ros: RosSide, owner: str, modelled: Sequence[Topic]) -> tuple[Topic, ...]:
-    """Returns the topics of a connection, or of its join, under the names that parameters give."""
+    """Returns the topics of a connection, or of its join, with their names from parameters."""
     if not modelled:
         return ()
     if len(modelled) == 1:
@@ -216,7 +213,7 @@ def topics(ros: RosSide, owner: str, modelled: Sequence[Topic]) -> tuple[Topic, 
 
 
 def peers(ros: RosSide, connection: str, modelled: PeerBinding) -> PeerBinding:
-    """Returns the peers of a connection: named ones, which a parameter may change, or a search."""
+    """Returns the peers of a connection: a search, or named ones, which a parameter may change."""
     if not modelled.present:
         return modelled
     text = f"JAUS components at the other end of {connection}."
@@ -226,7 +223,7 @@ def peers(ros: RosSide, connection: str, modelled: PeerBinding) -> PeerBinding:
 
 
 def address(text: str) -> JausAddress:
-    """Returns the address of one component; ValueError where a text names none or several."""
+    """Returns the address of one component; raises ValueError for no address or a wildcard."""
     component_address = JausAddress.parse(text)
     if not component_address.is_concrete:
         raise ValueError(f"{text} does not name one component")
@@ -234,5 +231,5 @@ def address(text: str) -> JausAddress:
 
 
 def addresses(texts: Iterable[str]) -> tuple[JausAddress, ...]:
-    """Returns the addresses of several components, as `address` does."""
+    """Returns the addresses of components; raises ValueError as `address` does."""
     return tuple(map(address, texts))

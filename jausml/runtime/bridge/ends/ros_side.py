@@ -1,4 +1,4 @@
-"""ROS as a bridge sees it, on rclpy or in virtual time: its node."""
+"""The interface of a ROS node for a bridge; rclpy and the virtual ROS implement it."""
 
 from __future__ import annotations
 
@@ -17,36 +17,36 @@ class RosPublisher(Protocol):
     """A publisher for serialized messages."""
 
     publish: Callable[[bytes], None]
-    unmatched: int  # while no subscription was there; whoever publishes counts
+    unmatched: int  # messages published without a subscription; counted by the caller of `publish`
 
     @property
     def matched(self) -> int:
-        """How many subscriptions are connected."""
+        """Number of connected subscriptions."""
 
     @property
     def address(self) -> int:
-        """Where the client library has it; 0 where there is no such library."""
+        """Address of the publisher in rcl, for the core; 0 without rcl."""
 
     @property
     def published(self) -> Published:
-        """What it was made for."""
+        """Topic, type and QoS."""
 
 
 class RosCodec(Protocol):
-    """Messages of one class of rclpy, as objects and serialized."""
+    """Serializes and deserializes messages of one class of rclpy."""
 
     def decode(self, data: bytes) -> Any:
-        """Returns the object of a serialized message."""
+        """Returns the object of a serialized message; raises DecodeError."""
 
     def encode(self, message: Any) -> bytes:
-        """Returns the serialized form of an object."""
+        """Returns an object, serialized; raises EncodeError."""
 
 
 class RosSide(Protocol):
-    """All that a bridge sees of ROS; `RosNode` in ros.py is the one on rclpy.
+    """The node of a bridge; `RosNode` in `bridge/ros/node.py` is the one on rclpy.
 
-    Messages are serialized (CDR, with the header that names the encoding). A ROS type is a class
-    of rclpy, or a light class, whose `TYPE` names it, e.g. `nav_msgs/msg/Odometry`.
+    Messages are serialized (CDR with its encapsulation header). A ROS type is a class of rclpy, or
+    a light class with a `TYPE` such as `nav_msgs/msg/Odometry`.
     """
 
     @property
@@ -54,50 +54,50 @@ class RosSide(Protocol):
         """Full name of the node, e.g. `/fleet/bridge`."""
 
     def attach(self, loop: Loop) -> None:
-        """Tells which loop waits; to be called before there are publishers and subscriptions."""
+        """Sets the loop of callbacks; to be called before the first publisher or subscription."""
 
     @property
     def is_simulated(self) -> bool:
         """Whether the ROS clock follows `/clock`."""
 
     def now(self) -> Time:
-        """Time of the ROS clock."""
+        """Returns the time of the ROS clock."""
 
     def follow_clock(self, take: Callable[[float], None]) -> None:
-        """Gives each time on `/clock` in seconds to a function, on the loop or with its lock."""
+        """Calls `take` with each time on `/clock` in seconds, on the loop or with its lock."""
 
     def parameter(self, parameter: Parameter, changed: Callable[[Any], None] | None = None) -> Any:
-        """Declares a parameter and returns its value; `changed` takes each later one."""
+        """Declares a parameter and returns its value; `changed` is called with each later value."""
 
     def check_parameters(self) -> None:
-        """Raises ParameterError, with a line for each value so far that does not do."""
+        """Raises ParameterError, with a line for each value that was rejected so far."""
 
     def codec(self, ros_type: type[Any]) -> RosCodec:
-        """Returns what makes objects of rclpy of serialized messages, and the reverse."""
+        """Returns the codec for objects of rclpy."""
 
     def publisher(
-        self, ros_type: type[Any], topic: Topic, greet: Callable[[], None] | None = None
+        self, ros_type: type[Any], topic: Topic, on_match: Callable[[], None] | None = None
     ) -> RosPublisher:
-        """Makes a publisher; each subscriber that is found is greeted on the loop."""
+        """Makes a publisher; `on_match` is called on the loop for each subscriber that is found."""
 
     def subscribe(
         self, ros_type: type[Any], topic: Topic, take: Callable[[bytes, int], None]
     ) -> TopicCounts:
-        """Makes a subscription.
+        """Makes a subscription, and returns its counts.
 
-        Each serialized message is taken with the time of its publication, in nanoseconds by the
-        clock of its publisher; on the loop or with its lock.
+        `take` is called on the loop, or with its lock, with each serialized message and the time of
+        its publication in nanoseconds by the clock of its publisher.
         """
 
     def part(self, load: Callable[[], Callable[[Any], PartT]]) -> PartT:
-        """Returns a part of the node, made when it is first asked for, e.g. its services.
+        """Returns a part of the node, e.g. its services; the first call makes it.
 
-        Who asks imports its class on rclpy, so that a workspace has it only where something of the
-        model asks; a virtual node has parts of its own.
+        `load` imports the class of the part, so that a bridge without such connections does not
+        need the module. A virtual node has its own class in place of it.
         """
 
     def faults(self, topic: Topic, *, publishes: bool, alone: bool = False) -> Sequence[TopicFault]:
-        """Returns why a topic does not work; a second publisher is a fault where one is alone."""
+        """Returns the faults of a topic; where `alone`, a second publisher is one."""
 
     def publish_diagnostics(self, data: bytes) -> None:
         """Publishes a serialized `diagnostic_msgs/msg/DiagnosticArray`."""
@@ -105,20 +105,20 @@ class RosSide(Protocol):
 
 @dataclass
 class Feed:
-    """A subscription, as a core is told of it."""
+    """A subscription, for the core."""
 
-    address: int  # where the client library has it
-    descriptor: int  # the eventfd that says how many messages wait
+    address: int  # of the subscription in rcl
+    descriptor: int  # the eventfd that counts the waiting messages
     age_limit: int  # nanoseconds after which a message that waits is too old; 0 means never
     counts: TopicCounts
     expected: int = 0  # the number of the next message
 
 
-class Other(NamedTuple):
-    """A message that is not usual, which a core has taken."""
+class ReturnedMessage(NamedTuple):
+    """A message that the core has taken and leaves to Python."""
 
     data: bytes
-    number: int | None  # that of its publisher; None where the middleware does not tell it
-    received: int  # when, in nanoseconds since 1970, as when it was published
-    published: int
-    left: int  # how many more wait
+    number: int | None  # given by its publisher; None where the middleware does not support it
+    received: int  # nanoseconds since 1970
+    published: int  # nanoseconds since 1970
+    left: int  # number of messages that still wait

@@ -1,4 +1,4 @@
-"""A bridge beside a simulation: rates, time-outs and freshness follow `/clock`."""
+"""Simulated time for a bridge: its rates, time-outs and freshness follow `/clock`."""
 
 from __future__ import annotations
 
@@ -10,36 +10,31 @@ from ...base.loop import Loop, Timer, due_after
 from ..reports.diagnostics import ConnectionStatus
 from ..reports.states import StopReason
 
-SEEK = 10.0
-"""Seconds of simulated time in one step that are no time that passed, but another place in it."""
-
+SEEK = 10.0  # longest step of simulated time in seconds; a longer one is a jump
 _WINDOW = 1.0  # real seconds over which the ratio is measured
-_GAP = 0.5  # real seconds between two times that are a pause of the simulation, not slowness
-_TOLERANCE = 0.1  # part by which the ratio may change before anybody is told
+_GAP = 0.5  # real seconds between two times from which on the simulation has paused
+_TOLERANCE = 0.1  # relative change of the ratio that is ignored
 
+# Real seconds without a time on `/clock` after which commands are stopped. A simulation that pauses
+# goes on to publish the time; after one that has gone, commands would stay in effect for ever.
 CLOCK_TIMEOUT = 3.0
-"""Real seconds without a word on `/clock` after which commands are stopped.
-
-A simulation that rests goes on to say the time; one that is gone would let commands stand forever.
-"""
 
 _LEAST_RATE, _GREATEST_RATE = 0.1, 1092.0  # rates of events in hertz (AS5710, CreateEvent)
 
 
 class SimulatedClock:
-    """Seconds that a simulation has progressed since its first time was heard.
+    """Clock of the seconds that a simulation has progressed since its first time on `/clock`.
 
-    It rests while the simulation rests. A simulation that begins anew, or that somebody moves by
-    more than `SEEK`, goes on counting from where it was: timers keep what remained of them, as
-    nothing has happened meanwhile that they could have waited for.
+    It pauses with the simulation. When simulated time goes back, or forward by more than `SEEK`,
+    this clock goes on from its present value, so that timers keep the rest of their delay.
 
-    All of it runs on the thread of the loop, or with its lock.
+    Everything runs on the thread of the loop, or with its lock.
 
     Attributes:
-        ratio: Simulated seconds in each real one, as measured; 1 before that, and the last one
-            while the simulation rests.
-        heard: Time of the loop when the simulation last said its time; None before the first.
-        seeks: How often the time went back or was moved.
+        ratio: Measured simulated seconds in each real one; 1 before the first measurement, and
+            unchanged while the simulation pauses.
+        heard: Time of the loop at which the last time came on `/clock`; None before the first.
+        seeks: Number of jumps of simulated time.
     """
 
     def __init__(self, loop: Loop) -> None:
@@ -56,7 +51,7 @@ class SimulatedClock:
         self._followers: list[Callable[[], None]] = []
 
     def now(self) -> float:
-        """Returns the seconds that have passed."""
+        """Returns the simulated seconds that have passed."""
         return self._progress
 
     def call_later(self, delay_s: float, callback: Callable[[], None]) -> Timer:
@@ -64,7 +59,7 @@ class SimulatedClock:
         return self.call_at(due_after(self._progress, delay_s), callback)
 
     def call_at(self, when: float, callback: Callable[[], None]) -> Timer:
-        """Runs a callback at a time of this clock, when the simulation says that it is there."""
+        """Runs a callback when this clock has reached a time."""
         timer = Timer(callback, lambda: None)
         while self._timers and self._timers[0][2].callback is None:
             heapq.heappop(self._timers)
@@ -73,24 +68,23 @@ class SimulatedClock:
         return timer
 
     def follow_ratio(self, changed: Callable[[], None]) -> None:
-        """Calls a function when the simulation has become clearly faster or slower."""
+        """Calls `changed` whenever the ratio has changed by more than a tenth."""
         self._followers.append(changed)
 
     def advance_to(self, seconds: float) -> None:
-        """Takes the time that the simulation says, and runs what is due."""
+        """Takes a time of `/clock` in seconds, and runs the callbacks that are due."""
         real, former = self._loop.now(), self.heard
         step = 0.0 if former is None else seconds - self._latest
         self.heard, self._latest = real, seconds
         if step < 0 or step > SEEK:
             self.seeks += 1
-            step = 0.0
-            former = None
+            step, former = 0.0, None
         self._progress += step
         self._measure(real, former)
         self._run_due()
 
     def _measure(self, real: float, former: float | None) -> None:
-        """Tells the ratio of two windows on end that agree: one alone may hold part of a pause."""
+        """Updates the ratio if two windows in a row agree: a single one may contain a pause."""
         began, progress = self._window
         if former is None or real - former > _GAP:
             self._window = real, self._progress
@@ -107,7 +101,7 @@ class SimulatedClock:
                 self._run(follower)
 
     def _run_due(self) -> None:
-        newest = self._created  # what a callback asks for waits for the next time
+        newest = self._created  # timers that a callback sets wait for the next time
         while self._timers and self._timers[0][0] <= self._progress:
             if self._timers[0][1] > newest:
                 return
@@ -124,19 +118,19 @@ class SimulatedClock:
 
 
 class Simulation:
-    """The clock of a bridge that follows `/clock`, and the watch over it."""
+    """The simulated clock of a bridge, and the watch for silence on `/clock`."""
 
     def __init__(self, loop: Loop, stop: Callable[[StopReason], None]) -> None:
-        """Waits for the first time; before it, nothing ends by time."""
+        """Waits for the first time; `stop` is called when `/clock` falls silent."""
         self.clock = SimulatedClock(loop)
         self.is_silent = False
         self._loop = loop
         self._stop = stop
         self._seeks = 0
-        loop.call_later(CLOCK_TIMEOUT, self._look)
+        loop.call_later(CLOCK_TIMEOUT, self._check_silence)
 
     def take(self, seconds: float) -> None:
-        """Takes a time of the simulation."""
+        """Takes a time of `/clock` in seconds."""
         self.is_silent = False
         self.clock.advance_to(seconds)
         if self.clock.seeks > self._seeks:
@@ -155,22 +149,23 @@ class Simulation:
         values = (("ratio to real time", f"{clock.ratio:.2f}"), ("jumps", str(clock.seeks)))
         return ConnectionStatus("simulated time", level, message, hardware_id, values)
 
-    def _look(self) -> None:
+    def _check_silence(self) -> None:
         heard = self.clock.heard
-        left = CLOCK_TIMEOUT
+        delay = CLOCK_TIMEOUT
         if heard is not None and not self.is_silent:
-            left = heard + CLOCK_TIMEOUT - self._loop.now()
-            if left <= 0:
-                left = CLOCK_TIMEOUT
+            delay = heard + CLOCK_TIMEOUT - self._loop.now()
+            if delay <= 0:
+                delay = CLOCK_TIMEOUT
                 self.is_silent = True
                 LOGGER.warning("nobody says the time on /clock; commands are stopped")
                 self._stop(StopReason.CLOCK)
-        self._loop.call_later(left, self._look)
+        self._loop.call_later(delay, self._check_silence)
 
 
 def real_rate(rate: float, ratio: float) -> float:
-    """Returns the real rate of events, within AS5710, that are to come at a simulated one.
+    """Returns the real rate in hertz for a simulated one, within the limits of AS5710 events.
 
-    The ratio is of simulated seconds to real ones.
+    Args:
+        ratio: Simulated seconds in each real one.
     """
     return min(max(rate * ratio, _LEAST_RATE), _GREATEST_RATE)

@@ -1,8 +1,8 @@
-"""Topics, services and parameters of ROS, without rclpy; what keeps two ends of a topic apart.
+"""Topics, services and parameters of ROS, without rclpy; faults of topics, such as unfit QoS.
 
-ROS connects a publisher and a subscription when the one offers all that the other requests, and
-otherwise neither gets anything of the other. The rules are those of DDS; `system_default` stands
-for what the middleware decides, about which nothing is known here.
+ROS connects a publisher and a subscription only if the publisher offers all that the subscription
+requests, by the rules of DDS. `system_default` leaves a policy to the middleware, and is taken to
+fit.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ class Qos:
 
 @dataclass(frozen=True)
 class Published:
-    """What a publisher was made for."""
+    """Topic, type and QoS of a publisher."""
 
     topic: str
     type: str
@@ -54,14 +54,14 @@ class Published:
 
 @dataclass(slots=True)
 class TopicCounts:
-    """What happened to the messages of a subscription."""
+    """Counts of the messages of a subscription."""
 
     taken: int = 0  # messages taken from its queue
-    # Messages that were overwritten in the queue, or whose lifespan ended there, before they were
-    # taken: the bridge was too slow. Only a listener tells them, no wait set.
+    # Messages that were overwritten in the queue, or whose lifespan ended there, as the bridge was
+    # too slow to take them. Known only with a listener, not with a wait set.
     lost: int = 0
-    # Messages that were published and never taken, those of `lost` included. Publishers number
-    # their messages, but do not sign them: it is told only while there is one.
+    # Messages that were published and never taken, those of `lost` included. Known only while there
+    # is a single publisher, as the numbers of messages do not name their publisher.
     missed: int = 0
     too_old: int = 0  # messages taken and dropped because they had waited too long
 
@@ -82,9 +82,8 @@ class RosService:
     type_name: str  # its type, e.g. `std_srvs/srv/SetBool`
     request: type[LightMessage]
     response: type[LightMessage]
-    # Path of the bool of the response that tells whether all went well; may be empty.
-    success: str = ""
-    reason: str = ""  # path of the text of the response that tells why not; may be empty
+    success: str = ""  # path of the bool of the response for success; empty without one
+    reason: str = ""  # path of the text of the response for a failure; empty without one
 
 
 class ParameterError(JausError):
@@ -99,14 +98,15 @@ class Parameter:
     default: Any
     description: str
     limits: tuple[float, float] | None = None
-    # Raises ValueError for a value that does not do; None takes all.
+    # Raises ValueError for a value that is not allowed; None allows all.
     check: Callable[[Any], object] | None = None
 
-    def taken(self, value: Any) -> Any:
-        """Returns what the parameter becomes by a value that somebody gives: 10 is 10.0.
+    def converted(self, value: Any) -> Any:
+        """Returns a value in the type of the parameter, e.g. 10.0 for 10.
 
-        One that does not do, as None of rclpy for an empty list, is a ValueError, whose text names
-        parameter, value and cure.
+        Raises:
+            ValueError: The value is not allowed, or is None, as rclpy has it for an empty list. The
+                text names parameter, value and cure.
         """
         if isinstance(self.default, float) and type(value) is int:
             value = float(value)
@@ -139,7 +139,7 @@ class Parameter:
 
 
 def _as_yaml(value: Any) -> str:
-    """Returns a value as YAML has it."""
+    """Returns a value in the notation of YAML."""
     if value is None:
         return "[]"
     return str(value).lower() if isinstance(value, bool) else str(value)
@@ -152,10 +152,8 @@ LIVELINESS = "liveliness_lost"
 LARGE = "too_large_for_best_effort"
 SEVERAL = "several_publishers"
 
-_UNKNOWN = "_NODE_NAME_UNKNOWN_"
-"""What rclpy calls a node whose end was found before the node itself."""
-
-LATELY = 10.0  # seconds for which a loss is told
+_UNKNOWN = "_NODE_NAME_UNKNOWN_"  # in rclpy: a node that is found later than its publisher
+LOSS_WINDOW = 10.0  # seconds for which a loss is reported
 
 
 @dataclass(frozen=True)
@@ -168,7 +166,7 @@ class TopicFault:
 
 @dataclass(frozen=True)
 class Conflict:
-    """A policy of which one end offers less than the other requests."""
+    """A policy of which a publisher offers less than a subscription requests."""
 
     policy: str
     offered: str | float
@@ -176,7 +174,7 @@ class Conflict:
 
 
 def conflicts(offered: Qos, requested: Qos) -> list[Conflict]:
-    """Returns what keeps a publisher and a subscription apart; nothing when they connect."""
+    """Returns the policies by which a publisher and a subscription do not connect."""
     mismatches = []
     if offered.reliability == "best_effort" and requested.reliability == "reliable":
         mismatches.append(Conflict("reliability", "best_effort", "reliable"))
@@ -199,17 +197,19 @@ def _limit(seconds: float) -> float:
 
 @dataclass
 class EndpointHealth:
-    """A publisher or a subscription of the bridge, and what ROS tells of it.
+    """The state of a publisher or a subscription of the bridge, and its faults.
 
-    ROS tells of an end that does not fit once, when it appears; `faults` then asks who is there,
-    until nobody is any more.
+    ROS reports an incompatible end of another node once, when it appears. From then on `faults`
+    looks up the ends of other nodes, until the incompatible one has gone.
 
     Attributes:
-        counts: What happened to the messages of a subscription whose messages may be of any size;
-            None for others.
-        strangers: Returns names and types of the nodes at the other end that have another type,
-            while there are no others: ROS connects neither, and tells nobody.
-        count: Returns how many ends are connected at the other side.
+        publishes: Whether this is a publisher.
+        entity: `publisher` or `subscription`, as names of parameters have it.
+        others: Returns the names of nodes with the opposite ends of the topic, and their QoS.
+        strangers: Returns names and types of nodes whose opposite ends have another type, while
+            there are no other ends: ROS does not connect these, and reports nothing.
+        counts: Counts of a subscription whose messages may be of any size; None for others.
+        count: Returns the number of connected opposite ends.
     """
 
     publishes: bool
@@ -221,9 +221,9 @@ class EndpointHealth:
     strangers: Callable[[], Iterable[tuple[str, str]]] = tuple
     counts: TopicCounts | None = None
     count: Callable[[], int] = lambda: 0
-    _underway: int = field(default=0, init=False)
-    _underway_at: float = field(default=-math.inf, init=False)
-    _suspected: str = field(default="", init=False)
+    _lost_before_queue: int = field(default=0, init=False)
+    _last_loss: float = field(default=-math.inf, init=False)
+    _incompatible_policy: str = field(default="", init=False)
     _was_seen: bool = field(default=False, init=False)
     _missed: float = field(default=-math.inf, init=False)
     _lost: float = field(default=-math.inf, init=False)
@@ -233,36 +233,38 @@ class EndpointHealth:
         return f"qos_overrides.{self.topic}.{self.entity}.{policy}"
 
     def note_incompatible(self, policy: str) -> None:
-        """Notes that an end appeared that does not fit."""
-        self._suspected, self._was_seen = policy, False
+        """Notes that an opposite end with an incompatible policy has appeared."""
+        self._incompatible_policy, self._was_seen = policy, False
 
     def note_missed_deadline(self) -> None:
-        """Notes that no message came within the deadline."""
+        """Notes that no message came, or was published, within the deadline."""
         self._missed = self.clock()
 
     def note_lost_liveliness(self) -> None:
-        """Notes that no publisher shows that it is alive."""
+        """Notes that no publisher has asserted its liveliness within the lease."""
         self._lost = self.clock() if self.publishes else math.inf
 
     def note_liveliness(self) -> None:
-        """Notes that a publisher shows that it is alive."""
+        """Notes that a publisher has asserted its liveliness."""
         self._lost = -math.inf
 
     def faults(self, *, alone: bool = False) -> list[TopicFault]:
-        """Returns what is wrong at present.
+        """Returns the present faults.
 
-        The next message ends a missed deadline, and a lost liveliness of the bridge's own
-        publisher. ROS does not tell of that one, but of each further period without. A second node
-        at the other end is wrong where the values of one alone are meant.
+        A missed deadline, and a lost liveliness of an own publisher, end with the next message. ROS
+        does not report that message, but each further period without one.
+
+        Args:
+            alone: Whether a second publisher of the topic is a fault.
         """
-        faults = self._incompatible() if self._suspected else []
+        faults = self._incompatible() if self._incompatible_policy else []
         ends = self.others() if alone and self.count() > 1 else ()
         names = sorted({name for name, _ in ends if not name.endswith(_UNKNOWN)})
         if len(names) > 1:
             text = f"{' and '.join(names)} publish on {self.topic}: the report jumps between them"
             faults.append(TopicFault(SEVERAL, text))
         faults += [
-            TopicFault(OTHER_TYPE, self._strange(*stranger)) for stranger in self.strangers()
+            TopicFault(OTHER_TYPE, self._type_text(*stranger)) for stranger in self.strangers()
         ]
         now = self.clock()
         if now - self._missed < self.qos.deadline + 1.0:
@@ -282,32 +284,34 @@ class EndpointHealth:
         return faults
 
     def _loses_large(self, now: float) -> bool:
-        """Whether messages were lost before the queue, of a publisher that would repeat them."""
+        """Returns whether messages of a reliable publisher were lost before the queue lately."""
         if self.counts is None or self.qos.reliability != "best_effort":
             return False
-        underway = self.counts.missed - self.counts.lost
-        if underway > self._underway:
-            self._underway, self._underway_at = underway, now
-        is_late = now - self._underway_at < LATELY
-        return is_late and any(qos.reliability == "reliable" for _, qos in self.others())
+        lost = self.counts.missed - self.counts.lost
+        if lost > self._lost_before_queue:
+            self._lost_before_queue, self._last_loss = lost, now
+        is_recent = now - self._last_loss < LOSS_WINDOW
+        return is_recent and any(qos.reliability == "reliable" for _, qos in self.others())
 
     def _incompatible(self) -> list[TopicFault]:
         faults = [
-            TopicFault(INCOMPATIBLE, self._text(name, conflict))
+            TopicFault(INCOMPATIBLE, self._conflict_text(name, conflict))
             for name, qos in self.others()
             for conflict in self._conflicts(qos)
         ]
         if faults:
             self._was_seen = True
         elif self._was_seen:
-            self._suspected = ""
+            self._incompatible_policy = ""
         else:
             other = "a subscription" if self.publishes else "a publisher"
-            text = f"{other} of {self.topic} does not fit by its {self._suspected.lower()}"
+            text = (
+                f"{other} of {self.topic} does not fit by its {self._incompatible_policy.lower()}"
+            )
             faults.append(TopicFault(INCOMPATIBLE, text))
         return faults
 
-    def _strange(self, name: str, kind: str) -> str:
+    def _type_text(self, name: str, kind: str) -> str:
         verb = "subscribes to" if self.publishes else "publishes"
         cure = "give the map that type, or remap one of them to another topic"
         return f"{name} {verb} {self.topic} as {kind}, which is another type: {cure}"
@@ -315,7 +319,7 @@ class EndpointHealth:
     def _conflicts(self, other: Qos) -> list[Conflict]:
         return conflicts(self.qos, other) if self.publishes else conflicts(other, self.qos)
 
-    def _text(self, name: str, conflict: Conflict) -> str:
+    def _conflict_text(self, name: str, conflict: Conflict) -> str:
         offered, requested = (_shown(value) for value in (conflict.offered, conflict.requested))
         if self.publishes:
             head = f"{name} gets nothing from {self.topic}: it requests"
@@ -338,7 +342,7 @@ def _shown(value: str | float) -> str:
 
 
 def nearest(name: str, known: Iterable[str]) -> str:
-    """Returns the known name that a misspelt one may mean; empty when none is near."""
-    from difflib import get_close_matches  # noqa: PLC0415 - most are spelt well, and it takes memory
+    """Returns the known name that is most like a misspelt one; empty when none is like it."""
+    from difflib import get_close_matches  # noqa: PLC0415 - rarely needed, and takes memory
 
     return next(iter(get_close_matches(name, list(known), n=1)), "")

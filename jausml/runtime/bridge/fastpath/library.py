@@ -1,6 +1,6 @@
-"""The compiled core as Python calls it: its functions, and structures that both read.
+"""The compiled core for Python: its functions, and the structures that both share.
 
-The other side is the template fastpath.hpp of the generators, which becomes part of each core.
+They are defined in fastpath.hpp, a template of the generators that becomes part of each core.
 """
 
 from __future__ import annotations
@@ -14,26 +14,25 @@ from typing import Any
 
 from ..messages.compiled import Translation
 
-AT_ONCE = 32  # messages that a core passes on before they are written down
+AT_ONCE = 32  # most messages that the core passes on in one wait, before Python accounts for them
 
 # Laid out as the structs of fastpath.hpp: "@" aligns as the compiler does, padding included.
+# A message from JAUS: time, bits of omitted fields, address and size of the payload, address of the
+# sizes of its packets and their number, index of the route, number of the last packet, and whether
+# it was acknowledged.
 TAKEN = struct.Struct("@dQPNPNIHB1x")
-"""A message that was taken: when, what was left out, where it is, its size, where the sizes of its
-packets are, how many there are, the index of its route, the number of the last packet, and whether
-it was acknowledged."""
-
+# A message to JAUS: time of arrival, time of publication, bits of omitted fields, index of the
+# subscription, number of datagrams sent, and the error of the one that failed.
 SENT = struct.Struct("@dqQIIi4x")
-"""A message that was sent: when it was taken, when it was published, what was left out, the index
-of its subscription, how many datagrams have gone, and the error of the one that has not."""
 
 
 class NoFastPathError(Exception):
-    """Messages cannot pass a core alone here; the text says why."""
+    """The core cannot pass messages on without Python here; the text says why."""
 
 
 # Structures repeat those of fastpath.hpp field by field: core and Python share the memory.
 class Ros(ctypes.Structure):
-    """Functions of the client library of ROS."""
+    """Functions of rcl."""
 
     _fields_ = tuple(
         (name, ctypes.c_void_p) for name in ("publish", "take", "forget_error", "allocator")
@@ -41,7 +40,7 @@ class Ros(ctypes.Structure):
 
 
 class Order(ctypes.Structure):
-    """What is known of the messages of one kind from one component."""
+    """Latest and expected numbers of the messages of one code from one component."""
 
     _fields_ = (
         ("latest_at", ctypes.c_double),
@@ -52,7 +51,7 @@ class Order(ctypes.Structure):
 
 
 class Route(ctypes.Structure):
-    """Which messages are usual, and what is done with them."""
+    """Which datagrams the core takes without Python, and where it publishes their messages."""
 
     _fields_ = (
         ("source", ctypes.c_uint32),
@@ -84,7 +83,7 @@ class Datagram(ctypes.Structure):
 
 
 class Waited(ctypes.Structure):
-    """What was done while the loop waited, and what is left to Python."""
+    """Result of a wait: messages passed on, ready descriptors, datagrams left to Python."""
 
     _fields_ = (
         ("taken", ctypes.c_uint8 * (TAKEN.size * AT_ONCE)),
@@ -116,7 +115,7 @@ class Destination(ctypes.Structure):
 
 
 class Subscription(ctypes.Structure):
-    """A subscription, the number of the next message, and how many were lost."""
+    """A subscription that the core takes, the expected number, and how many messages were lost."""
 
     _fields_ = (
         ("handle", ctypes.c_void_p),
@@ -131,7 +130,7 @@ class Subscription(ctypes.Structure):
 
 
 class Pending(ctypes.Structure):
-    """A message of a subscription that is not usual, and how many more wait."""
+    """A message of a subscription that is left to Python, and how many more wait."""
 
     _fields_ = (
         ("data", ctypes.c_void_p),
@@ -143,10 +142,10 @@ class Pending(ctypes.Structure):
     )
 
 
-NONE, SEVERAL = -1, -2  # what a wait returns in the place of the only descriptor that is ready
+NONE, SEVERAL = -1, -2  # results of a wait, instead of a single ready descriptor
 
 _POINTER, _SIZE = ctypes.c_void_p, ctypes.c_size_t
-# Types are stated, as ctypes takes what it is not told of for a C int and cuts addresses.
+# All types are stated, since ctypes takes others for a C int and cuts addresses.
 _FUNCTIONS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "core": (_POINTER, (_POINTER, ctypes.c_int)),
     "core_end": (None, (_POINTER,)),
@@ -168,7 +167,7 @@ _CLIENT_LIBRARY = {
 
 
 class Library:
-    """The functions of a core, and those of ROS that they call."""
+    """The functions of a core, and those of ROS that they call; raises NoFastPathError."""
 
     def __init__(self, core: ctypes.CDLL) -> None:
         if sys.platform != "linux":
@@ -177,9 +176,9 @@ class Library:
             for name, (result, arguments) in _FUNCTIONS.items():
                 function = getattr(core, f"jausml_{name}")
                 function.restype, function.argtypes = result, arguments
-            # The loop waits without the lock of the interpreter; all else takes microseconds.
+            # Called without the lock of the interpreter; all others take microseconds.
             self.core_wait = _WAIT(_address_of(core.jausml_core_wait))
-            # rclpy has loaded them; other copies would know nothing.
+            # Only the copies that rclpy has loaded have its state.
             entry_points = {
                 name: getattr(ctypes.CDLL(file, mode=os.RTLD_NOLOAD | os.RTLD_LAZY), symbol)
                 for name, (file, symbol) in _CLIENT_LIBRARY.items()
@@ -187,7 +186,7 @@ class Library:
         except (OSError, AttributeError) as error:
             raise NoFastPathError(str(error)) from error
         addresses = {name: _address_of(entry_point) for name, entry_point in entry_points.items()}
-        # Kept here, as the core has no more than the address.
+        # Kept here, as the core only holds the address.
         self._core, self._ros = core, Ros(**addresses)
         self.ros = ctypes.addressof(self._ros)
 
@@ -201,11 +200,10 @@ def _address_of(function: Any) -> int:
 
 
 def packed_host(host: str) -> int:
-    """Returns an address of IPv4 as a number."""
-    # In the order of the host, as the core compares what ntohl gives.
+    """Returns an IPv4 address as a number in the byte order of the host, as the core has it."""
     return int.from_bytes(socket.inet_aton(host), "big")
 
 
 def host_of(packed: int) -> str:
-    """Returns an address of IPv4 as text."""
+    """Returns the IPv4 address of a number as text."""
     return socket.inet_ntoa(packed.to_bytes(4, "big"))

@@ -1,7 +1,9 @@
-"""From JAUS to ROS on the fast path: the core receives, translates and publishes by itself.
+"""From JAUS to ROS on the fast path: the core receives, translates and publishes without Python.
 
-What each of them changes on its way through Python is written down before anything else runs. Any
-other datagram is handed to those who read the socket, as if it had been received here.
+A route tells the core which datagrams it may take; it is learnt from a datagram that Python has
+taken. After each wait the state of Python (address book, duplicates, counters) is brought up to
+date with the messages that the core has passed on. All other datagrams are given to the transport
+as if they had just been received.
 """
 
 from __future__ import annotations
@@ -34,35 +36,34 @@ _EVENT = 15
 _SHORTEST = 17
 _ENDS_LAYOUT = struct.Struct("<BII")
 _PRIORITY, _ASKS, _ANSWERS, _ACKNOWLEDGES = 0x03, 0x10, 0x20, 0x30
-# Strangers that invent kinds of datagrams must not fill the memory.
-_MOST_KEYS = 1024
+_MAX_KEYS = 1024  # invented kinds of datagrams must not fill the memory
 
 
 class _Key(NamedTuple):
-    """Flags, destination and source of datagrams, the code of their messages, and the event."""
+    """A kind of datagrams: flags, destination and source; code of the message; event."""
 
     ends: bytes
     code: int
     event: int
 
 
+# Accounts for a message that the core has passed on: number of its last packet, time, bits of
+# omitted fields, payload, whether it was acknowledged, sizes of its packets if there are several.
 Settle: TypeAlias = "Callable[[int, float, int, bytes, bool, Sequence[int] | None], None]"
-"""Writes down a message: the number of its last packet, when it came, what was left out, its
-payload, whether it was acknowledged, and the sizes of its packets, if they are several."""
 
 
 class _Flow(NamedTuple):
-    """Where datagrams come from and go to."""
+    """Source and destination of a kind of datagrams."""
 
     entry: Entry
     source: JausAddress
     destination: JausAddress
     numbers: Numbers
-    answer: int  # flags of the acknowledgement of each; 0 where none is asked for
+    answer: int  # flags of the acknowledgement of each datagram; 0 for none
 
 
 class _LearntRoute(NamedTuple):
-    """A route of the core, its path through Python, and what writes down what has passed."""
+    """A route of the core, its path through Python, and the function that accounts for it."""
 
     path: FastPath
     order: Order
@@ -72,8 +73,8 @@ class _LearntRoute(NamedTuple):
 class FastReceiver:
     """Receives from the socket of a transport, for one component.
 
-    Routes are found from what has passed: after each datagram that was not usual it is looked at
-    whether the next one like it can be.
+    After each datagram that Python had to take, a route is made if the core can take the next one
+    of the same kind.
     """
 
     def __init__(
@@ -92,20 +93,20 @@ class FastReceiver:
         self._loop = component.loop
         self._routes: list[_LearntRoute] = []
         self._by_key: dict[_Key, _LearntRoute] = {}
-        self._unusual_keys: set[_Key] = set()
+        self._slow_keys: set[_Key] = set()
         self._keys_to_learn: list[_Key] = []
         self._left_datagrams: deque[tuple[bytes, Endpoint]] = deque()
         self._core_goes_first = False
         self.descriptor = -1
 
     def receiver(self, sock: socket.socket, by_multicast: bool) -> Receiver:  # noqa: FBT001
-        """Returns what receives from a socket whatever is not usual."""
-        return self._grouped(sock) if by_multicast else self._alone(sock)
+        """Returns the function by which the transport receives datagrams that the core leaves."""
+        return self._group_receiver(sock) if by_multicast else self._unicast_receiver(sock)
 
-    def _grouped(self, sock: socket.socket) -> Receiver:
-        """Returns what receives what comes to the group, in Python alone.
+    def _group_receiver(self, sock: socket.socket) -> Receiver:
+        """Returns the function that receives datagrams to the multicast group, without the core.
 
-        What is meant for one component has a number among those that the core knows.
+        One for a single component counts among the numbers of its route, which is made anew then.
         """
         # Bound once: each datagram would pay for the look-ups.
         receive, changed = sock.recvfrom, self._loop.revision.changed
@@ -118,7 +119,7 @@ class FastReceiver:
 
         return take
 
-    def _alone(self, sock: socket.socket) -> Receiver:
+    def _unicast_receiver(self, sock: socket.socket) -> Receiver:
         self.descriptor = sock.fileno()
         self._library.core_listen(self._core, self.descriptor, self._longest)
         receive, changed, left = sock.recvfrom, self._loop.revision.changed, self._left_datagrams
@@ -129,49 +130,48 @@ class FastReceiver:
                 return left.popleft()
             if self._core_goes_first:
                 self._core_goes_first = False
-                raise BlockingIOError  # the core looks for the next one
-            changed()  # the core does not know the number of what is received here
+                raise BlockingIOError  # the core receives the next one
+            changed()  # the core does not know the number of this datagram
             return receive(most)
 
         return take_left
 
     @property
     def has_left_datagrams(self) -> bool:
-        """Whether datagrams are kept that nobody has read."""
+        """Whether datagrams of the core wait to be received in Python."""
         return bool(self._left_datagrams)
 
     def settle(self, waited: Waited) -> None:
-        """Writes down what has passed, and keeps what has not for whoever reads the socket."""
-        text, size = ctypes.string_at, TAKEN.size
-        for at in range(waited.taken_count):
+        """Accounts for the messages of a wait, and keeps the datagrams that are left to Python."""
+        read, size = ctypes.string_at, TAKEN.size
+        for position in range(waited.taken_count):
             when, unknown, data, length, sizes, packets, index, number, answered = (
-                TAKEN.unpack_from(waited.taken, at * size)
+                TAKEN.unpack_from(waited.taken, position * size)
             )
             self._received.count += packets
-            payload, settle = text(data, length), self._routes[index].settle
+            payload, settle = read(data, length), self._routes[index].settle
             parts = None
             if packets > 1:
-                parts = struct.unpack(f"{packets}I", text(sizes, 4 * packets))
+                parts = struct.unpack(f"{packets}I", read(sizes, 4 * packets))
             settle(number, when, unknown, payload, answered, parts)
-        for at in range(waited.left_count):
-            left = waited.left[at]
+        for position in range(waited.left_count):
+            left = waited.left[position]
             # Copied, as the core uses its buffers again in the next wait.
-            datagram = text(left.data, left.size)
+            datagram = read(left.data, left.size)
             self._left_datagrams.append((datagram, (host_of(left.host), left.port)))
-            self._note(datagram)
+            self._learn_later(datagram)
 
     def forget(self) -> None:
-        """Forgets all routes, as something has changed that they rest on."""
-        # The core has forgotten them by now, which had the addresses of their translations alone.
+        """Forgets all routes, which may not hold any more; the core has forgotten them already."""
         self._routes.clear()
         self._by_key.clear()
-        self._unusual_keys.clear()
+        self._slow_keys.clear()
 
     # ------------------------------------------------------------------ routes
 
-    def _note(self, datagram: bytes) -> None:
-        """Looks after the turn whether datagrams like this one are usual from now on."""
-        # Without a message code it is an acknowledgement, or damaged: never usual.
+    def _learn_later(self, datagram: bytes) -> None:
+        """Makes a route for the kind of a datagram at the end of the turn, if that is possible."""
+        # Without a message code it is an acknowledgement, or damaged.
         if len(datagram) < _SHORTEST:
             return
         code = int.from_bytes(datagram[_CODE], "little")
@@ -185,78 +185,76 @@ class FastReceiver:
         # Once for all of a turn, when Python has taken the datagrams themselves.
         if not self._keys_to_learn:
             self._loop.call_soon(self._learn)
-        if len(self._keys_to_learn) < _MOST_KEYS:
+        if len(self._keys_to_learn) < _MAX_KEYS:
             self._keys_to_learn.append(key)
 
     def _learn(self) -> None:
         keys, self._keys_to_learn = self._keys_to_learn, []
         for key in keys:
             self._bring_up_to_date(key)
-            if key not in self._by_key and key not in self._unusual_keys:
-                self._find(key)
+            if key not in self._by_key and key not in self._slow_keys:
+                self._make_route(key)
 
     def _bring_up_to_date(self, key: _Key) -> None:
-        """Tells the routes of a kind of messages what Python has learnt of one of them."""
+        """Gives routes the present numbers of Python, whatever the flags of their datagrams."""
         for other, route in self._by_key.items():
-            # Whatever the flags: numbers and order are those of the pair and the kind of message.
             if other.ends[1:] == key.ends[1:] and other[1:] == key[1:]:
-                _tell(route.order, route.path)
+                _update(route.order, route.path)
 
     def _flow_of(self, ends: bytes) -> _Flow | None:
-        """Returns where datagrams come from and go to; None where Python must look at each.
+        """Returns source and destination of datagrams; None where Python must check each.
 
-        A core compares origin and number alone. So they must come from a component that is known
-        and has proved where it is, whose numbers are remembered, to one of this process.
+        The core only compares origin and number. So the source must be known at a proved endpoint,
+        its numbers must be remembered, and the destination must be a component of this process.
         """
         flags, destination, source = _ENDS_LAYOUT.unpack(ends)
         entry = self._book.learnt.get(source)
         numbers = self._window.seen.get(pair_of(source, destination))
         if (
-            # Acknowledgements are matched one by one, with what waits for them.
+            # Acknowledgements are matched with the packets that wait for them.
             flags & _ANSWERS
             or entry is None
-            # Who has not proved where it is has a credit, which Python keeps.
+            # Python counts the datagrams of a source at an endpoint that is not proved.
             or entry.claim is not None
-            # From there come own multicasts, which are dropped.
+            # Own multicasts, which are dropped.
             or entry.endpoint in self._transport.own_endpoints
-            # Forgotten, or never seen: there is nothing to compare numbers with.
+            # No numbers to compare with.
             or not numbers
             or destination not in self._inbox.receivers
-            # Somebody else uses the address of a component of this process: an error to be told.
+            # Another process uses the address of a component of this one, which is reported.
             or source in self._inbox.receivers
         ):
             return None
-        # As the inbox would answer: with the priority of the question.
+        # As the inbox answers: with the same priority.
         answer = flags & _PRIORITY | _ACKNOWLEDGES if flags & _ASKS else 0
         return _Flow(entry, address_of(source), address_of(destination), numbers, answer)
 
-    def _find(self, key: _Key) -> None:
-        """Makes a route of what the datagrams with a key go through, where they are usual."""
+    def _make_route(self, key: _Key) -> None:
+        """Makes a route for datagrams of a kind, if the core can take them."""
         flow = self._flow_of(key.ends)
         if flow is None:
             return
-        path = self._usual_path(key, flow)
+        path = self._direct_path(key, flow)
         if path is None:
-            # Emptied as a whole: what is asked for again is simply judged again.
-            if len(self._unusual_keys) >= _MOST_KEYS:
-                self._unusual_keys.clear()
-            self._unusual_keys.add(key)
+            # Emptied as a whole: kinds that come again are judged again.
+            if len(self._slow_keys) >= _MAX_KEYS:
+                self._slow_keys.clear()
+            self._slow_keys.add(key)
             return
         order = self._add(key, flow, path)
         if order is None:
             return
-        _tell(order, path)
-        self._by_key[key] = route = _LearntRoute(path, order, self._settling(flow, path))
+        _update(order, path)
+        self._by_key[key] = route = _LearntRoute(path, order, self._settle_function(flow, path))
         self._routes.append(route)
 
-    def _usual_path(self, key: _Key, flow: _Flow) -> FastPath | None:
-        """Returns the path of messages through Python that a core can take instead, if any."""
+    def _direct_path(self, key: _Key, flow: _Flow) -> FastPath | None:
+        """Returns the path of messages that the core can take without Python, if any."""
         if flow.destination != self._component.address:
             return None
         path = self._component.fast_path(key.code, key.event, flow.source)
-        # Of an event nobody has seen a report yet, so there is no number to expect. A command that
-        # is acknowledged may be a stop: older ones without acknowledgement have a route apart, and
-        # must hear of it before the next message.
+        # An event whose first report has not come has no number to expect. An acknowledged command
+        # may be a stop, which must end older commands of another route, without acknowledgement.
         if (
             path is None
             or (path.expected is not None and path.expected() is None)
@@ -266,7 +264,7 @@ class FastReceiver:
         return path
 
     def _add(self, key: _Key, flow: _Flow, path: FastPath) -> Order | None:
-        """Returns the part of a new route that the core and Python write to; it copies the rest.
+        """Adds a route to the core; returns the part of it that core and Python both write to.
 
         None where the core has no memory for it.
         """
@@ -286,15 +284,15 @@ class FastReceiver:
             publisher=path.publisher,
             translation=ctypes.pointer(path.translation),
         )
-        # What Python has seen so far is a duplicate for the core too.
+        # Numbers that Python has seen are duplicates for the core too.
         numbers = list(flow.numbers)
-        known = (ctypes.c_uint16 * len(numbers))(*numbers)
-        order = self._library.core_add(self._core, ctypes.byref(route), known, len(numbers))
+        duplicates = (ctypes.c_uint16 * len(numbers))(*numbers)
+        order = self._library.core_add(self._core, ctypes.byref(route), duplicates, len(numbers))
         contents: Order | None = order.contents if order else None
         return contents
 
-    def _settling(self, flow: _Flow, path: FastPath) -> Settle:
-        """Returns what writes down a message, as those would have done whom it has not met."""
+    def _settle_function(self, flow: _Flow, path: FastPath) -> Settle:
+        """Returns the function that updates the state of Python for a message of the core."""
         entry, source, destination, numbers = (
             flow.entry,
             flow.source,
@@ -308,36 +306,37 @@ class FastReceiver:
 
         def settle(
             number: int,
-            at: float,
+            arrival: float,
             unknown: int,
             payload: bytes,
             answered: bool,  # noqa: FBT001
             sizes: Sequence[int] | None,
         ) -> None:
-            # What the address book and the window do with a datagram that Python reads.
-            entry.heard = at
+            # As the address book and the duplicates do for a datagram that Python reads.
+            entry.heard = arrival
             learnt.move_to_end(source)
             seen.move_to_end(pair)
             if sizes is None:
-                window.remember(pair, numbers, number, destination, payload, at)
+                window.remember(pair, numbers, number, destination, payload, arrival)
             else:
                 reassembly.note_whole(len(sizes))
                 # The number is that of the last packet; those before it may lie beyond 65535.
                 start, first = 0, number - len(sizes) + 1
                 for sequence_number, size in enumerate(sizes, first):
-                    part = payload[start : start + size]
-                    window.remember(pair, numbers, sequence_number & 0xFFFF, destination, part, at)
-                    start += size
+                    part, start = payload[start : start + size], start + size
+                    window.remember(
+                        pair, numbers, sequence_number & 0xFFFF, destination, part, arrival
+                    )
             # Acknowledgements that the core has sent are datagrams too.
             sent.count += answered
-            passed(payload, number, at, unknown)
-            heard(source, at)
+            passed(payload, number, arrival, unknown)
+            heard(source, arrival)
 
         return settle
 
 
-def _tell(order: Order, path: FastPath) -> None:
-    """Tells a route what its path through Python knows."""
+def _update(order: Order, path: FastPath) -> None:
+    """Gives a route the present numbers of its path in Python."""
     latest = None if path.latest is None else path.latest()
     order.has_latest = latest is not None
     if latest is not None:

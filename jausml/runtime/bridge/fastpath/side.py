@@ -1,7 +1,7 @@
-"""Fast path of one bridge: while its loop waits, the compiled core passes messages on by itself.
+"""Fast path of one bridge: while its loop waits, the compiled core passes messages on.
 
-A message is usual where the core can do that. Any other is left to Python, and what the core has
-done is written down ("settled") when the next turn of the loop begins.
+The core takes the messages that need no Python, and leaves the others. What it has done is settled,
+that is brought into the state and the counts of Python, when the next turn of the loop begins.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from ...base.fast_path import FastSending
 from ...base.standstill import steady
 from ...component.base import Component
 from ...transports.udp.judp import JudpTransport
-from ..ends.ros_side import Feed, Other
+from ..ends.ros_side import Feed, ReturnedMessage
 from .library import (
     NONE,
     SENT,
@@ -29,15 +29,12 @@ from .library import (
 )
 from .receiving import FastReceiver
 
-_NOT_TOLD = (1 << 64) - 1
-"""Stands for the number of a message where a middleware does not number them."""
-
-_FOREVER = -1.0
-"""Seconds for which the core waits without a limit."""
+_NO_NUMBER = (1 << 64) - 1  # number of a message of a middleware that does not number them
+_FOREVER = -1.0  # seconds of a wait without a limit
 
 
 class SharedNumbers:
-    """Sequence numbers that Python and a core count together."""
+    """Iterator of sequence numbers in memory that Python and the core share."""
 
     def __init__(self, library: Library, first: int) -> None:
         self.cell = ctypes.c_uint64(first)
@@ -51,26 +48,26 @@ class SharedNumbers:
         return number
 
     def __repr__(self) -> str:
-        # The packetizer reads from it how many numbers are taken.
+        # The packetizer reads the number of used numbers from it, as from itertools.count.
         return f"count({self.cell.value})"
 
 
 class FastSubscriber:
-    """Has a core take the messages of one subscription, and send what they become."""
+    """Lets the core take the messages of one subscription, translate and send them."""
 
     def __init__(
         self, library: Library, core: int, feed: Feed, path: FastSending, index: int
     ) -> None:
-        """Begins; raises LookupError where the messages cannot go out alone now."""
-        self.is_current = True  # whether the core still does
+        """Begins; raises LookupError where the core cannot send the messages now."""
+        self.is_current = True  # whether the core still takes messages
         self._path, self._feed = path, feed
         outlet = path.outlet
         numbers, place = outlet.numbers, outlet.endpoint()
-        # Numbers that were begun before the core was there are counted by Python alone.
+        # The core cannot count numbers that were begun before it was loaded.
         if not isinstance(numbers, SharedNumbers) or place is None:
             raise LookupError
         sock, (host, port), heard = place
-        # Kept, like what follows: the core holds pointers into it.
+        # Kept, as the core holds pointers into this and the following structure.
         self._to = Destination(
             host=packed_host(host),
             port=port,
@@ -97,42 +94,49 @@ class FastSubscriber:
             raise LookupError
         self._pending = pointer.contents
 
-    def settle(self, at: float, published: int, unknown: int, datagrams: int, error: int) -> None:
-        """Writes down a message that was sent."""
+    def settle(
+        self, arrival: float, published: int, unknown: int, datagrams: int, error: int
+    ) -> None:
+        """Counts a message that the core has sent; see `SENT`."""
         self._feed.counts.taken += 1
         self._path.outlet.sent(datagrams, error)
-        self._path.passed(at, published, unknown)
+        self._path.passed(arrival, published, unknown)
 
     def settle_numbers(self) -> None:
-        """Writes down which message is expected, and how many were lost."""
+        """Takes over the expected number of the next message, and how many were lost."""
         shared, feed = self._shared, self._feed
         feed.expected = shared.expected
         feed.counts.lost += shared.lost
-        # Told once: the core counts on from 0.
+        # Taken over once: the core counts from 0 again.
         shared.lost = 0
 
-    def pending(self) -> Other | None:
+    def pending(self) -> ReturnedMessage | None:
         """Returns the message that the core has taken and left to Python; None without one."""
         message = self._pending
         if not self.is_current or not message.data:
             return None
         data, number = ctypes.string_at(message.data, message.size), message.number
-        # Once: the core fills it again with the next message that is not usual.
+        # Once: the core fills it with the next message that it leaves.
         message.data = None
-        message_number = None if number == _NOT_TOLD else number
-        return Other(data, message_number, message.received, message.published, message.left)
+        return ReturnedMessage(
+            data,
+            None if number == _NO_NUMBER else number,
+            message.received,
+            message.published,
+            message.left,
+        )
 
-    def look(self) -> None:
-        """Tells the core which message is next, and when the destination was heard."""
+    def update(self) -> None:
+        """Gives the core the expected number, and when the destination was last heard."""
         place = self._path.outlet.endpoint()
-        # What nobody has told is -1 in Python, and all bits in the core.
-        self._shared.expected = self._feed.expected & _NOT_TOLD
+        # An unknown number is -1 in Python, and all bits in the core.
+        self._shared.expected = self._feed.expected & _NO_NUMBER
         if place is not None:
             _sock, _endpoint, self._to.heard = place
 
 
 class FastSide:
-    """Has the compiled core wait for the loop of a bridge, and pass usual messages meanwhile.
+    """Lets the compiled core wait for the loop of a bridge, and pass messages on meanwhile.
 
     Raises:
         NoFastPathError: The network or the clock is not that of the system, or memory is lacking.
@@ -149,13 +153,13 @@ class FastSide:
             raise NoFastPathError("there is no memory")
         self._transport = transport
         self._revision = -1
-        # One for all waits: it is large, and its address is handed over with each call.
+        # One structure for all waits, as it is large.
         self._waited = Waited()
         self._waited_pointer = ctypes.pointer(self._waited)
         self._has_passed = False
         self._subscribers: list[FastSubscriber] = []
         self._receiver = FastReceiver(library, self._core, transport, component)
-        # Before there is any sender, which would count by itself.
+        # Before the first sender is made, which would count in Python.
         transport.count_by(partial(SharedNumbers, library))
         with self._loop.lock:
             transport.receive_by(self._receiver.receiver)
@@ -163,15 +167,14 @@ class FastSide:
             self._loop.wait_by(self._wait, self._settle)
 
     def __del__(self) -> None:
-        """Ends the core when nobody waits with it any more."""
-        # Not in `close`: the loop may wait in the core, without the lock, while that runs.
+        """Frees the core. Not in `close`, during which the loop may still wait in the core."""
         if getattr(self, "_core", None) is not None:
             self._library.core_end(self._core)
 
     def subscriber(self, feed: Feed, path: FastSending) -> FastSubscriber | None:
-        """Returns what takes the messages of a subscription; None where they cannot go alone."""
+        """Returns the taker of a subscription; None where the core cannot send its messages now."""
         if self._revision != self._loop.revision.number:
-            return None  # the core forgets all before it waits again
+            return None  # the core forgets all subscriptions before it waits again
         index = len(self._subscribers)
         try:
             subscriber = FastSubscriber(self._library, self._core, feed, path, index)
@@ -181,14 +184,14 @@ class FastSide:
         return subscriber
 
     def close(self) -> None:
-        """Has Python wait and receive again."""
+        """Lets Python wait and receive again."""
         with self._loop.lock:
-            # Stops the core before anything that it uses is taken back.
+            # Stops the core before anything that it uses is freed.
             self._loop.revision.changed()
             self._loop.revision.stop_by(None)
             self._loop.wait_by(None, None)
-            # The loop may still wait in the core, or for the lock, and would not settle it.
-            self._write_down()
+            # The loop may still wait in the core, or for the lock, and will not settle this wait.
+            self._settle_wait()
             self._end_subscribers()
             self._transport.receive_by(None)
 
@@ -198,12 +201,12 @@ class FastSide:
         self._subscribers.clear()
 
     def _wait(self, seconds: float | None, _most: int) -> list[tuple[int, int]]:
-        """Waits as `epoll.poll` does, and returns what it does, while usual messages pass."""
+        """Waits and returns like `epoll.poll`, while the core passes messages on."""
         library, receiver = self._library, self._receiver
         self._has_passed = False
-        if receiver.has_left_datagrams:  # what comes behind them must not pass before them
+        if receiver.has_left_datagrams:  # to be received before newer ones
             return [(receiver.descriptor, EPOLLIN)]
-        # Opened before the revision is read: whoever changes it from here on stops the core again.
+        # Before the revision is read: each later change of it stops the core again.
         library.core_start(self._core)
         if (number := self._loop.revision.number) != self._revision:
             library.core_forget(self._core)
@@ -213,31 +216,31 @@ class FastSide:
         due = self._loop.standstill.due
         wait = _FOREVER if seconds is None else seconds
         only = library.core_wait(self._core, wait, due, self._waited_pointer)
-        # The usual wake-up is one descriptor, told by the result alone: no memory is read for it.
+        # A single ready descriptor is the result itself, so that no memory has to be read.
         if only != SEVERAL:
             return [] if only == NONE else [(only, EPOLLIN)]
         self._has_passed, waited = True, self._waited
         ready = set(waited.ready[: waited.ready_count])
-        # Left datagrams are read by whoever reads the socket, which need not be ready itself.
+        # Datagrams of the core are received with the socket, which may not be ready itself.
         if waited.left_count:
             ready.add(receiver.descriptor)
         return [(descriptor, EPOLLIN) for descriptor in ready]
 
     def _settle(self) -> None:
         if self._has_passed:
-            self._write_down()
+            self._settle_wait()
 
-    def _write_down(self) -> None:
-        """Writes down, once, what the last wait has passed and left."""
+    def _settle_wait(self) -> None:
+        """Settles the messages of the last wait, once."""
         waited = self._waited
         if waited.taken_count or waited.left_count:
             self._receiver.settle(waited)
         if waited.sent_count:
-            senders = self._subscribers
-            for at in range(waited.sent_count):
-                when, published, unknown, index, datagrams, error = SENT.unpack_from(
-                    waited.sent, at * SENT.size
+            for position in range(waited.sent_count):
+                arrival, published, unknown, index, datagrams, error = SENT.unpack_from(
+                    waited.sent, position * SENT.size
                 )
-                senders[index].settle(when, published, unknown, datagrams, error)
-                senders[index].settle_numbers()
+                subscriber = self._subscribers[index]
+                subscriber.settle(arrival, published, unknown, datagrams, error)
+                subscriber.settle_numbers()
         waited.taken_count = waited.left_count = waited.sent_count = 0

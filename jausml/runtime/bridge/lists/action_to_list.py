@@ -1,4 +1,4 @@
-"""Connection of a ROS action with a JAUS list driver or mission spooler of a peer."""
+"""Connection from a ROS action to the list driver or mission spooler of a JAUS peer."""
 
 from __future__ import annotations
 
@@ -30,14 +30,13 @@ TargetT = TypeVar("TargetT", bound="Message")
 EMPTY = "empty_goal"
 NO_SPEED = "no_speed"
 TOO_LONG = "too_long"
-_UIDS = 60000  # UIDs that are used before they begin anew
+_UIDS = 60000  # greatest UID, after which UIDs begin anew
 
 
 class ActionToList(ListConnection[SourceT, TargetT]):
-    """Has the goals of a ROS action executed by the list driver or spooler of a JAUS peer.
+    """Serves a ROS action, whose goals the list driver or spooler of a JAUS peer executes.
 
-    A goal that comes while another one is executed takes its place, as it does at the servers of
-    Nav2; the other one is aborted. ExecuteList asks for the speed in m/s.
+    A new goal aborts the one that is executed, as at the servers of Nav2.
     """
 
     def __init__(
@@ -57,10 +56,11 @@ class ActionToList(ListConnection[SourceT, TargetT]):
         """Prepares the connection.
 
         Args:
-            translate: Makes the message that an element of the list holds of an element of a goal.
-            speed_of: Returns the speed for a goal of rclpy, if it is another one for each.
-            pauses: Whether a mission whose goal ends before it stays, paused; else it is aborted.
-            timeout: Seconds in which the peer must answer.
+            translate: Returns the JAUS message in an element of the list, for an element of a goal.
+            speed: Speed for ExecuteList in m/s.
+            speed_of: Returns the speed for a goal of rclpy instead.
+            pauses: Whether a mission is paused, not aborted, when its goal ends early.
+            timeout: Seconds within which the peer must answer.
         """
         super().__init__(name, translate, action=action)
         self.speed = speed
@@ -69,13 +69,13 @@ class ActionToList(ListConnection[SourceT, TargetT]):
         self._peers = ControlledPeers(peers, control)
         self._pauses = pauses
         self._speed_of = speed_of
-        self._stops = RepeatedStops(self._peers, self._goes_on, self._stop_again)
+        self._stops = RepeatedStops(self._peers, self._may_go_on, self._stop_again)
         self._runs: dict[JausAddress, Run] = {}  # the last one of each peer
         self._run: Run | None = None
         self._goal: ServedGoal | None = None
-        self._next: tuple[JausAddress, list[bytes], float] | None = None  # what was accepted
+        self._accepted: tuple[JausAddress, list[bytes], float] | None = None
         self._count = 0
-        # A spooler may have a mission of an earlier life of the bridge.
+        # A spooler may still have a mission of an earlier process of the bridge.
         self._first = random.randint(1, _UIDS) if self._has_missions else 1
         self._result = "none yet"
 
@@ -84,7 +84,7 @@ class ActionToList(ListConnection[SourceT, TargetT]):
     def open(self, ends: Ends) -> None:
         """Begins to acquire control, then serves the action."""
         super().open(ends)
-        self._run = self._goal = self._next = None  # of an earlier life
+        self._run = self._goal = self._accepted = None
         self._runs.clear()
         self._stops.open(ends)
         self.speed = ends.ros.parameter(
@@ -94,11 +94,11 @@ class ActionToList(ListConnection[SourceT, TargetT]):
             ends, self.name, join=lambda _: None, leave=self._leave, changed=self._control_changed
         )
         if self._has_missions:
-            ends.component.on_message(self._messages.report, self._heard)
+            ends.component.on_message(self._messages.report, self._take_report)
         ends.ros.part(node_actions).serve_action(self._action, self)
 
     def decoder(self) -> Callable[[bytes], SourceT]:
-        """Returns what makes objects of serialized elements."""
+        """Returns the function that decodes serialized elements."""
         real = uses_ros_classes(self._translate)
         return ros_decoder(self._ends.ros, self._action.element, real=real)
 
@@ -111,8 +111,8 @@ class ActionToList(ListConnection[SourceT, TargetT]):
         return self.halt(standing.halt)
 
     def stop(self, reason: StopReason) -> bool:
-        """Ends the goal that is executed; whether there was one."""
-        self._next = None  # nor is one begun that was accepted before
+        """Ends the goal that is executed or accepted; returns whether one was executed."""
+        self._accepted = None
         if self._run is None:
             return False
         self.note_stop(reason)
@@ -123,23 +123,23 @@ class ActionToList(ListConnection[SourceT, TargetT]):
         return True
 
     def end(self) -> bool:
-        """Ends the goal that is executed for good; whether there was one."""
+        """Ends the goal that is executed for good; returns whether there was one."""
         self._stops.end()
         return super().end()
 
     @property
     def when_lost(self) -> str:
-        """What happens when the bridge may not command."""
+        """The effect of lost control, in words for the log."""
         if not self._has_missions:
             return "the list is stopped and the goal aborted"
         return f"the mission is {'paused' if self._pauses else 'aborted'}, as its goal is"
 
     def lacks_peers(self) -> str:
-        """What is searched for and not found."""
+        """Returns which peer is searched for and not found."""
         return self._peers.lacking()
 
     def refusal(self) -> str:
-        """Why no peer obeys."""
+        """Returns why no peer obeys; empty while one does."""
         present = self._peers.present
         if any(map(self._peers.obeys, present)):
             return ""
@@ -147,7 +147,7 @@ class ActionToList(ListConnection[SourceT, TargetT]):
         return f"no peer obeys: {reasons}" if reasons else "no peer obeys"
 
     def describe_peers(self) -> list[tuple[str, str]]:
-        """The JAUS components, the state of their control, and how the last goal ended."""
+        """Returns the JAUS components, the state of their control, and how the last goal ended."""
         under_way = "none" if self._run is None else f"executed by {self._run.peer}"
         return [*self._peers.describe(), ("goal", under_way), ("last goal", self._result)]
 
@@ -167,13 +167,13 @@ class ActionToList(ListConnection[SourceT, TargetT]):
             run.leave(Outcome.ABORTED, f"{peer} does not obey: {self._peers.reason(peer)}")
         self._stops.changed(peer)
 
-    def _heard(self, report: Any, sender: JausAddress) -> None:
-        """Takes what a spooler tells unasked."""
+    def _take_report(self, report: Any, sender: JausAddress) -> None:
+        """Takes a report that a spooler sends unasked."""
         run = self._runs.get(sender)
         if run is not None:
-            run.heard(report)
+            run.take_report(report)
 
-    def _goes_on(self, peer: JausAddress) -> bool:
+    def _may_go_on(self, peer: JausAddress) -> bool:
         run = self._runs.get(peer)
         return run is not None and run is not self._run and run.may_go_on
 
@@ -183,11 +183,11 @@ class ActionToList(ListConnection[SourceT, TargetT]):
     # ------------------------------------------------------------------ GoalTaker
 
     def accepts(self, elements: Sequence[bytes], request: Any) -> bool:
-        """Whether a goal can be executed now; the reason is counted when it cannot."""
+        """Returns whether a goal can be executed now; counts the reason if not."""
         counts = self.statistics
         counts.arrivals += 1
         counts.last_arrival = self._ends.loop.now()
-        self._next = None
+        self._accepted = None
         peer = next(filter(self._peers.obeys, self._peers.present), None)
         if self._halt is not None:
             self.refuse_halted(self._halt)
@@ -200,26 +200,25 @@ class ActionToList(ListConnection[SourceT, TargetT]):
         elif peer is None:
             self.drop(NOT_READY, ", ".join(map(str, self._peers.present)))
         else:
-            self._next = self._prepared(peer, elements, request)
-        return self._next is not None
+            self._accepted = self._prepare(peer, elements, request)
+        return self._accepted is not None
 
     def begin(self, goal: ServedGoal) -> None:
-        """Has the goal that was accepted last executed, in the place of another one."""
-        accepted, self._next = self._next, None
-        # The lock was free since it was accepted.
+        """Executes the goal that was accepted last, instead of another one."""
+        accepted, self._accepted = self._accepted, None
+        # Anything may have changed since then, as the lock was free.
         if accepted is None or not self._peers.obeys(accepted[0]):
             reason = "the bridge was stopped meanwhile, or its peer obeys no more"
             self.drop(NOT_READY, reason)
             goal.end(Outcome.ABORTED, reason)
             return
         peer, payloads, speed = accepted
-        self._make_way(peer)
+        self._end_run(peer)
         self.note_usable()
         self._goal, self._count = goal, len(payloads)
-        run = self._run_at(peer)
-        self._runs = {
-            at: earlier_run for at, earlier_run in self._runs.items() if earlier_run.remains
-        } | {peer: run}
+        run = self._new_run(peer)
+        remaining = {other: former for other, former in self._runs.items() if former.remains}
+        self._runs = remaining | {peer: run}
         self._run = run
         first = self._first
         self._first = (first + len(payloads)) % _UIDS or 1
@@ -227,7 +226,7 @@ class ActionToList(ListConnection[SourceT, TargetT]):
             first, self._first = 1, 1 + len(payloads)
         run.start(payloads, first, speed)
 
-    def _run_at(self, peer: JausAddress) -> Run:
+    def _new_run(self, peer: JausAddress) -> Run:
         component, messages, former = self._ends.component, self._messages, self._runs.get(peer)
         timeout, stops = self.timeout, self._stops
         if not isinstance(messages, MissionMessages):
@@ -236,8 +235,8 @@ class ActionToList(ListConnection[SourceT, TargetT]):
             component, peer, messages, self, timeout, stops, former, pauses=self._pauses
         )
 
-    def _make_way(self, peer: JausAddress) -> None:
-        """Ends the goal that is executed; its list is replaced, or stopped at another peer."""
+    def _end_run(self, peer: JausAddress) -> None:
+        """Aborts the goal that is executed, and stops its list unless `peer` will replace it."""
         run, reason = self._run, "another goal took its place"
         if run is not None:
             if run.peer != peer:
@@ -245,17 +244,17 @@ class ActionToList(ListConnection[SourceT, TargetT]):
             run.leave(Outcome.ABORTED, reason)
 
     def cancel(self, goal: ServedGoal) -> None:
-        """Stops the list, as the client of its goal asks."""
+        """Stops the list, as the client of the goal asks."""
         if goal is self._goal and self._run is not None:
             self._run.stop(Outcome.CANCELED, "canceled")
 
-    def _prepared(
+    def _prepare(
         self, peer: JausAddress, elements: Sequence[bytes], request: Any
     ) -> tuple[JausAddress, list[bytes], float] | None:
-        """Returns what is sent to a peer; None, counted, when the goal cannot be translated."""
+        """Returns the peer, encoded elements and speed; None, counted, if a translation fails."""
         try:
             speed = self.speed if self._speed_of is None else self._speed_of(request)
-        except Exception as error:  # of what the user has written
+        except Exception as error:  # of code of the user
             self.fail(error)
             return None
         payloads = self.all_transcoded(elements)
@@ -271,12 +270,12 @@ class ActionToList(ListConnection[SourceT, TargetT]):
     # ------------------------------------------------------------------ RunWatcher
 
     def reached(self, run: Run, index: int) -> None:
-        """Tells the client which element is active."""
+        """Sends the client the active element as feedback."""
         if run is self._run and self._goal is not None:
             self._goal.progress(self._action.counting.number(index, self._count))
 
     def ended(self, run: Run, outcome: Outcome, reason: str) -> None:
-        """Gives the client the result."""
+        """Sends the client the result."""
         if run is not self._run or self._goal is None:
             return
         goal, self._goal, self._run = self._goal, None, None

@@ -1,4 +1,4 @@
-"""A connection of lists, in whichever direction they go."""
+"""Base class of the connections between ROS actions and JAUS lists, in both directions."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ TargetT = TypeVar("TargetT")
 
 
 class ListConnection(Connection[SourceT, TargetT]):
-    """A connection whose messages are elements of lists, which pass together or not at all."""
+    """A connection of lists, whose elements pass together or not at all."""
 
     def __init__(
         self, name: str, translate: Callable[[SourceT], TargetT | None], *, action: ListAction
@@ -31,18 +31,18 @@ class ListConnection(Connection[SourceT, TargetT]):
         self._type = action.element
 
     def declare(self, ends: Ends) -> None:
-        """Declares the name of the action: lists have no silence, their latency is not measured."""
+        """Declares the name of the action; lists have no silence, and no latency is measured."""
         parameter = Parameter(f"{self.name}.action", self._action.name, f"Action of {self.name}.")
         self._action = replace(self._action, name=ends.ros.parameter(parameter))
 
     def measure_latency(self, wanted: bool) -> None:  # noqa: FBT001
-        """Measures nothing: lists are rare."""
+        """Does nothing: lists are rare, and their latency is not measured."""
 
     def watch(self) -> None:
-        """Nothing is to be stopped before there is a list."""
+        """Does nothing: there is no list to stop yet."""
 
     def deliver(self, payload: bytes) -> bool:  # noqa: ARG002
-        """Elements alone go nowhere."""
+        """Returns False: a single element is never delivered."""
         return False
 
     def note_stop(self, reason: StopReason) -> None:
@@ -51,7 +51,7 @@ class ListConnection(Connection[SourceT, TargetT]):
         self.statistics.stops[reason] += 1
 
     def all_transcoded(self, elements: Iterable[bytes]) -> list[bytes] | None:
-        """Returns the elements of a list, translated; None, counted, when one cannot be."""
+        """Returns the translated elements of a list; None, counted, if a translation fails."""
         payloads: list[bytes] = []
         try:
             for element in elements:
@@ -67,7 +67,7 @@ class ListConnection(Connection[SourceT, TargetT]):
 
 
 def node_actions() -> type[NodeActions]:
-    """Returns what has the actions of a node of rclpy, which need not be installed before."""
+    """Returns the class with the actions of a node; imported late, as it needs rclpy."""
     from ..ros.actions import NodeActions  # noqa: PLC0415
 
     return NodeActions

@@ -1,10 +1,10 @@
-"""What the bridge has a JAUS peer execute for a goal, and one list, from setting it to its end.
+"""Execution of the elements of one goal by a JAUS peer (`Run`), here as a list (`ListRun`).
 
-AS6009 has no message that ends the execution of a list. Two together do, and leave nothing that
-could go on: ExecuteList without an element and with speed 0, by which the vehicle stands ("modifies
-the travel speed"), and DeleteElement of all elements (AS5710, ListManager). How a list has ended is
-not said either: the active element is 0 after an end of any kind. So a list is done when its last
-element was active before that; peers with command events (AS5710 v1.1) tell of a failure besides.
+AS6009 has no message that ends the execution of a list. Two together do: ExecuteList without an
+element and with speed 0, by which the vehicle stops ("modifies the travel speed"), and
+DeleteElement of all elements (AS5710, ListManager). No message says how a list has ended either:
+the active element is 0 after any end. So a list has succeeded if its last element was active
+before; peers with command events (AS5710 v1.1) also report a failure.
 """
 
 from __future__ import annotations
@@ -29,33 +29,31 @@ from ..ends.list_driver import ListMessages
 
 RETRIES = 3  # repetitions of a request without an answer; all of them fit into the timeout
 
-ASKED_AGAIN = 7
-"""Repetitions of the question how it goes. Of eight, one comes through where a fifth is lost."""
-
-PATIENCE = 3  # timeouts in which a peer must begin
+QUERY_RETRIES = 7  # repetitions of a query of the state, which may be lost more often
+PATIENCE = 3  # timeouts within which a peer must begin the execution
 
 
-class Settled(Protocol):
-    """Whoever is told whether a peer has stopped for good; the code is that of a refusal."""
+class StopResult(Protocol):
+    """Callback for the result of a stop."""
 
     def __call__(self, code: int | None, *, confirmed: bool) -> None:
-        """Takes it."""
+        """Takes whether the peer has confirmed the stop, or the code with which it refused."""
 
 
 class RunWatcher(Protocol):
-    """Whoever is told how a run goes on: on the loop, with its lock."""
+    """Callbacks for the progress of a run: on the loop, with its lock."""
 
     def reached(self, run: Run, index: int) -> None:
-        """An element is active, from 0."""
+        """The element of an index is active."""
 
     def ended(self, run: Run, outcome: Outcome, reason: str) -> None:
-        """The elements are not executed any more."""
+        """The run has ended; this is the last call."""
 
 
 class Run:
-    """Elements that a peer executes. All of it happens on the loop, or with its lock."""
+    """Execution of elements by a peer. Everything runs on the loop, or with its lock."""
 
-    noun: str  # what the peer has of them, in words
+    noun: str  # `list` or `mission`, for logs
 
     def __init__(
         self,
@@ -74,51 +72,52 @@ class Run:
         self._uids: list[int] = []
         self._last = -1  # index of the element that was active last
         self._has_ended = self._is_stopping = False
-        self._begun = 0.0  # when the peer was told to begin
+        self._begun = 0.0  # time of the command to begin
         self._poll = Alarm(component.loop)
 
-    # ------------------------------------------------------------------ what the kinds say
+    # ------------------------------------------------------------------ for the kinds
 
     def start(self, payloads: Sequence[bytes], first: int, speed: float) -> None:
-        """Gives the elements to the peer, and then has them executed.
+        """Sends the elements to the peer, then the command to execute them.
 
         Args:
-            first: UID of the first one; the others follow it. UIDs that the former run had not
-                keep late words about that one apart.
-            speed: Metres per second, for peers that are told one.
+            payloads: The encoded elements.
+            first: UID of the first element; the others follow it. UIDs other than those of the
+                former run tell its late reports apart.
+            speed: Metres per second, for a peer with a speed.
         """
         raise NotImplementedError
 
     @property
     def may_go_on(self) -> bool:
-        """Whether the peer may follow it, or the one before, whatever was told of its end."""
+        """Whether the peer may still execute these elements, or those before, after their end."""
         raise NotImplementedError
 
     @property
     def remains(self) -> bool:
-        """Whether the next one of the peer has to do with it."""
+        """Whether the next run of the peer has to replace this one."""
         return self.may_go_on
 
-    def send_stop(self, on_settled: Settled | None = None) -> None:
-        """Has the peer stand, and not go on by itself; tells whether it is so, or why not."""
+    def send_stop(self, on_result: StopResult | None = None) -> None:
+        """Commands the peer to stop for good; `on_result` is called with its answer."""
         raise NotImplementedError
 
-    def heard(self, report: Any) -> None:
-        """Takes a report of the peer, asked for or not."""
+    def take_report(self, report: Any) -> None:
+        """Takes a report of the peer, solicited or not."""
         raise NotImplementedError
 
     def _queries(self) -> Sequence[tuple[Message, type[Message]]]:
-        """Returns what the peer is asked again and again; the first one it must answer."""
+        """Returns the periodic queries and their reports; the peer must answer the first one."""
         raise NotImplementedError
 
-    # ------------------------------------------------------------------ how it ends
+    # ------------------------------------------------------------------ end
 
     def leave(self, outcome: Outcome, reason: str) -> None:
-        """Ends it without a word to the peer: another one takes its place, or it is gone."""
+        """Ends the run without a stop: another run replaces it, or the peer has gone."""
         self._end(outcome, reason)
 
     def stop(self, outcome: Outcome, reason: str) -> None:
-        """Has the peer stop, and ends when that is confirmed."""
+        """Stops the peer; the run ends when the peer has answered."""
         if self._is_stopping or self._has_ended:
             return
         self._is_stopping = True
@@ -135,7 +134,7 @@ class Run:
         self.send_stop(settled)
 
     def _give_up(self, reason: str) -> None:
-        """Ends it at a peer that may go on with it, and that may not hear of that."""
+        """Ends the run, and sends a stop whose answer is not awaited."""
         self.send_stop()
         self._end(Outcome.ABORTED, reason)
 
@@ -156,11 +155,11 @@ class Run:
     def _drop_requests(self) -> None:
         self._poll.cancel()
 
-    # ------------------------------------------------------------------ how it is followed
+    # ------------------------------------------------------------------ progress
 
     @property
     def _pause(self) -> float:
-        """Seconds before a question is repeated."""
+        """Seconds before a request is repeated."""
         return self._timeout / (RETRIES + 1)
 
     @property
@@ -168,17 +167,17 @@ class Run:
         return self._component.loop.now() - self._begun > PATIENCE * self._timeout
 
     def _ask(self) -> None:
-        """Asks how it goes: what a peer tells by itself may be lost, and the peer may die."""
+        """Queries the state periodically: events may be lost, and the peer may fail."""
         on_failure: Any = self._silent
         for query, report in self._queries():
             self._component.part(QueryClient).ask(
                 self.peer,
                 query,
                 report,
-                lambda answer, _sender: self.heard(answer),
+                lambda answer, _sender: self.take_report(answer),
                 on_failure=on_failure,
-                timeout=self._timeout / (ASKED_AGAIN + 1),
-                retries=ASKED_AGAIN,
+                timeout=self._timeout / (QUERY_RETRIES + 1),
+                retries=QUERY_RETRIES,
             )
             on_failure = None
         self._poll.set(self._timeout, self._ask)
@@ -193,8 +192,7 @@ class Run:
             self._watcher.reached(self, index)
 
 
-LONGEST_LIST = 30 * 24 * 3600
-"""Seconds that a peer is given for a list: a month, which is to say as long as it takes."""
+LONGEST_LIST = 30 * 24 * 3600  # seconds for a list in a command event: a month, as no limit
 
 
 class ListRun(Run):
@@ -212,18 +210,18 @@ class ListRun(Run):
         stops: RepeatedStops,
         former: Run | None = None,
     ) -> None:
-        """Sends nothing before `start`, which replaces what the peer executed last."""
+        """Sends nothing before `start`, which replaces the former list of the peer."""
         super().__init__(component, peer, watcher, timeout, stops)
         self._messages = messages
         self._is_followed = former is not None and former.may_go_on
-        self._stands = self._is_empty = False
+        self._has_stopped = self._is_empty = False
         self._speed = 0.0
         self._request: ListRequest | None = None
         self._events: EventSubscription | None = None
         self._command: PendingCommand | None = None
 
     def start(self, payloads: Sequence[bytes], first: int, speed: float) -> None:
-        """Sets the list of the peer, and then has it executed."""
+        """Sets the list of the peer, then commands its execution."""
         self._uids = list(range(first, first + len(payloads)))
         self._speed = speed
         contents = ((uid, data, 0) for uid, data in zip(self._uids, payloads, strict=True))
@@ -238,11 +236,11 @@ class ListRun(Run):
 
     @property
     def may_go_on(self) -> bool:
-        """Whether the peer may follow it, or the one before, whatever was told of its end."""
-        return self._is_followed and not (self._stands and self._is_empty)
+        """Whether the peer may still execute these elements, or those before, after their end."""
+        return self._is_followed and not (self._has_stopped and self._is_empty)
 
-    def send_stop(self, on_settled: Settled | None = None) -> None:
-        """Makes the vehicle stand, and the list empty; some drivers know no speed."""
+    def send_stop(self, on_result: StopResult | None = None) -> None:
+        """Stops the vehicle, if the driver has a speed, and empties the list."""
         component, execute = self._component, self._messages.execute
         if "speed" in _fields_of(execute):
             stop: Any = execute
@@ -251,29 +249,29 @@ class ListRun(Run):
                 self.peer,
                 stop(speed=0.0).encode(),
                 acknowledge=True,
-                on_result=self._stood,
+                on_result=self._stop_sent,
                 supersedes=True,
             )
         else:
-            self._stands = True
+            self._has_stopped = True
 
-        def settled(code: int | None = None, *, confirmed: bool = False) -> None:
+        def emptied(code: int | None = None, *, confirmed: bool = False) -> None:
             self._is_empty = self._is_empty or confirmed or code is not None
             self._stops.sent(self.peer, not self.may_go_on)
-            if on_settled is not None:
-                on_settled(code, confirmed=confirmed)
+            if on_result is not None:
+                on_result(code, confirmed=confirmed)
 
         component.part(ListClient).change(
             self.peer,
             [deletion([ALL_UIDS])],
-            on_done=partial(settled, confirmed=True),
-            on_refused=settled,
+            on_done=partial(emptied, confirmed=True),
+            on_refused=emptied,
             timeout=self._pause,
             retries=RETRIES,
         )
 
-    def _stood(self, acknowledged: bool) -> None:  # noqa: FBT001 - as transports tell
-        self._stands = self._stands or self._stops.has_arrived(self.peer, acknowledged)
+    def _stop_sent(self, acknowledged: bool) -> None:  # noqa: FBT001 - as transports call it
+        self._has_stopped = self._has_stopped or self._stops.has_arrived(self.peer, acknowledged)
 
     # ------------------------------------------------------------------ answers of the peer
 
@@ -281,26 +279,29 @@ class ListRun(Run):
         component, messages = self._component, self._messages
         self._is_followed = True
         self._events = component.part(EventClient).subscribe(
-            self.peer, messages.query(), messages.report, lambda report, _sender: self.heard(report)
+            self.peer,
+            messages.query(),
+            messages.report,
+            lambda report, _sender: self.take_report(report),
         )
         self._begun = component.loop.now()
-        # A peer of core v1.0 knows no command events, and executes the plain command.
+        # A peer of core v1.0 has no command events, and executes the plain command.
         self._command = component.part(CommandClient).command(
             self.peer,
-            self._execution(),
+            self._execute_message(),
             on_done=self._command_done,
             on_refused=lambda _code, _text: component.send(
-                self._execution(), self.peer, acknowledge=True
+                self._execute_message(), self.peer, acknowledge=True
             ),
             max_duration=LONGEST_LIST,
             timeout=self._timeout,
         )
         self._ask()
 
-    def _execution(self) -> Message:
+    def _execute_message(self) -> Message:
         execute: Any = self._messages.execute
-        own = {"speed": self._speed} if "speed" in _fields_of(execute) else {}
-        message: Message = execute(element_uid=self._uids[0], **own)
+        speed = {"speed": self._speed} if "speed" in _fields_of(execute) else {}
+        message: Message = execute(element_uid=self._uids[0], **speed)
         return message
 
     def _command_done(self, succeeded: bool) -> None:  # noqa: FBT001 - as the client calls it
@@ -309,11 +310,11 @@ class ListRun(Run):
             self._end(Outcome.ABORTED, f"{self.peer} could not do it")
 
     def _queries(self) -> Sequence[tuple[Message, type[Message]]]:
-        """Returns the query of the active element: events may be refused or lost."""
+        """Returns the query of the active element."""
         return [(self._messages.query(), self._messages.report)]
 
-    def heard(self, report: Any) -> None:
-        """Takes which element is active."""
+    def take_report(self, report: Any) -> None:
+        """Takes the report of the active element."""
         if self._has_ended or self._is_stopping:
             return
         uid = report.element_uid

@@ -1,13 +1,12 @@
-"""Connection of a JAUS list driver with a ROS action: the list is the goal.
+"""Connection from a JAUS list driver, which the bridge provides, to a ROS action.
 
-The bridge is the driver. ExecuteList makes the elements from one on a goal; feedback tells which
-element is active. A goal ends before the next one is sent, so the robot never follows two.
+ExecuteList sends the elements from one on as a goal; feedback tells which element is active. A goal
+ends before the next one is sent, so that the robot never follows two.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import partial
 from typing import Any, TypeVar
 
 from ...base.address import JausAddress
@@ -29,20 +28,14 @@ SourceT = TypeVar("SourceT", bound="Message")
 TargetT = TypeVar("TargetT")
 
 TOO_LONG = "too_long"
-NO_ANSWERS = ListAnswers()  # nothing is told but the active element
-
-ANSWER_PERIOD = 0.1
-"""Seconds between two looks at a goal that is not accepted: its server may just be starting."""
-
-CHECK_PERIOD = 1.0
-"""Seconds between two looks at a goal: whether its server is there, and whether it is cancelled."""
-
-SHORTEST_ROUND = 1.0
-"""Seconds that one round of a circular list takes at least: a server may succeed at once."""
+NO_ANSWERS = ListAnswers()  # for QueryActiveElement alone
+ANSWER_PERIOD = 0.1  # seconds between two checks of a goal that is not accepted
+CHECK_PERIOD = 1.0  # seconds between two checks of an accepted goal
+SHORTEST_ROUND = 1.0  # seconds for a round of a circular list, as a server may succeed at once
 
 
 class ListToAction(ListConnection[SourceT, TargetT]):
-    """Has the list of the bridge's controller executed by a ROS action."""
+    """Executes the list of the controller of the bridge by a ROS action."""
 
     def __init__(
         self,
@@ -60,11 +53,12 @@ class ListToAction(ListConnection[SourceT, TargetT]):
         """Prepares the connection.
 
         Args:
-            translate: Makes an element of the goal of what an element of the list holds.
-            fill: Sets what a goal has besides its elements; it is given the speed in m/s.
-            peers: JAUS components whose lists are executed, or how they are found; none means that
-                of whoever controls the bridge.
-            timeout: Seconds in which a goal must be accepted.
+            translate: Returns the element of a goal for the message in an element of the list.
+            message: The message in elements of the list.
+            fill: Sets the other fields of a goal; its second argument is the speed in m/s.
+            peers: JAUS components whose lists are executed, or how they are found; none means any
+                controller.
+            timeout: Seconds within which a goal must be accepted.
         """
         super().__init__(name, translate, action=action)
         self.timeout = timeout
@@ -76,10 +70,10 @@ class ListToAction(ListConnection[SourceT, TargetT]):
         self._driver: ListDriver
         self._client: ActionClient
         self._encode: Callable[[Any], bytes]
-        self._start: int | None = None  # the element from which a goal is to be sent
+        self._start: int | None = None  # UID of the first element of the next goal
         self._speed: float | None = None
         self._goal: SentGoal | None = None
-        self._elements: tuple[ListElement, ...] = ()  # those of the goal
+        self._elements: tuple[ListElement, ...] = ()  # of the goal
         self._is_accepted = self._is_cancelled = False
         self._sent = 0.0
         self._check: Alarm
@@ -88,10 +82,10 @@ class ListToAction(ListConnection[SourceT, TargetT]):
     # ------------------------------------------------------------------ as a connection
 
     def open(self, ends: Ends) -> None:
-        """Makes the client of the action, then listens to the controller."""
+        """Makes the client of the action, then registers with the list driver."""
         self._encode = ros_encoder(ends.ros, self._action.element)
         super().open(ends)
-        self._start = self._goal = None  # of an earlier life
+        self._start = self._goal = None
         self._check = Alarm(ends.loop)
         self._peers = parameters.peers(ends.ros, self.name, self._peers)
         self._peers.follow(ends.component, lambda _: None, lambda _: None)
@@ -100,7 +94,7 @@ class ListToAction(ListConnection[SourceT, TargetT]):
         self._driver.add(self, self._answers)
 
     def decoder(self) -> Callable[[bytes], SourceT]:
-        """Returns what decodes the message of an element."""
+        """Returns the function that decodes the message of an element."""
         return self._message.decode
 
     def encode(self, target: TargetT) -> bytes:
@@ -108,12 +102,12 @@ class ListToAction(ListConnection[SourceT, TargetT]):
         return self._encode(target)
 
     def follow(self, standing: Standing, lost: StopReason | None) -> bool:
-        """Ends the list of a controller that counts no more, and what passes while inactive."""
+        """Ends the list of a lost controller, and any list while the bridge is inactive."""
         ended = lost is not None and self.stop(lost)
         return super().follow(standing, lost) or ended
 
     def stop(self, reason: StopReason) -> bool:
-        """Ends the list that is executed; whether there was one."""
+        """Ends the list that is executed; returns whether there was one."""
         if not self._driver.is_executed_by(self):
             return False
         self.note_stop(reason)
@@ -122,15 +116,15 @@ class ListToAction(ListConnection[SourceT, TargetT]):
 
     @property
     def when_lost(self) -> str:
-        """What happens when the controller is lost."""
+        """The effect of a lost controller, in words for the log."""
         return "the goal is canceled"
 
     def topic_faults(self) -> Sequence[TopicFault]:
-        """Why no goal can be sent."""
+        """Returns why no goal can be sent."""
         return self._client.faults()
 
     def describe_peers(self) -> list[tuple[str, str]]:
-        """The list, and how the last goal ended."""
+        """Returns peers, the active element, and the states of the present and last goal."""
         active = self._driver.active if self._driver.is_executed_by(self) else 0
         waits = self._goal is not None and not self._is_accepted
         state = "none" if self._goal is None else "sent" if waits else "executing"
@@ -144,19 +138,19 @@ class ListToAction(ListConnection[SourceT, TargetT]):
     # ------------------------------------------------------------------ for the driver
 
     def obeys(self, sender: JausAddress) -> bool:
-        """Whether a controller may have lists executed."""
+        """Returns whether a sender may have lists executed."""
         return self._peers.is_anybody or sender in self._peers.present
 
     def is_of(self, element: ListElement) -> bool:
-        """Whether an element holds the message that is translated."""
+        """Returns whether an element holds the message of this connection."""
         return element.message_code == self._message.CODE
 
     def can_carry(self, element: ListElement) -> bool:
-        """Whether an element can be translated."""
+        """Returns whether an element can be translated."""
         return self._translated([element]) is not None
 
     def begin(self, uid: int, speed: float | None) -> None:
-        """Executes the list from an element on, in the place of what is executed."""
+        """Executes the list from an element on, instead of the present goal."""
         self.statistics.arrivals += 1
         self.statistics.last_arrival = self._ends.loop.now()
         self.note_usable()
@@ -165,31 +159,31 @@ class ListToAction(ListConnection[SourceT, TargetT]):
         self._proceed()
 
     def change_speed(self, speed: float) -> None:
-        """Stands still at 0, and goes on from the active element afterwards."""
+        """Cancels the goal at speed 0; goes on from the active element at another speed."""
         former, self._speed = self._speed, speed
         if (former == 0) is not (speed == 0):
             self._start = self._driver.active
             self._proceed()
 
     def list_changed(self) -> None:
-        """Goes on with the new list from the active element, unless that is not there any more."""
+        """Goes on with the new list from the active element; ends if it was deleted."""
         active = self._driver.active
-        rest = [(element.uid, element.data) for element in self._driver.elements_from(active)]
-        sent = [(element.uid, element.data) for element in self._elements]
-        if not rest:
+        remaining = [(element.uid, element.data) for element in self._driver.elements_from(active)]
+        former = [(element.uid, element.data) for element in self._elements]
+        if not remaining:
             self._finish(succeeded=False)
-        elif self._goal is not None and rest != sent[len(sent) - len(rest) :]:
+        elif self._goal is not None and remaining != former[len(former) - len(remaining) :]:
             self._start = active
             self._proceed()
 
     def leave(self) -> None:
-        """Ends what is executed."""
+        """Ends the list that is executed."""
         self._finish(succeeded=False)
 
     # ------------------------------------------------------------------ goals
 
     def _proceed(self) -> None:
-        """Sends the next goal; if there is one, it ends first."""
+        """Sends the next goal, or first cancels the present one."""
         if self._goal is not None:
             self._cancel()
         elif self._start is not None and self._speed != 0:
@@ -202,21 +196,16 @@ class ListToAction(ListConnection[SourceT, TargetT]):
         if not payloads:
             self._finish(succeeded=False)
             return
-        fill = None if self._fill is None else partial(self._fill_in, self._fill, self._speed)
+        fill, speed = self._fill, self._speed
         self._elements = tuple(elements)
         self._is_accepted = self._is_cancelled = False
         self._sent = self._ends.loop.now()
-        self._goal = self._client.send(payloads, fill, self)
-        self._check.set(ANSWER_PERIOD, self._look)
-
-    @staticmethod
-    def _fill_in(
-        fill: Callable[[Any, float | None], object], speed: float | None, goal: Any
-    ) -> None:
-        fill(goal, speed)
+        fill_goal = None if fill is None else lambda goal: fill(goal, speed)
+        self._goal = self._client.send(payloads, fill_goal, self)
+        self._check.set(ANSWER_PERIOD, self._check_goal)
 
     def _translated(self, elements: Sequence[ListElement]) -> list[bytes] | None:
-        """Returns the elements of a goal; None, counted, when one cannot be translated."""
+        """Returns the translated elements of a goal; None, counted, if there can be no goal."""
         if len(elements) > LONGEST_GOAL:
             self.drop(TOO_LONG, f"{len(elements)} elements; a goal has {LONGEST_GOAL} at most")
             return None
@@ -230,8 +219,8 @@ class ListToAction(ListConnection[SourceT, TargetT]):
             self._is_cancelled = True
             self._goal.cancel()
 
-    def _look(self) -> None:
-        """Looks after the goal: an answer may be due, its server gone, or a cancellation lost."""
+    def _check_goal(self) -> None:
+        """Ends a goal that was not accepted in time or lost its server; repeats a cancellation."""
         goal, loop = self._goal, self._ends.loop
         if goal is None:
             return
@@ -244,7 +233,7 @@ class ListToAction(ListConnection[SourceT, TargetT]):
         if self._is_cancelled:
             goal.cancel()
         goal.check()
-        self._check.set(CHECK_PERIOD if self._is_accepted else ANSWER_PERIOD, self._look)
+        self._check.set(CHECK_PERIOD if self._is_accepted else ANSWER_PERIOD, self._check_goal)
 
     # ------------------------------------------------------------------ GoalWatcher
 
@@ -255,13 +244,13 @@ class ListToAction(ListConnection[SourceT, TargetT]):
             self.statistics.passed += 1
 
     def progressed(self, goal: SentGoal, number: int) -> None:
-        """The feedback says which element is active."""
+        """Feedback has come: sets the active element."""
         if goal is self._goal and not self._is_cancelled:
-            at = self._action.counting.index(number, len(self._elements))
-            self._driver.reached(self, self._elements[at].uid)
+            index = self._action.counting.index(number, len(self._elements))
+            self._driver.reached(self, self._elements[index].uid)
 
     def ended(self, goal: SentGoal, outcome: Outcome, reason: str) -> None:
-        """The goal has ended: the list too, or the next goal is sent."""
+        """The goal has ended: sends the next one, or ends the list."""
         if goal is not self._goal:
             return
         self._goal = None
@@ -270,19 +259,19 @@ class ListToAction(ListConnection[SourceT, TargetT]):
         if was_cancelled:
             self._proceed()
         elif outcome is Outcome.SUCCEEDED:
-            self._go_round()
+            self._repeat_list()
         else:
             self.drop(outcome.value, reason)
             self._finish(succeeded=False)
 
-    def _go_round(self) -> None:
-        """Begins a circular list again; any other one is done with its last element."""
-        again = self._driver.first_again
-        if not again:
+    def _repeat_list(self) -> None:
+        """Begins a circular list again; ends any other one."""
+        start = self._driver.restart_uid
+        if not start:
             self._driver.reached(self, self._elements[-1].uid)
             self._finish(succeeded=True)
             return
-        self._start = again
+        self._start = start
         wait = max(0.0, self._sent + SHORTEST_ROUND - self._ends.loop.now())
         self._ends.loop.call_later(wait, self._next_round)
 

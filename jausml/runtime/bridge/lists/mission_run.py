@@ -1,9 +1,9 @@
-"""One mission that the bridge has a JAUS peer execute, from spooling it to its end (AS6062).
+"""Execution of the elements of one goal by a JAUS peer, as a mission (AS6062).
 
-A mission is stopped by PauseMission, which has the spooler stand, and by AbortMission, which leaves
-nothing that could be resumed: the state machine of the standard takes no AbortMission while it
-executes a mission. What became of a mission is said by ReportMissionStatus alone, unasked or asked
-for; nothing confirms that one was stored.
+A mission is stopped by PauseMission, then by AbortMission, after which it cannot be resumed: the
+state machine of the standard takes no AbortMission while a mission is executed. Only
+ReportMissionStatus, solicited or not, tells of its progress; no message confirms that a mission was
+stored.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ from ...wire.message import Message
 from ..connections.controlled_peers import RepeatedStops
 from ..ends.actions import Outcome
 from ..ends.mission_driver import Kind, MissionMessages, State
-from .list_run import RETRIES, Run, RunWatcher, Settled
+from .list_run import RETRIES, Run, RunWatcher, StopResult
 
 _TASK = 1  # the one task of a mission: elements of a list have no tree
-_BLOCKING = 1  # each message waits for the end of the one before, as elements of a list do
+_BLOCKING = 1  # each message waits for the end of the one before
 _UNDER_WAY = (State.RUNNING, State.BLOCKED)
-_OVER = (State.ABORTED, State.FINISHED)
+_ENDED = (State.ABORTED, State.FINISHED)
 
 
 class MissionRun(Run):
@@ -46,38 +46,39 @@ class MissionRun(Run):
     ) -> None:
         """Sends nothing before `start`.
 
-        The former mission of the peer is aborted first if it is there still. One that pauses is
-        left paused by a stop, and not aborted.
+        Args:
+            former: The former run of the peer, whose missions are aborted first.
+            pauses: Whether a stop leaves the mission paused instead of aborting it.
         """
         super().__init__(component, peer, watcher, timeout, stops)
         self._messages = messages
         self._pauses = pauses
         self._number = 0
-        # Numbers of missions of the bridge that the peer may have.
+        # Numbers of missions of the bridge that the peer may still have.
         self.stored: set[int] = set(former.stored) if isinstance(former, MissionRun) else set()
-        self._was_run = self._is_sent = self._rests = False
+        self._was_run = self._run_sent = self._is_paused = False
 
     @property
     def may_go_on(self) -> bool:
-        """Whether the peer may execute it, or the one before."""
-        return bool(self._going)
+        """Whether the peer may still execute this mission, or one before."""
+        return bool(self._running_missions)
 
     @property
     def remains(self) -> bool:
-        """Whether it may be there, and be it paused."""
+        """Whether the peer may still have a mission, even paused."""
         return bool(self.stored)
 
     @property
-    def _going(self) -> set[int]:
-        return self.stored - ({self._number} if self._rests else set())
+    def _running_missions(self) -> set[int]:
+        return self.stored - ({self._number} if self._is_paused else set())
 
-    # ------------------------------------------------------------------ from its beginning
+    # ------------------------------------------------------------------ begin
 
     def start(self, payloads: Sequence[bytes], first: int, speed: float) -> None:  # noqa: ARG002
-        """Has what is left of the former one aborted; then spools the mission, and runs it."""
+        """Aborts former missions; then spools the mission, and runs it."""
         self._number = first
         self._uids = list(range(first, first + len(payloads)))
-        self._dismiss(partial(self._spool, payloads))
+        self._stop_missions(partial(self._spool, payloads))
 
     def _spool(self, payloads: Sequence[bytes]) -> None:
         if self._has_ended or self._is_stopping:
@@ -92,10 +93,10 @@ class MissionRun(Run):
         source = spool.SourceID(own.component, own.node, own.subsystem)
         task = spool.Task(spool.TaskData(spool.TaskInfo(_TASK), data), [])
         self.stored.add(self._number)
-        self._send(spool(spool.MissionInfo(self._number, source), [task]), self._spooled)
+        self._send(spool(spool.MissionInfo(self._number, source), [task]), self._follow_spooled)
 
-    def _spooled(self) -> None:
-        # Acknowledgements may be lost: what the peer says of the mission counts.
+    def _follow_spooled(self) -> None:
+        # Whether acknowledged or not: only the status tells that the mission is stored.
         if not (self._has_ended or self._is_stopping):
             self._ask()
 
@@ -104,15 +105,15 @@ class MissionRun(Run):
         self._was_run = True
         self._begun = self._component.loop.now()
         execute: Any = self._messages.execute
-        self._send(execute(mission_id=self._number), self._ran)
+        self._send(execute(mission_id=self._number), self._note_run_sent)
 
-    def _ran(self) -> None:
-        self._is_sent = True
+    def _note_run_sent(self) -> None:
+        self._run_sent = True
 
-    # ------------------------------------------------------------------ what the peer tells
+    # ------------------------------------------------------------------ progress
 
     def _queries(self) -> Sequence[tuple[Message, type[Message]]]:
-        """Returns the queries of the mission and of the message that is under way."""
+        """Returns the queries of the mission and of its present message."""
         query, report = self._status_query, self._messages.report
         queries = [(query(mission_id=self._number), report)]
         if self._was_run:
@@ -124,22 +125,22 @@ class MissionRun(Run):
     def _status_query(self) -> Any:
         return self._messages.query
 
-    def heard(self, report: Any) -> None:
-        """Takes the state of a mission or of a message; that of a task says no more."""
+    def take_report(self, report: Any) -> None:
+        """Takes the state of a mission or of a message."""
         is_followed = not (self._has_ended or self._is_stopping)
         if report.type_ == Kind.MISSION and report.id_ in self.stored:
-            if report.status in _OVER:
+            if report.status in _ENDED:
                 self.stored.discard(report.id_)
             if report.id_ == self._number:
-                self._rests = report.status == State.PAUSED and self._remains_paused(self._number)
+                self._is_paused = report.status == State.PAUSED and self._stays_paused(self._number)
                 if is_followed:
-                    self._state_reported(report.status)
+                    self._take_state(report.status)
         elif report.type_ == Kind.MESSAGE and report.id_ in self._uids and is_followed:
             index = self._uids.index(report.id_) + (report.status == State.FINISHED)
             if self._was_run and report.status in (*_UNDER_WAY, State.FINISHED):
                 self._reach(min(max(index, self._last), len(self._uids) - 1))
 
-    def _state_reported(self, state: int) -> None:
+    def _take_state(self, state: int) -> None:
         if state == State.INIT and not self._was_run:
             self._run()
         elif state == State.INIT:
@@ -164,65 +165,65 @@ class MissionRun(Run):
         else:
             self._give_up(f"{self.peer} does not take the mission")
 
-    # ------------------------------------------------------------------ how it is stopped
+    # ------------------------------------------------------------------ stop
 
-    def send_stop(self, on_settled: Settled | None = None) -> None:
-        """Has the mission paused, and aborted unless it is to stay."""
+    def send_stop(self, on_result: StopResult | None = None) -> None:
+        """Pauses the mission, and aborts it unless it is to stay paused."""
 
-        def settled() -> None:
+        def stopped() -> None:
             confirmed = not self.may_go_on
             self._stops.sent(self.peer, confirmed)
-            if on_settled is not None:
-                on_settled(None, confirmed=confirmed)
+            if on_result is not None:
+                on_result(None, confirmed=confirmed)
 
-        self._dismiss(settled)
+        self._stop_missions(stopped)
 
-    def _remains_paused(self, number: int) -> bool:
-        """Whether a stop leaves a mission paused: RunMission must not be on its way still."""
-        return self._pauses and number == self._number and self._is_sent and self._last >= 0
+    def _stays_paused(self, number: int) -> bool:
+        """Returns whether a stop leaves a mission paused: if no RunMission can come after it."""
+        return self._pauses and number == self._number and self._run_sent and self._last >= 0
 
-    def _dismiss(self, then: Callable[[], None]) -> None:
-        """Ends what is there of the bridge; goes on when the peer has said so, or says nothing."""
+    def _stop_missions(self, then: Callable[[], None]) -> None:
+        """Stops all missions of the bridge; calls `then` on a report of that, or without any."""
         pause: Any = self._messages.pause
         abort: Any = self._messages.abort
         stops: list[Message] = []
         for number in sorted(self.stored):
             stops.append(pause(mission_id=number))
-            if not self._remains_paused(number):
+            if not self._stays_paused(number):
                 stops.append(abort(mission_id=number))
         if not stops:
             then()
             return
         for stop in stops[:-1]:
             self._send(stop)
-        self._send(stops[-1], partial(self._see, then, RETRIES))
+        self._send(stops[-1], partial(self._await_stop, then, RETRIES))
 
-    def _see(self, then: Callable[[], None], left: int) -> None:
-        """Asks until nothing goes on, as often as is left."""
-        going = self._going
-        if not going or left < 0:
+    def _await_stop(self, then: Callable[[], None], retries: int) -> None:
+        """Queries the status until no mission runs or no retry is left, then calls `then`."""
+        running = self._running_missions
+        if not running or retries < 0:
             then()
             return
 
-        def seen(report: Any, _sender: JausAddress) -> None:
-            self.heard(report)
-            pause = self._pause if self._going else 0.0
-            self._component.loop.call_later(pause, partial(self._see, then, left - 1))
+        def query_again(report: Any, _sender: JausAddress) -> None:
+            self.take_report(report)
+            pause = self._pause if self._running_missions else 0.0
+            self._component.loop.call_later(pause, partial(self._await_stop, then, retries - 1))
 
         self._component.part(QueryClient).ask(
             self.peer,
-            self._status_query(mission_id=min(going)),
+            self._status_query(mission_id=min(running)),
             self._messages.report,
-            seen,
+            query_again,
             on_failure=then,
             timeout=self._pause,
             retries=RETRIES,
         )
 
     def _send(self, message: Message, then: Callable[[], None] | None = None) -> None:
-        """Sends a message; goes on when it was acknowledged, or is repeated no longer."""
+        """Sends a message; calls `then` when it was acknowledged or is not repeated any more."""
 
-        def on_result(_acknowledged: bool) -> None:  # noqa: FBT001 - as transports tell
+        def on_result(_acknowledged: bool) -> None:  # noqa: FBT001 - as transports call it
             if then is not None:
                 then()
 

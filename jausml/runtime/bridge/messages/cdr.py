@@ -1,9 +1,9 @@
-"""CDR, the serialized form of ROS messages: what the light classes of a bridge are made of.
+"""CDR, the serialized form of ROS messages: functions for the light classes of a bridge.
 
 The bytes are those of XCDR version 1 (OMG DDS-XTypes 1.3, 7.4), as rmw implementations exchange
-them: four bytes that tell the byte order, then the fields in order, each at a multiple of its size
-counted from behind these four. What cannot be read is a DecodeError, what does not fit an
-EncodeError.
+them: a header of four bytes with the byte order, then the fields in order, each at a multiple of
+its size, counted from the end of the header. Functions that read raise DecodeError, those that
+write raise EncodeError. An offset counts bytes from the begin of the header.
 """
 
 from __future__ import annotations
@@ -22,14 +22,13 @@ Integers: TypeAlias = MutableSequence[int]  # array or sequence of integers
 Truths: TypeAlias = MutableSequence[bool]  # array or sequence of truth values
 T = TypeVar("T")
 Messages: TypeAlias = MutableSequence[T]  # array or sequence of messages
-HEADER = b"\0\1\0\0"  # what stands before a message in little-endian order
-LITTLE, BIG = 0, 8  # byte orders, as they are added to an index of a run
-
-ORDERS = {b"\0\1": LITTLE, b"\0\0": BIG}
-"""Byte orders by the two bytes that a serialized message begins with."""
+HEADER = b"\0\1\0\0"  # of a message in little-endian order
+LITTLE, BIG = 0, 8  # byte orders: index of the first layout of a `run`
+ORDERS = {b"\0\1": LITTLE, b"\0\0": BIG}  # byte orders by the first two bytes of a message
 
 _NATIVE = LITTLE if sys.byteorder == "little" else BIG
 _PADDING = b"\0" * 8
+_UTF_16 = f"utf-16-{sys.byteorder[0]}e"
 _SIZES = {code: struct.calcsize(f"<{code}") for code in "?bBhHiIqQfd"}
 
 
@@ -37,17 +36,19 @@ _SIZES = {code: struct.calcsize(f"<{code}") for code in "?bBhHiIqQfd"}
 
 
 def run(items: str) -> tuple[struct.Struct, ...]:
-    """Returns the layouts of numbers that stand in a row, wherever the row begins.
+    """Returns the layouts of consecutive numbers for each offset of the first one.
 
     Args:
-        items: Format characters of `struct` with blanks between them; with a number before it, one
-            stands for the bytes of an array of that many.
+        items: Format characters of `struct` separated by blanks; with a count before it, one stands
+            for an array as bytes.
 
     Returns:
-        Layouts by offset modulo 8, those in big-endian order behind the others.
+        Layouts by offset modulo 8: eight little-endian ones, then eight big-endian ones.
     """
     words = items.split()
-    return tuple(struct.Struct(_format(words, at, mark)) for mark in "<>" for at in range(8))
+    return tuple(
+        struct.Struct(_format(words, offset, mark)) for mark in "<>" for offset in range(8)
+    )
 
 
 def _format(words: Sequence[str], offset: int, mark: str) -> str:
@@ -63,12 +64,12 @@ def _format(words: Sequence[str], offset: int, mark: str) -> str:
 
 
 def several(make: Callable[[], T], count: int) -> list[T]:
-    """Returns a new list of so many new elements."""
+    """Returns a list of `count` new elements."""
     return [make() for _ in range(count)]
 
 
 def filled(code: str, values: Sequence[Any]) -> MutableSequence[Any]:
-    """Returns a new array of given elements."""
+    """Returns a new array of values."""
     return elements(code, raw(code, values), LITTLE)
 
 
@@ -78,7 +79,7 @@ def zeros(code: str, count: int) -> MutableSequence[Any]:
 
 
 def elements(code: str, raw: bytes, order: int) -> MutableSequence[Any]:
-    """Returns the elements of an array: octets as a bytearray, truth values as a list."""
+    """Returns the elements in bytes: octets as a bytearray, bools as a list, others as an array."""
     if code == "B":
         return bytearray(raw)
     if code == "?":
@@ -108,11 +109,11 @@ def raw(code: str, values: Any, count: int | None = None) -> bytes:
 
     Args:
         values: The elements: bytes, an array, or any sequence of numbers.
-        count: How many there must be; None for a sequence.
+        count: Length of an array; None for a sequence.
 
     Raises:
-        EncodeError: There are more or fewer.
-        struct.error: An element is no such number.
+        EncodeError: An array has another length.
+        struct.error: An element is no number of the type.
     """
     if count is not None and len(values) != count:
         raise EncodeError("array", f"{len(values)} elements, not {count}")
@@ -137,7 +138,7 @@ def put(append: Append, offset: int, octets: bytes, size: int) -> int:
 
 
 def octet(value: Any) -> int:
-    """Returns the number of a byte, which is a number or, as ROS has it, bytes of length 1."""
+    """Returns the number of an octet, which is a number or, in rclpy, bytes of length 1."""
     return value[0] if isinstance(value, bytes) and len(value) == 1 else value
 
 
@@ -145,7 +146,7 @@ def octet(value: Any) -> int:
 
 
 def text(data: bytes, offset: int, length: int) -> tuple[str, int]:
-    """Returns a text, and the offset behind it; what is not UTF-8 is replaced."""
+    """Returns a text and the offset behind it; bytes that are no UTF-8 are replaced."""
     end = offset + length
     if end > len(data):
         raise DecodeError("string", f"{length} bytes, but {len(data) - offset} are left")
@@ -155,14 +156,14 @@ def text(data: bytes, offset: int, length: int) -> tuple[str, int]:
 
 
 def encoded(value: str, most: int = 0) -> bytes:
-    """Returns the bytes of a text with the zero at its end; 0 characters are no limit."""
+    """Returns the bytes of a text with a final zero; a `most` of 0 is no limit."""
     if most and len(value) > most:
         raise EncodeError("string", f"{len(value)} characters, more than {most}")
     return value.encode() + b"\0"
 
 
 def wide_text(data: bytes, offset: int, count: int, order: int) -> tuple[str, int]:
-    """Returns a text of `count` units of UTF-16, each in four bytes, and the offset behind it."""
+    """Returns a text of `count` units of UTF-16, four bytes each, and the offset behind it."""
     units, end = vector(data, offset, count, "I", order)
     try:
         return array("H", units).tobytes().decode(_UTF_16, "replace"), end
@@ -170,11 +171,8 @@ def wide_text(data: bytes, offset: int, count: int, order: int) -> tuple[str, in
         raise DecodeError("wstring", str(error)) from error
 
 
-_UTF_16 = f"utf-16-{sys.byteorder[0]}e"
-
-
 def wide(value: str, most: int = 0) -> bytes:
-    """Returns the bytes of a text of wide characters, of which 0 are no limit."""
+    """Returns the bytes of a wide text; a `most` of 0 is no limit."""
     if most and len(value) > most:
         raise EncodeError("wstring", f"{len(value)} characters, more than {most}")
     units = array("H", value.encode(_UTF_16))
@@ -185,18 +183,18 @@ _LENGTH = run("I")
 
 
 def texts(data: bytes, offset: int, count: int, order: int) -> tuple[list[str], int]:
-    """Returns texts that follow each other, and the offset behind them."""
-    return _several(data, offset, count, order, lambda at, length: text(data, at, length))
+    """Returns consecutive texts, and the offset behind them."""
+    return _read_texts(data, offset, count, order, lambda start, length: text(data, start, length))
 
 
 def wide_texts(data: bytes, offset: int, count: int, order: int) -> tuple[list[str], int]:
-    """Returns texts of wide characters as `texts` does."""
-    return _several(
-        data, offset, count, order, lambda at, length: wide_text(data, at, length, order)
+    """Returns consecutive wide texts, and the offset behind them."""
+    return _read_texts(
+        data, offset, count, order, lambda start, length: wide_text(data, start, length, order)
     )
 
 
-def _several(
+def _read_texts(
     data: bytes, offset: int, count: int, order: int, read: Callable[[int, int], tuple[str, int]]
 ) -> tuple[list[str], int]:
     check_count(data, offset, count, 4)
@@ -210,7 +208,7 @@ def _several(
 
 
 def put_texts(values: Sequence[str], append: Append, offset: int, most: int = 0) -> int:
-    """Appends texts, for which 0 characters are no limit; returns the offset behind them."""
+    """Appends texts; returns the offset behind them. A `most` of 0 is no limit."""
     for value in values:
         octets = encoded(value, most)
         layout = _LENGTH[offset & 7]
@@ -221,7 +219,7 @@ def put_texts(values: Sequence[str], append: Append, offset: int, most: int = 0)
 
 
 def put_wide_texts(values: Sequence[str], append: Append, offset: int, most: int = 0) -> int:
-    """Appends texts of wide characters as `put_texts` does."""
+    """Appends wide texts as `put_texts` does."""
     for value in values:
         octets = wide(value, most)
         layout = _LENGTH[offset & 7]
@@ -235,26 +233,26 @@ def put_wide_texts(values: Sequence[str], append: Append, offset: int, most: int
 
 
 def check_count(data: bytes, offset: int, count: int, least: int) -> None:
-    """Sees to it that nothing is made by a number for which there are no bytes."""
+    """Raises DecodeError if there are too few bytes for `count` elements of `least` bytes."""
     if count * least > len(data) - offset:
         raise DecodeError("sequence", f"{count} elements, but {len(data) - offset} bytes")
 
 
 def check_bound(count: int, most: int) -> None:
-    """Sees to it that a bounded sequence that was received has no more elements than it may."""
+    """Raises DecodeError if a bounded sequence has more than `most` elements."""
     if count > most:
         raise DecodeError("sequence", f"{count} elements, more than {most}")
 
 
 def at_most(values: Sequence[T], most: int) -> Sequence[T]:
-    """Returns the elements of a bounded sequence."""
+    """Returns the elements of a bounded sequence; raises EncodeError for more than `most`."""
     if len(values) > most:
         raise EncodeError("sequence", f"{len(values)} elements, more than {most}")
     return values
 
 
 def exactly(values: Sequence[T], count: int) -> Sequence[T]:
-    """Returns the elements of a fixed array."""
+    """Returns the elements of an array; raises EncodeError if they are not `count`."""
     if len(values) != count:
         raise EncodeError("array", f"{len(values)} elements, not {count}")
     return values

@@ -1,9 +1,9 @@
-"""Compiled translations: functions of a library that stands beside the module of a bridge.
+"""Compiled translations: functions of a library beside the module of a bridge.
 
-A function does the usual case alone. In every other one it gives way, and the method of the bridge
-treats the same bytes: what is dropped, limited, counted and said does not depend on the form. The
-library is made by `jausml build`, `jausml run` or the build of the workspace; where it is missing,
-or was made of another text, the methods do all.
+A function only translates messages in the usual case. It leaves all others to the method of the
+bridge, which translates the same bytes, so that limits, counts, and errors do not depend on the
+form. The library is made by `jausml build`, `jausml run` or the build of the workspace. If it is
+missing, or was built of another source, the methods translate all messages.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from typing import Any, TypeAlias, TypeVar
 
 MethodT = TypeVar("MethodT", bound="Callable[..., Any]")
 
+# Returns the target message of a source message and of messages of joins, or None to leave it.
 Function: TypeAlias = "Callable[..., bytes | None]"
-"""Makes bytes of bytes and of those of joins, or gives way with None."""
 
 LIBRARIES = "_core*.so"  # names of the libraries beside the module of a bridge
 _DIGEST = "jausml_digest"
@@ -30,19 +30,17 @@ class NoCoreError(Exception):
 
 @dataclass(frozen=True)
 class Core:
-    """The compiled core of a bridge package.
+    """The compiled core of a bridge package."""
 
-    Its library stands beside the file of the module, and must say the digest of the text that it
-    was made of.
-    """
-
-    module: str
-    digest: str
+    module: str  # path of the module, beside which the library is
+    digest: str  # of the source, which the library must have too
 
     def function(self, name: str, **fields: Any) -> Callable[[MethodT], MethodT]:
-        """Returns a decorator: a method with a compiled form, which an override does not have.
+        """Returns a decorator that adds a compiled form to a method; an override has none.
 
-        What it is given besides the message are fields of `Compiled`.
+        Args:
+            name: Name of the function in the library.
+            **fields: Other fields of `Compiled`.
         """
         form = Compiled(self, name, **fields)
 
@@ -53,18 +51,18 @@ class Core:
         return mark
 
     def load(self) -> ctypes.CDLL:
-        """Returns the library; raises NoCoreError where none of this text can be loaded."""
+        """Returns the library; raises NoCoreError if there is none of this source."""
         paths = sorted(Path(self.module).parent.glob(LIBRARIES))
         reason = "it is not built"
         for path in paths:
             try:
-                # With the lock of the interpreter held: a function takes microseconds.
+                # PyDLL keeps the lock of the interpreter: a function takes microseconds.
                 library = ctypes.PyDLL(str(path))
-                made_of = (ctypes.c_char * _DIGEST_SIZE).in_dll(library, _DIGEST).value.decode()
+                digest = (ctypes.c_char * _DIGEST_SIZE).in_dll(library, _DIGEST).value.decode()
             except (OSError, ValueError) as error:
                 reason = str(error)
                 continue
-            if made_of == self.digest:
+            if digest == self.digest:
                 return library
             reason = "it was built of another model"
         raise NoCoreError(reason)
@@ -72,82 +70,83 @@ class Core:
 
 @dataclass(frozen=True)
 class Compiled:
-    """What a method has besides itself."""
+    """The compiled form of a translation."""
 
     core: Core
     name: str
     quantities: tuple[str, ...] = ()  # attributes of the bridge that are numbers
     texts: tuple[str, ...] = ()  # attributes of the bridge that are texts
     joins: tuple[str, ...] = ()  # parameters that are joined messages
-    needs_clock: bool = False  # whether it is told the present time
-    unknown: tuple[str, ...] = ()  # fields that it leaves out where their value is no number
+    needs_clock: bool = False  # whether it uses the present time
+    unknown: tuple[str, ...] = ()  # fields that it omits where their value is not a number
 
     def of(self, bridge: Any, library: ctypes.CDLL, note: Callable[[str], None]) -> Function:
-        """Returns the function of a bridge; fields left out, as they are no number, are noted."""
+        """Returns the function for a bridge; calls `note` with the path of each omitted field."""
         function = getattr(library, self.name)
         function.argtypes = (
             ctypes.c_char_p,
             ctypes.c_size_t,
             ctypes.POINTER(_Live),
-            ctypes.POINTER(_Made),
+            ctypes.POINTER(_Result),
         )
         function.restype = ctypes.c_int64
-        result = _Made()
-        where, text = ctypes.byref(result), ctypes.string_at
+        result = _Result()
+        result_reference, read = ctypes.byref(result), ctypes.string_at
         if not (self.quantities or self.texts or self.joins or self.needs_clock):
 
             def plain(data: bytes) -> bytes | None:
-                size = function(data, len(data), None, where)
-                return None if size < 0 else text(result.data, size)
+                size = function(data, len(data), None, result_reference)
+                return None if size < 0 else read(result.data, size)
 
-            return self._noting(plain, result, note)
+            return self._with_note(plain, result, note)
         live = _LiveValues(bridge, self)
-        live_reference, update = ctypes.byref(live.given), live.update
+        live_reference, update = ctypes.byref(live.shared), live.update
 
         def with_live(data: bytes, *joins: bytes | None) -> bytes | None:
             if not update(joins):
                 return None
-            size = function(data, len(data), live_reference, where)
-            return None if size < 0 else text(result.data, size)
+            size = function(data, len(data), live_reference, result_reference)
+            return None if size < 0 else read(result.data, size)
 
-        return self._noting(with_live, result, note)
+        return self._with_note(with_live, result, note)
 
     def alone(self, bridge: Any, library: ctypes.CDLL) -> Translation | None:
-        """Returns what a core is given to run the function without Python; None for one with joins.
+        """Returns the function for the core to call without Python; None for one with joins.
 
-        What may change between two messages is what it is now.
+        It uses the present values of attributes.
         """
         live = _LiveValues(bridge, self)
         if self.joins or not live.update(()):
             return None
         function = ctypes.cast(getattr(library, self.name), ctypes.c_void_p)
-        translation = Translation(function.value, ctypes.pointer(live.given), self.needs_clock)
-        translation.keep(live)
+        translation = Translation(function.value, ctypes.pointer(live.shared), self.needs_clock)
+        translation.values = live  # kept, as the core only has their address
         return translation
 
     def paths_of(self, left_out: int) -> list[str]:
-        """Returns the paths of the fields that a function has left out, each a bit."""
-        return [path for at, path in enumerate(self.unknown) if left_out >> at & 1]
+        """Returns the paths of the omitted fields, for which `left_out` has a bit each."""
+        return [path for bit, path in enumerate(self.unknown) if left_out >> bit & 1]
 
-    def _noting(self, function: Function, result: _Made, note: Callable[[str], None]) -> Function:
-        """Returns a function that counts the fields that are left out."""
+    def _with_note(
+        self, function: Function, result: _Result, note: Callable[[str], None]
+    ) -> Function:
+        """Returns a function that also calls `note` for each omitted field."""
         if not self.unknown:
             return function
-        bits = [(1 << at, path) for at, path in enumerate(self.unknown)]
+        paths_of = self.paths_of
 
-        def noting(data: bytes, *joins: bytes | None) -> bytes | None:
+        def with_note(data: bytes, *joins: bytes | None) -> bytes | None:
             target = function(data, *joins)
             if target is not None and result.unknown:
-                for bit, path in bits:
-                    if result.unknown & bit:
-                        note(path)
+                for path in paths_of(result.unknown):
+                    note(path)
             return target
 
-        return noting
+        return with_note
 
 
 def compiled_of(translate: Callable[..., Any]) -> Compiled | None:
-    """Returns the compiled form of a translation; none of an override."""
+    """Returns the compiled form of a translation; None for an override."""
     form: Compiled | None = getattr(translate, "compiled", None)
     return form
 
@@ -167,7 +166,7 @@ class _Live(ctypes.Structure):
 
 
 class Translation(ctypes.Structure):
-    """A function, the values that it is given, and whether it is told the time."""
+    """A function, the values that it uses, and whether it uses the time."""
 
     _fields_ = (
         ("function", ctypes.c_void_p),
@@ -175,51 +174,49 @@ class Translation(ctypes.Structure):
         ("needs_clock", ctypes.c_uint8),
     )
 
-    def keep(self, values: _LiveValues) -> None:
-        """Lends values for as long as this is there."""
-        self._values = values
+    values: _LiveValues
 
 
-class _Made(ctypes.Structure):
+class _Result(ctypes.Structure):
     _fields_ = (("data", ctypes.c_void_p), ("unknown", ctypes.c_uint64))
 
 
 class _LiveValues:
-    """What may change while the bridge runs, as a function is given it."""
+    """Attributes of a bridge, joins and the time, in the structure that a function reads."""
 
     def __init__(self, bridge: Any, compiled: Compiled) -> None:
         self._bridge = bridge
         self._quantities, self._texts = compiled.quantities, compiled.texts
         self._needs_clock = compiled.needs_clock
-        self._known: list[Any] = [None] * len(self._texts)
+        self._encoded_texts: list[Any] = [None] * len(self._texts)
         self._numbers = (ctypes.c_double * max(1, len(self._quantities)))()
-        self._lent = (_Bytes * max(1, len(self._texts)))()
+        self._text_bytes = (_Bytes * max(1, len(self._texts)))()
         self._joins = (_Bytes * max(1, len(compiled.joins)))()
-        self.given = _Live(self._numbers, self._lent, self._joins, 0, 0)
+        self.shared = _Live(self._numbers, self._text_bytes, self._joins, 0, 0)
 
     def update(self, joins: Sequence[bytes | None]) -> bool:
-        """Takes the present values; False where one of them is not what it should be."""
+        """Takes the present values; returns False if one is no float or ASCII text."""
         bridge = self._bridge
-        for at, name in enumerate(self._quantities):
+        for index, name in enumerate(self._quantities):
             value = getattr(bridge, name)
             if type(value) is not float:
                 return False
-            self._numbers[at] = value
-        for at, name in enumerate(self._texts):
+            self._numbers[index] = value
+        for index, name in enumerate(self._texts):
             value = getattr(bridge, name)
-            if value is not self._known[at] and not self._take(at, value):
+            if value is not self._encoded_texts[index] and not self._set_text(index, value):
                 return False
-        for at, data in enumerate(joins):
-            self._joins[at] = _Bytes(data, 0 if data is None else len(data))
+        for index, data in enumerate(joins):
+            self._joins[index] = _Bytes(data, 0 if data is None else len(data))
         if self._needs_clock:
             now = bridge.now()
-            self.given.sec, self.given.nanosec = now.sec, now.nanosec
+            self.shared.sec, self.shared.nanosec = now.sec, now.nanosec
         return True
 
-    def _take(self, at: int, value: Any) -> bool:
+    def _set_text(self, index: int, value: Any) -> bool:
         if not isinstance(value, str) or not value.isascii():
             return False
         data = value.encode()
-        self._lent[at] = _Bytes(data, len(data))
-        self._known[at] = value
+        self._text_bytes[index] = _Bytes(data, len(data))
+        self._encoded_texts[index] = value
         return True

@@ -1,12 +1,12 @@
-"""Values of ROS messages: setters, errors, and limits of what their target field cannot carry.
+"""Values of target fields: limits, errors, and setters.
 
-Generated translations call the limit that the model names for the field. All of them return a value
-that fits as it is, which is the usual case and costs one comparison. They differ in the others:
+Generated translations call the `Limit` that the model names for a field. It returns a legal value
+unchanged, after one comparison. The policies differ for other values:
 
-    clamp         the nearest legal value; the message is dropped when there is none
-    drop_field    None, so that the optional JAUS field is left out
+    clamp         the nearest legal value; without one, the message is dropped
+    drop_field    None, by which the optional JAUS field is omitted
     drop_message  OutOfRangeError, which drops the message
-    error         the same, which is also an error in log and diagnostics
+    error         the same, reported as an error in log and diagnostics
 """
 
 from __future__ import annotations
@@ -18,6 +18,21 @@ from typing import Any, ClassVar, Generic, NoReturn, TypeVar
 from ...base.api import JausError
 from ...conversions import Quaternion, Time
 
+CLAMP = "clamp"
+NOT_CLAMPABLE = "not_clampable"
+DROP_FIELD = "drop_field"
+DROP_MESSAGE = "drop_message"
+ERROR = "error"
+
+_LARGEST_SINGLE = 3.4028234663852886e38
+_ROUNDING = 2.0**-40  # relative error of a conversion, by which a value may exceed a limit
+_SCALED = 0.005  # relative error of scaled integers of 16 bits
+
+Absent = TypeVar("Absent")
+T = TypeVar("T")
+Number = TypeVar("Number", int, float)
+Many = TypeVar("Many", bound="Sized")
+
 
 def by_name(
     names: Collection[str], keys: Sequence[str], values: Sequence[T], needed: str = ""
@@ -25,16 +40,16 @@ def by_name(
     """Returns values in the order of names.
 
     Args:
-        names: The names, in the order that is wanted.
+        names: The names, in order.
         keys: The name of each value; those of sensor_msgs/JointState, for example.
-        values: The values; a value less than there are keys is missing, as ROS allows.
-        needed: What the values are, where none may be missing.
+        values: The values; there may be fewer than keys, as ROS allows.
+        needed: Field of the values, if none may be missing; it is named in the error.
 
     Returns:
-        One for each name; None where no key is that name.
+        A value for each name; None for a missing one.
 
     Raises:
-        AbsentFieldError: One is missing and needed; it is named.
+        AbsentFieldError: A needed value is missing.
     """
     values_by_name = dict(zip(keys, values, strict=False))
     missing = [name for name in names if name not in values_by_name] if needed else ()
@@ -55,62 +70,47 @@ def set_time(target: Any, value: Time) -> None:
 
 
 class RosLostError(JausError):
-    """ROS is gone while the bridge runs: nothing arrives from there any more."""
+    """ROS has failed while the bridge runs: no message comes any more."""
 
 
 class RosTypeError(JausError):
-    """A ROS type that is not installed as the model has it: its messages cannot be exchanged."""
+    """A ROS type is not installed as the model has it."""
 
 
 class AbsentFieldError(JausError):
-    """A value that a translation cannot do without: left out by JAUS, or unknown by a marker."""
+    """A value that a translation needs is absent in JAUS, or unknown by a marker of ROS."""
 
 
 class OutOfRangeError(JausError):
-    """A value that the target field cannot carry, and that drops the message."""
+    """A value does not fit the target field, so that the message is dropped."""
 
     def __init__(self, field: str, reason: str, policy: str = "drop_message") -> None:
         super().__init__(f"{field}: {reason}")
         self.field = field  # the field, as the model names it
-        # What was to be done: `drop_message`, `error`, or `not_clampable` for a value that should
-        # be clamped and has no nearest legal value.
+        # `drop_message`, `error`, or `not_clampable` for one without a nearest legal value.
         self.policy = policy
 
 
 class StaleJoinError(JausError):
-    """A joined topic has delivered nothing, or nothing fresh, and the message needs it."""
+    """A joined message that a translation needs is stale, or none has come."""
 
     def __init__(self, join: str, reason: str) -> None:
         super().__init__(f"{join}: {reason}")
         self.join = join
 
 
-CLAMP = "clamp"
-NOT_CLAMPABLE = "not_clampable"
-DROP_FIELD = "drop_field"
-DROP_MESSAGE = "drop_message"
-ERROR = "error"
-
-_LARGEST_SINGLE = 3.4028234663852886e38
-# A conversion in floating point may miss a limit by the last bits of its factors: this part of it.
-_ROUNDING = 2.0**-40
-# Scaled integers of 16 bits miss a value by so little, as a part of the range of the map.
-_SCALED = 0.005
-
-Absent = TypeVar("Absent")
-T = TypeVar("T")
-Number = TypeVar("Number", int, float)
-Many = TypeVar("Many", bound="Sized")
-
-
 class Limit(Generic[Absent]):
-    """Keeps values within what their target field can carry; the subclasses are the policies."""
+    """Makes values fit their target field; each subclass is a policy.
+
+    Without a nearest legal value, or under another policy than `Clamp`, a value that does not fit
+    is omitted (None) or raises OutOfRangeError.
+    """
 
     def __init__(self, count: Callable[[str, str, str], None]) -> None:
         self._count = count
 
     def __call__(self, field: str, value: float, minimum: float, maximum: float) -> float | Absent:
-        """Returns a real number within minimum .. maximum."""
+        """Returns a real number within minimum .. maximum, but for errors of rounding."""
         if minimum <= value <= maximum:
             return value
         nearest = _nearest(value, minimum, maximum)
@@ -120,10 +120,10 @@ class Limit(Generic[Absent]):
         return self._outside(field, f"{value} is outside {minimum} .. {maximum}", nearest)
 
     def within(self, field: str, value: Number, minimum: Number, maximum: Number) -> Number:
-        """Returns what a map limits on purpose, such as a speed, and counts what is limited.
+        """Returns the nearest value within limits of a map, such as a speed, and counts others.
 
-        Whatever the policy is, the value becomes the nearest one; not a number stays so. What is
-        beyond an end by as little as scaled integers are rounded is not counted.
+        This does not depend on the policy. Not a number is returned unchanged. A value that exceeds
+        a limit only by the rounding of scaled integers is not counted.
         """
         if minimum <= value <= maximum or value != value:
             return value
@@ -133,17 +133,14 @@ class Limit(Generic[Absent]):
         return min(max(value, minimum), maximum)
 
     def integer(self, field: str, value: float, minimum: int, maximum: int) -> int | Absent:
-        """Returns the nearest integer within minimum .. maximum, as the call itself does.
-
-        A value that is rounded to an end is within.
-        """
+        """Returns the nearest integer, which must be within minimum .. maximum."""
         if minimum <= value <= maximum or minimum - 0.5 < value < maximum + 0.5:
             return round(value)
         nearest = _nearest(value, minimum, maximum)
         return self._outside(field, f"{value} is outside {minimum} .. {maximum}", nearest)
 
     def listed(self, field: str, value: float, ranges: Sequence[tuple[int, int]]) -> int | Absent:
-        """Returns an integer of a value set; others have no nearest one: each has a meaning."""
+        """Returns an integer of a value set; others have no nearest legal value."""
         if math.isfinite(value):
             number = round(value)
             if any(low <= number <= high for low, high in ranges):
@@ -151,19 +148,19 @@ class Limit(Generic[Absent]):
         return self._outside(field, f"{value} is not in the value set", None)
 
     def finite(self, field: str, value: float) -> float | Absent:
-        """Returns a number that is not infinite; not a number and the infinite have no nearest."""
+        """Returns a finite number; others have no nearest legal value."""
         if math.isfinite(value):
             return value
         return self._outside(field, f"{value} is no finite number", None)
 
     def single(self, field: str, value: float) -> float | Absent:
-        """Returns a number that fits into single precision; the infinite have no nearest."""
+        """Returns a number of single precision; infinity has no nearest legal value."""
         if math.isinf(value):
             return self._outside(field, f"{value} is no finite number", None)
         return self(field, value, -_LARGEST_SINGLE, _LARGEST_SINGLE)
 
     def text(self, field: str, value: str, shortest: int, longest: int) -> str | Absent:
-        """Returns a text of Latin-1 characters; one that does not fit has no nearest."""
+        """Returns a text in Latin-1 of a legal length; others have no nearest legal value."""
         if not shortest <= len(value) <= longest:
             reason = f"length {len(value)} is outside {shortest} .. {longest}"
             return self._outside(field, reason, None)
@@ -172,26 +169,26 @@ class Limit(Generic[Absent]):
         return value
 
     def octets(self, field: str, value: bytes, shortest: int, longest: int) -> bytes | Absent:
-        """Returns bytes of a legal length; others have no nearest."""
+        """Returns bytes of a legal length; others have no nearest legal value."""
         if shortest <= len(value) <= longest:
             return value
         reason = f"length {len(value)} is outside {shortest} .. {longest}"
         return self._outside(field, reason, None)
 
     def sized(self, field: str, values: Many, shortest: int, longest: int) -> Many | Absent:
-        """Returns a list of a legal length; others have no nearest."""
+        """Returns a list of a legal length; others have no nearest legal value."""
         if shortest <= len(values) <= longest:
             return values
         reason = f"{len(values)} elements are not {shortest} .. {longest}"
         return self._outside(field, reason, None)
 
     def _outside(self, field: str, reason: str, nearest: T | None) -> T | Absent:
-        """Does with a value that does not fit what the policy says; None is no nearest value."""
+        """Applies the policy to a value that does not fit; `nearest` may be None."""
         raise NotImplementedError
 
 
 class Clamp(Limit[NoReturn]):
-    """Uses the nearest legal value; what has none drops the message."""
+    """Uses the nearest legal value; without one, drops the message."""
 
     def _outside(self, field: str, reason: str, nearest: T | None) -> T:
         if nearest is None:
@@ -201,7 +198,7 @@ class Clamp(Limit[NoReturn]):
 
 
 class DropField(Limit[None]):
-    """Leaves the field out."""
+    """Omits the field."""
 
     def __call__(self, field: str, value: float, minimum: float, maximum: float) -> float | None:
         """Returns a real number within minimum .. maximum; None for others."""
@@ -211,7 +208,7 @@ class DropField(Limit[None]):
         return super().__call__(field, value, minimum, maximum)
 
     def unknown(self, field: str) -> None:
-        """Counts a value that is no number: ROS marks so what is unknown, in every message."""
+        """Counts a field omitted for not a number, by which ROS marks an unknown value."""
         self._count(DROP_FIELD, field, "not a number")
 
     def _outside(self, field: str, reason: str, nearest: T | None) -> None:  # noqa: ARG002
@@ -234,7 +231,7 @@ class Error(DropMessage):
 
 
 def _nearest(value: float, minimum: Number, maximum: Number) -> Number | None:
-    """Returns the end beyond which a value lies; not a number lies beyond none."""
+    """Returns the limit that a value exceeds; None for not a number."""
     if value < minimum:
         return minimum
     return maximum if value > maximum else None

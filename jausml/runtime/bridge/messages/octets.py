@@ -1,6 +1,6 @@
-"""Lists of single octets, such as the cells of a grid, all at once.
+"""Conversion of long lists of octets, such as the cells of a grid, in one step.
 
-They are rows of numbers of a ROS message, or records of JAUS of one number of eight bits.
+The lists are arrays of numbers in a ROS message, or JAUS records with one field of eight bits.
 """
 
 from __future__ import annotations
@@ -17,18 +17,18 @@ from .limits import Limit
 
 
 class Table:
-    """What becomes of each octet.
+    """The target octet of each source octet.
 
     Attributes:
-        octets: The octet for each of the 256, as `bytes.translate` takes them.
-        odd: What those become that have none: an octet that stands for no other, to be looked for
-            in the result, as a limit says what is done with them. None where all have one.
+        octets: The 256 target octets, as `bytes.translate` takes them.
+        odd: An unused octet, by which source octets without a legal target are marked in the
+            result; None if all have a target.
     """
 
     def __init__(
         self, convert: Callable[[float], float], lower: int, upper: int, *, is_signed: bool
     ) -> None:
-        """Asks a conversion for the value of each octet; one may raise an error of the runtime."""
+        """Converts each octet; those outside of the limits, or with a JausError, have no target."""
         values_by_octet: dict[int, int] = {}
         for octet in range(256):
             try:
@@ -53,7 +53,7 @@ def _table(
 
 
 def number(octet: int, *, is_signed: bool) -> int:
-    """Returns the number that an octet is."""
+    """Returns the number of an octet."""
     return octet - 256 if is_signed and octet > 127 else octet
 
 
@@ -66,14 +66,16 @@ def each(
     maximum: int,
     record: type[Any] | None = None,
 ) -> MutableSequence[Any]:
-    """Returns the integers that a conversion makes of single octets.
+    """Returns the converted integers of octets.
 
     Args:
+        limit: Policy for values outside of `minimum` .. `maximum`.
+        field: The target field, for the policy.
         items: The octets: numbers, or records of one number.
-        record: Class of the records that the results are; None for numbers.
+        record: Class of the resulting records; None for numbers.
 
     Raises:
-        ConversionError: A number has no counterpart.
+        ConversionError: An octet cannot be converted.
         OutOfRangeError: A value does not fit and drops the message.
     """
     raw, is_signed = _raw(items)
@@ -81,11 +83,11 @@ def each(
     octets = raw.translate(table.octets)
     if table.odd is not None and table.odd in octets:
         limited = bytearray(octets)
-        at = octets.find(table.odd)
-        while at >= 0:
-            value = convert(number(raw[at], is_signed=is_signed))
-            limited[at] = limit.integer(field, value, minimum, maximum) & 0xFF
-            at = octets.find(table.odd, at + 1)
+        position = octets.find(table.odd)
+        while position >= 0:
+            value = convert(number(raw[position], is_signed=is_signed))
+            limited[position] = limit.integer(field, value, minimum, maximum) & 0xFF
+            position = octets.find(table.odd, position + 1)
         octets = bytes(limited)
     if record is not None:
         return OctetRecords(record, octets)
@@ -93,9 +95,10 @@ def each(
 
 
 def reverse_rows(cells: Sequence[Any], columns: float) -> Sequence[Any]:
-    """Returns the cells of a grid, row by row, with the rows in the opposite order.
+    """Returns the cells of a grid with the rows in the opposite order.
 
-    It raises ConversionError where they do not fill rows of `columns` cells.
+    Raises:
+        ConversionError: The cells do not fill rows of `columns` cells.
     """
     if isinstance(cells, OctetRecords) and cells.octets is not None:
         return OctetRecords(cells.record, _reversed(cells.octets, len(cells), columns, 1))
@@ -114,14 +117,14 @@ def _reversed(data: bytes, count: int, columns: float, size: int) -> bytes:
 
 
 def _raw(items: Sequence[Any]) -> tuple[bytes, bool]:
-    """Returns octets as bytes, and whether they have a sign."""
+    """Returns octets as bytes, and whether they are signed."""
     if isinstance(items, OctetRecords) and items.octets is not None:
         return items.octets, items.record.OCTET.is_signed
     if isinstance(items, array):
         return items.tobytes(), items.typecode == "b"
     if isinstance(items, bytes | bytearray):
         return bytes(items), False
-    # Records or numbers that somebody has put together.
+    # A list of records or numbers, from an override.
     values = [
         getattr(item, item.OCTET.attribute) if hasattr(item, "OCTET") else item for item in items
     ]

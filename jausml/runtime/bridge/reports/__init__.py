@@ -1,1 +1,1 @@
-"""What is counted and said of a connection."""
+"""Statistics, states and diagnostics of connections."""

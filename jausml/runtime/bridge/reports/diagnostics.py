@@ -1,4 +1,4 @@
-"""Counts, latencies and reports of a connection of a bridge, and of what it cannot carry."""
+"""Counts, latencies and statuses of the connections of a bridge, and statuses of the bridge."""
 
 from __future__ import annotations
 
@@ -19,32 +19,19 @@ from ..messages import limits
 from .states import Standing, StopReason
 
 Take = Callable[[bytes, Any], None]
-Age = Callable[[bytes, Any], "float | None"]
-"""Returns the seconds since a message with its origin was made; None when nothing tells them."""
+Age = Callable[[bytes, Any], "float | None"]  # seconds of a message and its origin, if known
 
-
-LOST_IN_QUEUE = "lost_in_queue"
-"""Messages of a topic that the queue of its subscription had no room for."""
-
+# Reasons of losses.
+LOST_IN_QUEUE = "lost_in_queue"  # messages of a topic that overflowed the queue of a subscription
 MISSED = "missed"  # messages of a topic that were published and never arrived
-
-TOO_OLD = "too_old"
-"""Messages that waited too long in the queue of their subscription, or came too late."""
-
-LOST_ON_THE_WAY = "lost_on_the_way"
-"""Reports of an event that never arrived, by the gaps between sequence numbers."""
-
+TOO_OLD = "too_old"  # messages that waited too long in the queue, or came too late
+LOST_ON_THE_WAY = "lost_on_the_way"  # reports of an event that never arrived
 OUT_OF_ORDER = "out_of_order"  # reports of an event that arrived after newer ones, and were dropped
-UNHEARD = "unheard"  # messages that were published while nobody subscribed to their topic
-THINNED = "thinned"  # messages that gave way to others, because fewer were wanted
+UNHEARD = "unheard"  # messages that were published on a topic without subscribers
+THINNED = "thinned"  # messages that were left out, as the model or parameters limit their rate
+NOT_LOST = frozenset([UNHEARD, THINNED])  # those that are no faults
 
-NOT_LOST = frozenset([UNHEARD, THINNED])
-"""Counts that tell of no loss: of what nobody is there for, and of what nobody wants."""
-
-DOUBLE_LIFETIME = 10.0
-"""Seconds after which a component with the same address that was heard no more is history."""
-
-
+DOUBLE_LIFETIME = 10.0  # seconds for which a component with the same address is an error
 _LEVELS = {Status.EMERGENCY: "warning", Status.FAILURE: "error"}
 
 
@@ -54,21 +41,21 @@ class Statistics:
 
     arrivals: int = 0
     passed: int = 0
-    alone: int = 0  # messages of those that passed that a compiled core has passed on alone
-    thinned: int = 0  # messages that gave way to others, as the model or parameters want it
-    safe_values: int = 0  # safe values sent because the source was lost
+    alone: int = 0  # of `passed`, those by the compiled core without Python
+    thinned: int = 0  # left out, as the model or parameters limit the rate
+    safe_values: int = 0  # sent because the source was lost
     stops: Counter[StopReason] = field(default_factory=Counter)
     limited: int = 0
-    # Values that their target field could not carry, by policy and field.
+    # Values that did not fit their target field, by policy and field.
     out_of_range: Counter[tuple[str, str]] = field(default_factory=Counter)
     errors: int = 0
     drops: Counter[str] = field(default_factory=Counter)
-    # What was wrong with the first message of each reason that no message passes for.
+    # The first error of each reason for which a message could not be translated.
     failures: dict[str, str] = field(default_factory=dict)
-    # Messages that were passed on to other peers, but not to one that did not obey.
+    # Messages that were passed on to other peers only, by the peer that did not obey.
     withheld: Counter[JausAddress] = field(default_factory=Counter)
     last_arrival: float | None = None  # seconds, None before the first message
-    heard: float = 0.0  # when the source last said something usable, or silence was last looked for
+    heard: float = 0.0  # time of the last usable message, or of the begin of the watch for silence
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +70,7 @@ class ConnectionStatus:
 
 
 def state_status(hardware_id: str, standing: Standing, controller: str) -> ConnectionStatus:
-    """Returns the status of the bridge itself; its controller is empty without one."""
+    """Returns the status of the bridge itself; `controller` is empty without one."""
     node, jaus = ("active" if standing.is_active else "inactive"), standing.status.name.lower()
     level = _LEVELS.get(standing.status, "ok" if standing.is_active else "stale")
     values = (("node", node), ("jaus", jaus), ("controller", controller or "none"))
@@ -91,7 +78,7 @@ def state_status(hardware_id: str, standing: Standing, controller: str) -> Conne
 
 
 def double_status(double: Double, now: float) -> ConnectionStatus:
-    """Returns the status of a bridge whose address somebody else was heard with."""
+    """Returns the status of a bridge whose address another component uses too."""
     age = now - double.last_heard
     values = (("place", double.place), ("age (s)", f"{age:.3f}"))
     level = "error" if age < DOUBLE_LIFETIME else "warning"
@@ -99,7 +86,7 @@ def double_status(double: Double, now: float) -> ConnectionStatus:
 
 
 def greeting_status(unanswered: Mapping[JausAddress, int], hardware_id: str) -> ConnectionStatus:
-    """Returns the status of a bridge that greets peers."""
+    """Returns the status of greetings, by the number of unanswered ones to each peer."""
     silent = [str(peer) for peer, tries in unanswered.items() if tries >= GREETING_PATIENCE]
     message = f"no answer of {', '.join(silent)}" if silent else "running"
     values = tuple((f"greetings to {peer}", str(tries)) for peer, tries in unanswered.items())
@@ -108,7 +95,7 @@ def greeting_status(unanswered: Mapping[JausAddress, int], hardware_id: str) -> 
 
 
 def guardian_status(description: str, failure: str, hardware_id: str) -> ConnectionStatus:
-    """Returns the status of the guardian of a bridge."""
+    """Returns the status of the guardian of a bridge; `failure` is empty while it runs."""
     level, message = ("error", f"it {failure}") if failure else ("ok", description)
     return ConnectionStatus("guardian", level, message, hardware_id, ())
 
@@ -116,7 +103,7 @@ def guardian_status(description: str, failure: str, hardware_id: str) -> Connect
 def traffic_status(
     counts: Mapping[str, int], former: Mapping[str, int], hardware_id: str
 ) -> ConnectionStatus:
-    """Returns the status of what was dropped on the JAUS side, before any connection."""
+    """Returns the status of messages dropped before any connection: present and former counts."""
     new = [name for name, count in counts.items() if count > former.get(name, 0)]
     level, message = ("warning", ", ".join(new)) if new else ("ok", "running")
     values = tuple((f"dropped: {name}", str(count)) for name, count in counts.items())
@@ -124,20 +111,20 @@ def traffic_status(
 
 
 def socket_status(drops: int, hardware_id: str, *, is_new: bool) -> ConnectionStatus:
-    """Returns the status of a bridge for whose sockets the kernel had no room."""
+    """Returns the status of datagrams that the kernel dropped, as its buffer was full."""
     level, message = ("warning", "datagrams are lost") if is_new else ("ok", "running")
     values = (("dropped by the kernel", str(drops)),)
     return ConnectionStatus("jaus socket", level, message, hardware_id, values)
 
 
-WINDOW = 1000  # latest messages of which percentiles are told
+WINDOW = 1000  # number of messages for percentiles
 
 
 class Latency:
     """Ages and handling times of the latest messages.
 
-    A message's age is the time from the stamp of its source to the bridge, by the clocks of both
-    computers; its handling time is that from when the bridge takes it until the target side has it.
+    The age of a message is the time from the stamp of its source until the bridge takes it, by the
+    clocks of both computers. The handling time is that from then until it was delivered.
     """
 
     def __init__(self, age: Age, clock: Callable[[], float]) -> None:
@@ -147,10 +134,10 @@ class Latency:
         self._handling: deque[float] = deque(maxlen=WINDOW)
 
     def measure(self, pass_on: Take, data: bytes, origin: Any, counts: Statistics) -> None:
-        """Has a message passed on, and notes how long that took if it was."""
-        begun, passed = self._clock(), counts.passed
+        """Calls `pass_on` with a message, and records age and time if the message was passed."""
+        start, passed = self._clock(), counts.passed
         pass_on(data, origin)
-        handling = self._clock() - begun
+        handling = self._clock() - start
         if counts.passed > passed:
             self._handling.append(handling)
             age = self._age(data, origin)
@@ -158,7 +145,7 @@ class Latency:
                 self._ages.append(age - handling)
 
     def describe(self) -> list[tuple[str, str]]:
-        """Names and values for diagnostics; none before the first message."""
+        """Returns names and values for diagnostics; none before the first message."""
         return [
             *_percentiles("source to bridge", self._ages),
             *_percentiles("in the bridge", self._handling),
@@ -175,8 +162,8 @@ def _percentiles(name: str, seconds: Sequence[float]) -> list[tuple[str, str]]:
 
 
 T = TypeVar("T")
-Made = TypeVar("Made")
 
+# Reasons of drops, and the counter of blocking translations.
 BLOCKED = "blocked"
 FAILED = "translation_failed"
 OUT_OF_RANGE = "out_of_range"
@@ -189,10 +176,11 @@ _REASONS: tuple[tuple[type[Exception], str], ...] = (
     (EncodeError, "not_encodable"),
     (DecodeError, "not_decodable"),
 )
+FAILURES = frozenset([FAILED, *(reason for _, reason in _REASONS)])  # for any values
 
 
 def reason_of(error: Exception) -> str:
-    """Returns under which name a message is counted of which a translation made an error."""
+    """Returns the name under which a message is counted whose translation raised an error."""
     if isinstance(error, limits.OutOfRangeError):
         return OUT_OF_RANGE
     if isinstance(error, limits.StaleJoinError):
@@ -200,33 +188,26 @@ def reason_of(error: Exception) -> str:
     return next((reason for kind, reason in _REASONS if isinstance(error, kind)), FAILED)
 
 
-FAILURES = frozenset([FAILED, *(reason for _, reason in _REASONS)])
-"""Reasons for which a message could not be translated, whatever its values."""
-
-
 class Limiting:
-    """What translations call for values that may not fit, and what counts those that do not."""
+    """The limits that translations apply to values, and the counts of values that do not fit."""
 
     name: str
     statistics: Statistics
     counters: Counters
-    # Whether `drop_message` is how messages are chosen, so that it is nothing to tell.
-    filters: bool = False
+    filters: bool = False  # whether the policy `drop_message` is a filter, and no fault
 
     def __init__(self) -> None:
         """Counts in the statistics alone until the bridge is open."""
         self.clamp = limits.Clamp(self._note_out_of_range)
-        # Leaves fields out whose value is out of range.
         self.drop_field = limits.DropField(self._note_out_of_range)
-        # Drops messages with a value out of range.
         self.drop_message = limits.DropMessage(self._note_out_of_range)
-        self.error = limits.Error(self._note_out_of_range)  # does the same, as an error
+        self.error = limits.Error(self._note_out_of_range)
         self._is_open = False
 
     def by_name(
         self, names: Collection[str], keys: Sequence[str], values: Sequence[T], needed: str
     ) -> list[T | None]:
-        """Returns values in the order of names; one that is missing is an AbsentFieldError."""
+        """Returns values in the order of names; raises AbsentFieldError for a missing one."""
         return limits.by_name(names, keys, values, needed)
 
     def drop(self, reason: str, detail: str = "", error: Exception | None = None) -> None:
@@ -235,20 +216,19 @@ class Limiting:
         self.counters.count(f"bridge.{self.name}.{reason}", detail, error=error)
 
     def refuse(self, reason: str, detail: str = "") -> None:
-        """Counts a message that comes, and is not looked at."""
+        """Counts a message that is refused unread."""
         self.statistics.arrivals += 1
         self.drop(reason, detail)
 
     def _note_out_of_range(self, policy: str, field: str, reason: str) -> None:
-        """Counts a value that its target field cannot carry.
+        """Counts a value that does not fit its target field.
 
-        A value that is left out is ordinary traffic: ROS marks what is unknown by values that no
-        JAUS field carries. One that is clamped stands for another one, of which the log tells once
-        and the end of the process again. What is dropped goes into the log.
+        An omitted field is not logged, since ROS marks unknown values like this. Clamping is logged
+        once, and at the end of the process. A dropped message is logged.
         """
         self.statistics.out_of_range[policy, field] += 1
         self.statistics.limited += policy == limits.CLAMP
-        if not self._is_open:  # a translation that is tried
+        if not self._is_open:  # a translation in a test
             return
         name = f"bridge.{self.name}.{OUT_OF_RANGE}.{policy}.{field}"
         if policy == limits.DROP_FIELD:
@@ -258,12 +238,12 @@ class Limiting:
             self.counters.count(name, reason, level=level, once=policy == limits.CLAMP)
 
     def note_blocking(self, seconds: float) -> None:
-        """Counts a translation during which nothing else went on."""
+        """Counts a translation that blocked the loop."""
         detail = f"the translation took {seconds:.1f} s; nothing was received meanwhile"
         self.counters.count(f"bridge.{self.name}.{BLOCKED}", detail)
 
     def _refuse(self, error: limits.OutOfRangeError) -> None:
-        """Counts a message that is not passed on because of one of its values."""
+        """Counts a message that is dropped because of a value."""
         drops = self.statistics.drops
         if self.filters and error.policy == limits.DROP_MESSAGE:
             drops[FILTERED] += 1
@@ -273,7 +253,7 @@ class Limiting:
         self._note_out_of_range(error.policy, error.field, str(error))
 
     def fail(self, error: Exception) -> None:
-        """Counts a message that could not be translated or handed over."""
+        """Counts a message that could not be translated or delivered."""
         if isinstance(error, limits.OutOfRangeError):
             self._refuse(error)
             return

@@ -1,4 +1,4 @@
-"""States of a bridge and of its connections: why nothing stands, and how it goes in one word."""
+"""States of a bridge and of its connections: reasons of stops, phases, and their log."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ...services.definitions import Status
 
 
 class StopReason(Enum):
-    """Why the stop stands on the other side; the value is what logs and diagnostics say."""
+    """Why a connection is stopped; logs and diagnostics show the value."""
 
     START = "no message yet"
     SILENCE = "the source is silent"
@@ -30,30 +30,29 @@ class StopReason(Enum):
     END = "the bridge ends"
 
 
-_HALTS = {
+_HALTS = {  # states in which the bridge may not command
     Status.INITIALIZE: StopReason.RESET,
     Status.EMERGENCY: StopReason.EMERGENCY,
     Status.FAILURE: StopReason.FAILURE,
     Status.SHUTDOWN: StopReason.END,
 }
-"""States in which nothing is commanded, whoever wants to."""
 
 
 @dataclass(frozen=True)
 class Standing:
-    """What the JAUS side of a bridge may do."""
+    """Status, controller and activity of a bridge, which decide what it may command."""
 
     status: Status
     controller: JausAddress | None
     is_active: bool = True
-    has_lapsed: bool = False  # nobody controls the bridge since its controller let control lapse
+    has_lapsed: bool = False  # whether the last controller has let its control lapse
 
     @property
     def halt(self) -> StopReason | None:
-        """Why the bridge commands nothing of its own now; None when it does.
+        """Why the bridge may not command its peers now; None when it may.
 
-        A bridge that somebody controls commands in Ready alone. One that nobody controls works by
-        itself: the Standby of a bridge that nobody ever resumes forbids nothing.
+        A bridge with a controller commands only in Ready; one without also in Standby, as no
+        controller can resume it.
         """
         if not self.is_active:
             return _HALTS.get(self.status, StopReason.INACTIVE)
@@ -63,17 +62,17 @@ class Standing:
 
     @property
     def without_controller(self) -> StopReason:
-        """Why the former controller has control no more, where nobody took it over."""
+        """How the former controller lost its control, where no other took it over."""
         return StopReason.CONTROL_LAPSED if self.has_lapsed else StopReason.CONTROL_RELEASED
 
     def lost_since(self, former: Standing) -> StopReason | None:
-        """Returns why what the former controller commanded must not stand; None when it may."""
+        """Returns why commands of the former controller have to end; None if they may go on."""
         if former.is_active and not self.is_active:
             return StopReason.INACTIVE
         if self.status is not former.status and self.status in _HALTS:
             return _HALTS[self.status]
         if former.status in _HALTS:
-            return None  # what stood then ended with that state
+            return None  # no command was in effect in that state
         if former.controller not in (None, self.controller):
             return StopReason.TAKEN_OVER if self.controller else self.without_controller
         left_ready = former.status is Status.READY and self.status is not Status.READY
@@ -81,17 +80,17 @@ class Standing:
 
 
 class ConnectionPhase(Enum):
-    """How it stands with a connection; the value is what diagnostics and logs say."""
+    """State of a connection; diagnostics and logs show the value."""
 
-    WAITING = "waiting"  # nothing came yet, or the other end is not there
+    WAITING = "waiting"  # no message came yet, or a peer is lacking
     ACTIVE = "active"
-    DEGRADED = "degraded"  # messages pass, but not as they should
-    SILENT = "silent"  # the source says nothing usable any more; its stop stands, if it has one
-    REFUSED = "refused"  # it may not pass anything on, or nobody obeys
-    FAILED = "failed"  # what comes cannot be passed on
+    DEGRADED = "degraded"  # messages pass, with faults
+    SILENT = "silent"  # usable messages of the source have ceased; a stop was sent, if there is one
+    REFUSED = "refused"  # messages may not pass, or no peer obeys
+    FAILED = "failed"  # messages cannot be translated
 
 
-LEVELS = {
+LEVELS = {  # of `/diagnostics`
     ConnectionPhase.WAITING: "stale",
     ConnectionPhase.ACTIVE: "ok",
     ConnectionPhase.DEGRADED: "warning",
@@ -99,28 +98,27 @@ LEVELS = {
     ConnectionPhase.REFUSED: "stale",
     ConnectionPhase.FAILED: "error",
 }
-"""Levels of `/diagnostics`."""
 
 _SILENCES = (StopReason.SILENCE, StopReason.CLOCK)
 
 
 @dataclass(frozen=True, slots=True)
 class Facts:
-    """What is known of a connection. Texts are empty for what is well."""
+    """Facts by which a connection is judged; a text is empty where all is well."""
 
-    error: str = ""  # what is wrong with the values that it is given
-    fault: str = ""  # what is wrong with its topics
-    lacking: str = ""  # which other end is not there
+    error: str = ""  # of values
+    fault: str = ""  # of topics
+    lacking: str = ""  # which peer or service is not there
     failing: str = ""  # why none of the latest messages could be passed on
-    stopped: StopReason | None = None  # why no messages of the source stand
-    forbidden: str = ""  # why nothing may be passed on now
+    stopped: StopReason | None = None  # why the stop was the last message sent
+    forbidden: str = ""  # why no message may be passed on now
     is_heard: bool = True  # whether a message ever came
-    refusal: str = ""  # why nobody at the other end obeys
-    complaint: str = ""  # what is not as it should be, though messages pass
+    refusal: str = ""  # why no peer obeys
+    complaint: str = ""  # the fault of a connection that passes messages on
 
 
 class Judgement(NamedTuple):
-    """State of a connection."""
+    """State of a connection, and the reason in words."""
 
     phase: ConnectionPhase
     reason: str
@@ -132,7 +130,7 @@ class Judgement(NamedTuple):
 
 
 def judge(facts: Facts) -> Judgement:
-    """Returns the state of a connection; of several facts the one that explains the others."""
+    """Returns the state of a connection, by the first fact in the order of importance."""
     if facts.error:
         return Judgement(ConnectionPhase.FAILED, facts.error)
     if facts.fault:
@@ -155,7 +153,7 @@ def judge(facts: Facts) -> Judgement:
 
 
 def _stopped(facts: Facts, reason: StopReason) -> Judgement:
-    """Returns the state while no message of the source stands."""
+    """Returns the state of a stopped connection."""
     if reason in _SILENCES and facts.is_heard:
         return Judgement(ConnectionPhase.SILENT, reason.value)
     if reason in (StopReason.START, *_SILENCES) or not (facts.is_heard or facts.forbidden):
@@ -165,34 +163,30 @@ def _stopped(facts: Facts, reason: StopReason) -> Judgement:
     return Judgement(ConnectionPhase.WAITING, f"no message since the stop: {reason.value}")
 
 
-INTERVAL = 10.0  # least seconds between two lines about one connection: its state may come and go
-
-PATIENCE = 3.0
-"""Seconds after which the log tells for whom a connection waits that has had no message yet."""
-
-_WARNED = (ConnectionPhase.SILENT, ConnectionPhase.FAILED)
-"""States that are warned of; of what degrades a connection its counts warn already."""
+INTERVAL = 10.0  # least seconds between two lines of the log about one connection
+PATIENCE = 3.0  # seconds after which a waiting connection is logged with its reason
+_WARNED = (ConnectionPhase.SILENT, ConnectionPhase.FAILED)  # DEGRADED is warned of by its counts
 
 
 class StateLog:
-    """Remembers what the log was told of a connection."""
+    """Logs changes of the state of a connection, not too often."""
 
     def __init__(self, name: str) -> None:
-        """Begins with a connection that waits, of which nothing is told."""
+        """Begins with a waiting connection, which is not logged."""
         self._name = name
         self._last_phase = ConnectionPhase.WAITING
         self._next = 0.0
-        self._awaited = StopReason.START.value
-        self._since = 0.0
+        self._reason = StopReason.START.value
+        self._waiting_since = 0.0
 
     def note(self, judgement: Judgement, now: float) -> None:
-        """Tells the log of a change, unless it was told something a moment ago."""
+        """Logs a change of the state, unless the last line was less than `INTERVAL` ago."""
         phase = judgement.phase
-        if phase is ConnectionPhase.WAITING and judgement.reason != self._awaited:
-            self._awaited, self._since = judgement.reason, now
-        is_due = self._since > 0 and now - self._since >= PATIENCE
+        if phase is ConnectionPhase.WAITING and judgement.reason != self._reason:
+            self._reason, self._waiting_since = judgement.reason, now
+        is_due = self._waiting_since > 0 and now - self._waiting_since >= PATIENCE
         if phase is self._last_phase is ConnectionPhase.WAITING and is_due:
-            self._since = 0.0
+            self._waiting_since = 0.0
             LOGGER.info("%s is %s: %s", self._name, phase.value, judgement.reason)
         if phase is self._last_phase or now < self._next:
             return

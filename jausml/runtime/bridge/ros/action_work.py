@@ -1,6 +1,6 @@
-"""What clients and servers of ROS actions share: messages, work on the executor, and goals."""
+"""Common parts of ROS action clients and servers: messages, and work on the executor."""
 
-# ROS is typed in parts; whoever checks generated code reads this module too.
+# rclpy has few types, and type checks of generated code include this module.
 # mypy: disable-error-code="import-not-found, import-untyped, no-untyped-call"
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from .internals import Codec
 
 
 class ActionWork:
-    """What the actions of one node have done, in order, and the goals that are under way."""
+    """Runs callbacks of the actions of one node in order, and tracks goals under way."""
 
     def __init__(self, node: Any, executor: Any, loop: Loop, ward: Any) -> None:
         self.loop = loop
@@ -31,13 +31,13 @@ class ActionWork:
         self.node = node
         self._executor = executor
         self._waiting: deque[Callable[[], object]] = deque()
-        self._open: set[object] = set()
+        self._goals: set[object] = set()
         self._changed = threading.Condition()
 
     def run(self, callback: Callable[..., object], *arguments: object) -> None:
-        """Runs a callback on the thread of the executor, after those asked for earlier.
+        """Runs a callback on the thread of the executor, after those of earlier calls.
 
-        The executor begins with the task that it got last, so the order is kept here.
+        The order is kept here, as the executor begins with its newest task.
         """
         self._waiting.append(partial(callback, *arguments))
         self._executor.create_task(self._run_next)
@@ -46,32 +46,32 @@ class ActionWork:
         self.guarded(self._waiting.popleft())
 
     def guarded(self, callback: Callable[..., object], *arguments: object) -> None:
-        """Runs a callback; an error is counted, for it would end the executor."""
+        """Runs a callback; counts an error, which would end the executor."""
         try:
             callback(*arguments)
         except Exception as error:
             self.loop.counters.count("ros_actions.failed", repr(error), error=error)
 
-    def opened(self, goal: object) -> None:
-        """Notes a goal that is under way."""
+    def add_goal(self, goal: object) -> None:
+        """Adds a goal under way."""
         with self._changed:
-            self._open.add(goal)
+            self._goals.add(goal)
 
-    def closed(self, goal: object) -> None:
-        """Notes a goal that has ended."""
+    def remove_goal(self, goal: object) -> None:
+        """Removes a goal that has ended."""
         with self._changed:
-            self._open.discard(goal)
+            self._goals.discard(goal)
             self._changed.notify_all()
 
     def wait(self, deadline: float) -> None:
-        """Waits until all goals have ended, but not longer than to a time of the steady clock."""
+        """Waits until all goals have ended, or until a time of the steady clock."""
         with self._changed:
-            while self._open and (left := deadline - time.monotonic()) > 0:
+            while self._goals and (left := deadline - time.monotonic()) > 0:
                 self._changed.wait(left)
 
 
 class ActionMessages:
-    """The classes of rclpy of an action, and their members that the bridge knows."""
+    """The classes of rclpy of an action, and access to the fields that the bridge uses."""
 
     def __init__(self, action: ListAction) -> None:
         try:
@@ -82,8 +82,8 @@ class ActionMessages:
         self._action = action
         kind = self._codec.message_class
         element = f"{kind.__module__.split('.')[0]}/{kind.__name__}"
-        wanted = (f"sequence<{element}", element)
-        goal_type = _require(self.type.Goal, action.goal, wanted, action.type_name)
+        allowed = (f"sequence<{element}", element)
+        goal_type = _require(self.type.Goal, action.goal, allowed, action.type_name)
         self._is_single = goal_type == element
         is_distance = action.counting is Progress.DISTANCE
         numbers = ("float", "double") if is_distance else ("int", "uint")
@@ -96,30 +96,28 @@ class ActionMessages:
         messages = [self._codec.decode(element) for element in elements]
         assign(goal, self._action.goal, value=messages[0] if self._is_single else messages)
         # A nav_msgs/Path is in the frame of its own header, not in those of its poses.
-        around = self._action.goal.rpartition(".")[0]
-        holder: Any = attrgetter(around)(goal) if around else None
-        if messages and hasattr(holder, "header") and hasattr(messages[0], "header"):
-            holder.header = messages[0].header
+        parent = self._action.goal.rpartition(".")[0]
+        path: Any = attrgetter(parent)(goal) if parent else None
+        if messages and hasattr(path, "header") and hasattr(messages[0], "header"):
+            path.header = messages[0].header
         return goal
 
     def distances(self, goal: Any) -> list[float]:
-        """Returns how far it is from each element of a goal to the last; none where nobody asks."""
+        """Returns the metres from each element of a goal to the last, if feedback counts these."""
         if self._action.counting is not Progress.DISTANCE:
             return []
-        places = [
-            (position.x, position.y, position.z)
-            for position in map(_position, attrgetter(self._action.goal)(goal))
-        ]
-        lengths = map(math.dist, places[:0:-1], places[-2::-1])
+        positions = map(_position, attrgetter(self._action.goal)(goal))
+        points = [(position.x, position.y, position.z) for position in positions]
+        lengths = map(math.dist, points[:0:-1], points[-2::-1])
         return [*accumulate(lengths, initial=0.0)][::-1]
 
     def elements(self, goal: Any) -> list[bytes]:
-        """Returns the elements of a goal, serialized: one more than it may have at most."""
+        """Returns the serialized elements of a goal, at most one more than are allowed."""
         elements = attrgetter(self._action.goal)(goal)
         return [self._codec.encode(element) for element in islice(elements, LONGEST_GOAL + 1)]
 
     def feedback(self, number: int) -> Any:
-        """Returns a feedback that says how far the list is; None when there is no such number."""
+        """Returns a feedback with the number of the progress; None if the action has none."""
         if not self._action.progress:
             return None
         feedback = self.type.Feedback()
@@ -127,7 +125,7 @@ class ActionMessages:
         return feedback
 
     def progress(self, feedback: Any, distances: Sequence[float]) -> int | None:
-        """Returns how far a feedback says that the list is; None when it does not."""
+        """Returns the number of the progress in a feedback; None if the action has none."""
         if not self._action.progress:
             return None
         number: float = attrgetter(self._action.progress)(feedback)
@@ -136,19 +134,19 @@ class ActionMessages:
         return sum(distance > number for distance in distances)
 
     def result(self, reason: str) -> Any:
-        """Returns a result that gives a reason, if results have a place for one."""
+        """Returns a result, with the reason if the action has a field for it."""
         result = self.type.Result()
         if self._action.reason:
             assign(result, self._action.reason, value=reason)
         return result
 
     def reason(self, result: Any) -> str:
-        """Returns the reason that a result gives; empty when there is none."""
+        """Returns the reason in a result; empty if the action has none."""
         return str(attrgetter(self._action.reason)(result)) if self._action.reason else ""
 
 
 def _require(kind: Any, path: str, types: str | tuple[str, ...], name: str) -> str:
-    """Refuses a type that has not what the bridge reads and writes there; returns what it has."""
+    """Returns the type at a path of a class; raises RosTypeError if it is none of `types`."""
     if not path:
         return ""
     parent, _, member = path.rpartition(".")

@@ -1,10 +1,10 @@
-"""The ROS actions of a bridge, on rclpy: servers, and clients with goals that the bridge sends.
+"""The ROS actions of a bridge, on rclpy: servers, clients, and their goals.
 
-rclpy has actions done by its executor, so all of it happens on that thread (`action_work.py`);
-what concerns the bridge is handed to the loop.
+rclpy runs actions on its executor, so the code here runs on that thread (`action_work.py`), and
+calls back on the loop, or with its lock.
 """
 
-# ROS is typed in parts; whoever checks generated code reads this module too.
+# rclpy has few types, and type checks of generated code include this module.
 # mypy: disable-error-code="import-not-found, import-untyped, no-untyped-call, misc"
 
 from __future__ import annotations
@@ -30,21 +30,19 @@ from .node import NodePart, RosNode
 from .parameters import as_parameter_error
 from .values import checked
 
-MARK_SIZE = 8
-"""Octets of a goal id that are the same for all goals of one node to one action; 8 are random."""
-
-_GOES_ON = frozenset({GoalStatus.STATUS_ACCEPTED, GoalStatus.STATUS_EXECUTING})
+MARK_SIZE = 8  # octets of a goal id that all goals of one node to one action share; 8 are random
+_UNDER_WAY = frozenset({GoalStatus.STATUS_ACCEPTED, GoalStatus.STATUS_EXECUTING})
 
 
 class FormerGoals:
-    """Cancels what the bridge sent before it died: nobody follows those goals any more.
+    """Cancels goals that an earlier process of the bridge has sent before it crashed.
 
-    The ids of goals begin with a mark of domain, node and action, so no file is needed, and goals
-    of others are left alone. All of it runs on the executor.
+    The ids of goals begin with a mark of domain, node and action. So no file is needed, and goals
+    of other clients are not affected. Everything runs on the executor.
     """
 
     def __init__(self, work: ActionWork, name: str, service: str) -> None:
-        """Listens to the states of goals, which their server gives newcomers too."""
+        """Subscribes to the states of goals, which are a latched topic of their server."""
         node = work.node
         words = (node.context.get_domain_id(), node.get_fully_qualified_name(), service)
         self._mark = blake2b("\0".join(map(str, words)).encode(), digest_size=MARK_SIZE).digest()
@@ -53,17 +51,20 @@ class FormerGoals:
         self._own: set[bytes] = set()
         self._client = node.create_client(CancelGoal, service)
         self._subscription = node.create_subscription(
-            GoalStatusArray, f"{name}/_action/status", self._take, qos_profile_action_status_default
+            GoalStatusArray,
+            f"{name}/_action/status",
+            self._take_states,
+            qos_profile_action_status_default,
         )
 
     def new_id(self) -> bytes:
-        """Returns the id of a goal of this life."""
+        """Returns the id for a goal of this process."""
         goal_id = self._mark + os.urandom(16 - MARK_SIZE)
         self._own.add(goal_id)
         return goal_id
 
     def forget(self, goal: bytes) -> None:
-        """Forgets a goal of this life that has ended: its server does not follow it any more."""
+        """Forgets a goal of this process that has ended."""
         self._own.discard(goal)
 
     def destroy(self) -> None:
@@ -71,14 +72,14 @@ class FormerGoals:
         self._work.node.destroy_subscription(self._subscription)
         self._work.node.destroy_client(self._client)
 
-    def _take(self, message: Any) -> None:
-        self._work.guarded(self._look, message)
+    def _take_states(self, message: Any) -> None:
+        self._work.guarded(self._cancel_former, message)
 
-    def _look(self, message: Any) -> None:
+    def _cancel_former(self, message: Any) -> None:
         for status in message.status_list:
             goal = bytes(status.goal_info.goal_id.uuid)
             is_former = goal.startswith(self._mark) and goal not in self._own
-            if is_former and status.status in _GOES_ON:
+            if is_former and status.status in _UNDER_WAY:
                 self._own.add(goal)  # to be cancelled once
                 LOGGER.warning("%s: a goal of a former life is cancelled", self._name)
                 request = CancelGoal.Request()
@@ -99,7 +100,7 @@ class NodeActionClient:
     """Sends goals of one action."""
 
     def __init__(self, work: ActionWork, messages: ActionMessages, name: str) -> None:
-        """Use `NodeActions.action_client` instead."""
+        """Made by `NodeActions.action_client`."""
         self.work = work
         self.messages = messages
         self.name = name
@@ -118,21 +119,21 @@ class NodeActionClient:
         return goal
 
     def faults(self) -> list[TopicFault]:
-        """Returns why goals cannot be sent; nothing while they can."""
+        """Returns that the action has no server, if so."""
         if self.handle.server_is_ready():
             return []
         return [TopicFault(NO_SERVER, f"nobody serves the action {self.name}")]
 
     def servers(self) -> int:
-        """Returns how many servers of the action there are."""
+        """Returns the number of servers of the action."""
         return int(self.work.node.count_publishers(f"{self.name}/_action/status"))
 
 
 class NodeGoal:
-    """A goal that was sent: all but the three methods of `SentGoal` runs on the executor."""
+    """A goal of the bridge. All but the three methods of `SentGoal` runs on the executor."""
 
     def __init__(self, client: NodeActionClient, watcher: GoalWatcher) -> None:
-        """Use `NodeActionClient.send` instead."""
+        """Made by `NodeActionClient.send`."""
         self._client = client
         self._watcher: GoalWatcher | None = watcher
         self._handle: Any = None
@@ -146,22 +147,22 @@ class NodeGoal:
     # ------------------------------------------------------------------ SentGoal, on any thread
 
     def cancel(self) -> None:
-        """Asks that it ends; also when it is accepted later. May be repeated."""
+        """Requests its cancellation, now or when it is accepted; may be repeated."""
         self._client.work.run(self._cancel)
 
     def check(self) -> None:
-        """Finds out whether whoever executes it is there."""
+        """Ends the goal as lost if its server has gone; sends it if there was no server before."""
         self._client.work.run(self._check)
 
     def forget(self) -> None:
-        """Tells nothing of it any more; if it is accepted later, it is cancelled."""
+        """Calls its watcher no more; the goal is cancelled if it is accepted later."""
         self._watcher = None
         self.cancel()
 
     # ------------------------------------------------------------------ on the executor
 
     def send(self, elements: Sequence[bytes], fill: Callable[[Any], object] | None) -> None:
-        """Sends it, or waits for somebody to serve the action: `check` tries again."""
+        """Sends the goal; without a server, `check` tries again."""
         client = self._client
         if self._has_ended or self._is_cancelled:
             self._end(Outcome.CANCELED, "")
@@ -178,17 +179,17 @@ class NodeGoal:
             self._distances = client.messages.distances(checked(message))
             self._servers = client.servers()
             self._guard()
-            named = CancelGoal.Request().goal_info.goal_id
-            named.uuid = list(self._id)
-            answer = client.handle.send_goal_async(message, self._feedback, named)
-        except Exception as error:  # of what the user has written, or of the values it sets
+            goal_id = CancelGoal.Request().goal_info.goal_id
+            goal_id.uuid = list(self._id)
+            answer = client.handle.send_goal_async(message, self._take_feedback, goal_id)
+        except Exception as error:  # of code of the user, or of values that it sets
             self._end(Outcome.REFUSED, f"the goal cannot be made: {error!r}")
             return
-        client.work.opened(self)
-        answer.add_done_callback(self._guarded(self._answered))
+        client.work.add_goal(self)
+        answer.add_done_callback(self._guarded(self._take_answer))
 
     def _guard(self) -> None:
-        """Hands the goal to the guardian before it is sent: none is unknown to it."""
+        """Registers the goal with the guardian, before it is sent."""
         work = self._client.work
         if work.ward is not None:
             work.ward.guard_goal(self._id, self._client.cancelling)
@@ -196,7 +197,7 @@ class NodeGoal:
     def _guarded(self, callback: Callable[[Any], None]) -> Callable[[Any], None]:
         return partial(self._client.work.guarded, callback)
 
-    def _answered(self, future: Any) -> None:
+    def _take_answer(self, future: Any) -> None:
         handle = future.result()
         if not handle.accepted:
             self._end(Outcome.REFUSED, "the action server refused the goal")
@@ -206,12 +207,12 @@ class NodeGoal:
         if self._is_cancelled:
             self._cancel()
         else:
-            self._tell("accepted")
+            self._call_watcher("accepted")
 
     def _ask_for_result(self) -> None:
-        self._handle.get_result_async().add_done_callback(self._guarded(self._resulted))
+        self._handle.get_result_async().add_done_callback(self._guarded(self._take_result))
 
-    def _resulted(self, future: Any) -> None:
+    def _take_result(self, future: Any) -> None:
         response = future.result()
         outcome = _OUTCOMES.get(response.status)
         if outcome is None:
@@ -219,10 +220,10 @@ class NodeGoal:
         else:
             self._end(outcome, self._client.messages.reason(response.result))
 
-    def _feedback(self, message: Any) -> None:
+    def _take_feedback(self, message: Any) -> None:
         number = self._client.messages.progress(message.feedback, self._distances)
         if number is not None:
-            self._tell("progressed", number)
+            self._call_watcher("progressed", number)
 
     def _cancel(self) -> None:
         self._is_cancelled = True
@@ -246,36 +247,36 @@ class NodeGoal:
         if not servers:
             self._end(Outcome.LOST, "the action server is gone")
         elif servers != self._servers and self._handle is not None:
-            # Another one may serve by now, which has never heard of the goal.
+            # Another server may have replaced the one that knew the goal.
             self._servers = servers
             self._ask_for_result()
 
     def _end(self, outcome: Outcome, reason: str) -> None:
         if not self._has_ended:
             self._has_ended = True
-            self._client.work.closed(self)
+            self._client.work.remove_goal(self)
             self._client.former.forget(self._id)
             if self._client.work.ward is not None:
                 self._client.work.ward.close_goal(self._id)
-            self._tell("ended", outcome, reason)
+            self._call_watcher("ended", outcome, reason)
 
-    def _tell(self, what: str, *arguments: object) -> None:
+    def _call_watcher(self, method: str, *arguments: object) -> None:
         watcher = self._watcher
         if watcher is not None:
-            self._client.work.loop.call_soon(partial(getattr(watcher, what), self, *arguments))
+            self._client.work.loop.call_soon(partial(getattr(watcher, method), self, *arguments))
 
 
 class NodeActionServer:
     """Takes the goals of one action.
 
-    A goal is not executed by a coroutine, which the executor would look at without a pause: it is
-    marked as executing, and given its result when it is there.
+    A goal is not executed by a coroutine, which the executor would poll without a pause. It is
+    marked as executing, and later given its result.
     """
 
     def __init__(
         self, work: ActionWork, messages: ActionMessages, name: str, taker: GoalTaker
     ) -> None:
-        """Use `NodeActions.serve_action` instead."""
+        """Made by `NodeActions.serve_action`."""
         self.work = work
         self.messages = messages
         self._taker = taker
@@ -286,12 +287,12 @@ class NodeActionServer:
                 messages.type,
                 name,
                 execute_callback=lambda _handle: messages.result(""),
-                goal_callback=self._asked,
-                handle_accepted_callback=self._accepted,
-                cancel_callback=self._cancel_asked,
+                goal_callback=self._decide,
+                handle_accepted_callback=self._execute,
+                cancel_callback=self._accept_cancel,
             )
 
-    def _asked(self, request: Any) -> Any:
+    def _decide(self, request: Any) -> Any:
         answers: list[bool] = []
         self.work.guarded(self._ask, request, answers)
         return GoalResponse.ACCEPT if answers == [True] else GoalResponse.REJECT
@@ -301,21 +302,21 @@ class NodeActionServer:
         with self.work.loop.lock:
             answers.append(self._taker.accepts(elements, request))
 
-    def _accepted(self, handle: Any) -> None:
+    def _execute(self, handle: Any) -> None:
         goal = self._goals[bytes(handle.goal_id.uuid)] = NodeServedGoal(self, handle)
-        self.work.opened(goal)
-        handle._update_state(GoalEvent.EXECUTE)  # noqa: SLF001 - public ones also end the goal
+        self.work.add_goal(goal)
+        handle._update_state(GoalEvent.EXECUTE)  # noqa: SLF001 - public methods also end the goal
         self.work.guarded(self._begin, goal)
 
     def _begin(self, goal: NodeServedGoal) -> None:
         with self.work.loop.lock:
             self._taker.begin(goal)
 
-    def _cancel_asked(self, handle: Any) -> Any:
+    def _accept_cancel(self, handle: Any) -> Any:
         goal = self._goals.get(bytes(handle.goal_id.uuid))
         if goal is None:
             return CancelResponse.REJECT
-        # After this answer, by which the goal becomes one that is being cancelled.
+        # After this answer, by which the state of the goal becomes canceling.
         self.work.run(self._cancel, goal)
         return CancelResponse.ACCEPT
 
@@ -324,11 +325,11 @@ class NodeActionServer:
             self._taker.cancel(goal)
 
     def forget(self, handle: Any) -> None:
-        """Drops a goal that has its result."""
+        """Forgets a goal that has its result."""
         goal = self._goals.pop(bytes(handle.goal_id.uuid), None)
         if goal is not None:
-            # Its client is sent the result by a task that follows: whoever waits may end then.
-            self.work.run(self.work.run, self.work.closed, goal)
+            # After the next task, which sends the result to its client.
+            self.work.run(self.work.run, self.work.remove_goal, goal)
 
 
 class NodeServedGoal:
@@ -346,7 +347,7 @@ class NodeServedGoal:
             self._server.work.run(self._handle.publish_feedback, feedback)
 
     def end(self, outcome: Outcome, reason: str = "") -> None:
-        """Gives the result: succeeded, aborted or, if its client asked for that, canceled."""
+        """Sends the result: succeeded, aborted or, if its client asked for that, canceled."""
         execute = self._server.handle.notify_execute
         self._server.work.run(execute, self._handle, partial(self._result, outcome, reason))
 
@@ -370,20 +371,20 @@ class NodeActions(NodePart):
         self._ends: list[Any] = []
 
     def action_client(self, action: ListAction) -> NodeActionClient:
-        """Returns what sends goals of an action."""
+        """Returns a client of an action; raises RosTypeError or ParameterError."""
         client = NodeActionClient(self._work, ActionMessages(action), action.name)
         self._ends += [client.handle, client.former]
         self._introspection.add(client.handle)
         return client
 
     def serve_action(self, action: ListAction, taker: GoalTaker) -> None:
-        """Takes the goals of an action."""
+        """Serves an action; raises RosTypeError or ParameterError."""
         server = NodeActionServer(self._work, ActionMessages(action), action.name, taker)
         self._ends.append(server.handle)
         self._introspection.add(server.handle)
 
     def wait(self, deadline: float) -> None:
-        """Waits until all goals have ended, but not longer than to a time of the steady clock."""
+        """Waits until all goals have ended, or until a time of the steady clock."""
         self._work.wait(deadline)
 
     def destroy(self) -> None:

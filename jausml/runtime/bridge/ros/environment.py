@@ -1,4 +1,4 @@
-"""What of the environment keeps a process from ROS: its C libraries would end the process."""
+"""Checks of the environment before ROS starts, whose C libraries would end the process."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from pathlib import Path
 from ...base.counters import LOGGER
 from ...base.process import configure_log
 
-LARGEST_DOMAIN = 232  # largest ROS_DOMAIN_ID: the ports of greater ones would be above 65535
-LARGEST_SAFE_DOMAIN = 101  # largest ROS_DOMAIN_ID whose ports Linux does not give away
+LARGEST_DOMAIN = 232  # greatest ROS_DOMAIN_ID whose ports are below 65536
+LARGEST_SAFE_DOMAIN = 101  # greatest ROS_DOMAIN_ID whose ports Linux does not assign to others
 
 
 def domain_fault() -> tuple[str, str] | None:
-    """Returns why ROS_DOMAIN_ID does not do, and the cure; None where it does."""
+    """Returns the fault of ROS_DOMAIN_ID and its cure; None for a valid one."""
     text = os.environ.get("ROS_DOMAIN_ID", "")
     if not text or (text.isascii() and text.isdigit() and int(text) <= LARGEST_DOMAIN):
         return None
@@ -22,9 +22,10 @@ def domain_fault() -> tuple[str, str] | None:
 
 
 def middleware_fault(name: str, distribution: str) -> tuple[str, str] | None:
-    """Returns why a middleware cannot be had, and the cure; None where it can.
+    """Returns the fault of a middleware that is not installed, and its cure; None otherwise.
 
-    Its package is named by the release of ROS 2, such as `jazzy`.
+    Args:
+        distribution: Release of ROS 2, such as `jazzy`, for the name of the package.
     """
     if find_spec(name) is not None:
         return None
@@ -39,7 +40,7 @@ def middleware_fault(name: str, distribution: str) -> tuple[str, str] | None:
 
 
 def environment_fault() -> str:
-    """Returns why ROS cannot be used in this environment, with the cure; empty where it can."""
+    """Returns all faults of the environment with their cures; empty without any."""
     name = os.environ.get("RMW_IMPLEMENTATION", "")
     release = os.environ.get("ROS_DISTRO", "jazzy")
     faults = (domain_fault(), middleware_fault(name, release) if name else None)
@@ -47,7 +48,7 @@ def environment_fault() -> str:
 
 
 def permits_ros(who: str) -> bool:
-    """Whether the environment does; if not, the libraries of ROS would end the process."""
+    """Returns whether the environment permits ROS; logs the faults for `who` if not."""
     fault = environment_fault()
     if fault:
         configure_log("error")  # the wanted level is not known yet

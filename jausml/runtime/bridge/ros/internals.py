@@ -1,11 +1,11 @@
-"""What the bridge uses of rclpy below its public interface, named in one place.
+"""The parts of rclpy below its public interface that a bridge uses.
 
 Subscriptions, publishers and events are handles of rclpy's extension module, which the loop or a
-wait set serves. That costs a third of what the public classes cost, and the executor does not look
-at each of them whenever it wakes up; but a new version of rclpy may change it.
+wait set serves. That takes a third of the time of the public classes, and the executor need not
+check each of them whenever it wakes up. A new version of rclpy may break it.
 """
 
-# ROS is typed in parts; whoever checks generated code reads this module too.
+# rclpy has few types, and type checks of generated code include this module.
 # mypy: disable-error-code="import-not-found, import-untyped, no-untyped-call"
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ from .values import checked
 internals: Any = rclpy_implementation  # the extension module of rclpy
 _HANDLE = ("destroy_when_not_in_use", "pointer")
 
+# Classes of the extension module, and their attributes that are used.
 NEEDED: dict[str, tuple[str, ...]] = {
     "EventHandle": (*_HANDLE, "take_event"),
     "GuardCondition": (*_HANDLE, "trigger_guard_condition"),
@@ -40,13 +41,11 @@ NEEDED: dict[str, tuple[str, ...]] = {
         *("destroy_when_not_in_use", "get_ready_entities", "is_ready", "wait"),
     ),
 }
-"""Classes of the extension module and what is used of them."""
-
 _EXECUTOR = ("_make_handler", "_spin_once_impl", "_take_waitable", "wait_for_ready_callbacks")
 
 
 def require_internals(node: Any) -> None:
-    """Raises RosLostError for a rclpy that has not all that the bridge uses."""
+    """Raises RosLostError for an rclpy without an attribute that the bridge uses."""
     needed = [(getattr(internals, name, None), name, parts) for name, parts in NEEDED.items()]
     needed += [
         (Duration, "Duration", ("get_c_duration",)),
@@ -57,19 +56,20 @@ def require_internals(node: Any) -> None:
     ]
     lacking = [
         f"{name}.{part}"
-        for where, name, parts in needed
+        for owner, name, parts in needed
         for part in parts
-        if not hasattr(where, part)
+        if not hasattr(owner, part)
     ]
     if lacking:
         raise RosLostError(f"this rclpy lacks {', '.join(lacking)}, which bridges rely on")
 
 
 def message_class(ros_type: type[Any]) -> type[Any]:
-    """Returns the class of rclpy for a ROS type: that class itself, or a light class.
+    """Returns the class of rclpy for a ROS type, which may be that class, or a light class.
 
-    It raises ImportError where ROS has no such package, and RosTypeError where the installed type
-    is another one.
+    Raises:
+        ImportError: The type is not installed.
+        RosTypeError: The installed type differs from the light class, or there is none.
     """
     if is_light(ros_type):
         real: type[Any] = installed_class(ros_type)
@@ -82,11 +82,11 @@ def message_class(ros_type: type[Any]) -> type[Any]:
 
 
 class Codec:
-    """Messages of one class of rclpy, as objects and serialized."""
+    """Serializes and deserializes messages of one class of rclpy."""
 
     def __init__(self, ros_type: type[Any]) -> None:
         self.message_class = message_class(ros_type)
-        # The first one that has arrays imports numpy: now, and not while messages pass.
+        # The first message with arrays imports numpy: not later, while messages pass.
         self.message_class()
 
     def decode(self, data: bytes) -> Any:
@@ -94,7 +94,7 @@ class Codec:
         return deserialize_message(data, self.message_class)
 
     def encode(self, message: Any) -> bytes:
-        """Returns the serialized form of an object, whose class and values are checked first."""
+        """Returns an object, serialized; raises TypeError or EncodeError for an unfit one."""
         if not isinstance(message, self.message_class):
             raise TypeError(f"{self.message_class.__name__} expected, not {type(message).__name__}")
         data: bytes = serialize_message(checked(message))

@@ -1,10 +1,10 @@
-"""Service introspection: whether a node publishes its calls, for those who record or watch them.
+"""Service introspection: publishes the calls of a node, to be recorded or watched.
 
-ROS publishes no request and no response of a service unless its ends say so. Each end then has the
-topic `<service>/_service_event`.
+A client or server of ROS publishes its requests and responses only if it is configured to; the
+topic is `<service>/_service_event`.
 """
 
-# ROS is typed in parts; whoever checks generated code reads this module too.
+# rclpy has few types, and type checks of generated code include this module.
 # mypy: disable-error-code="import-not-found, import-untyped, no-untyped-call"
 
 from __future__ import annotations
@@ -25,12 +25,11 @@ _STATES = {
 
 _WORDS = ", ".join(_STATES)
 
-_PROFILE = QoSProfile(depth=256)
-"""Reliable, with room for both events of more calls than are under way at once."""
+_PROFILE = QoSProfile(depth=256)  # reliable, for both events of all calls under way
 
 
 class CallIntrospection(NodePart):
-    """Has the ends of calls publish them, as a parameter of their node says."""
+    """Configures clients and servers by the parameter `service_introspection` of their node."""
 
     def __init__(self, ros: RosNode) -> None:
         self._ros = ros
@@ -38,7 +37,7 @@ class CallIntrospection(NodePart):
         self._state = ServiceIntrospectionState.OFF
 
     def add(self, end: Any) -> None:
-        """Takes an end that was made: of a service or, where rclpy has that, of an action."""
+        """Adds a client or server of a service or, where rclpy supports that, of an action."""
         if not hasattr(end, "configure_introspection"):
             return  # actions before Kilted
         if not self._ends:
@@ -60,7 +59,7 @@ class CallIntrospection(NodePart):
 
 
 def introspection() -> type[CallIntrospection]:
-    """Returns what parts of a node that have calls share."""
+    """Returns the class, for `RosSide.part`."""
     return CallIntrospection
 
 

@@ -1,4 +1,4 @@
-"""Life of nodes on rclpy: managed transitions, what runs callbacks, and command lines of ROS."""
+"""Managed nodes on rclpy, executors that run their callbacks, and command lines of ROS."""
 
 from __future__ import annotations
 
@@ -18,25 +18,25 @@ from rclpy.utilities import remove_ros_args
 from ...base.counters import LOGGER, Counters
 from .parameters import LazyParameters, as_parameter_error
 
-# ROS is typed in parts; whoever checks generated code reads this module too.
+# rclpy has few types, and type checks of generated code include this module.
 # mypy: disable-error-code="import-not-found, import-untyped, no-untyped-call, misc"
 
 
 class ManagedNode(LazyParameters, LifecycleNode):
-    """A node whose transitions bring something up and down."""
+    """A node whose transitions call the methods of a `ManagedBridge`."""
 
     def __init__(self, name: str, **options: Any) -> None:
         super().__init__(name, **options)
         self._managed: Any = None
         self._error: BaseException | None = None
-        self._is_asked = True  # by a service, whose answer says no more than that it failed
+        self._is_asked = True  # whether a service asks, which does not return the error
 
     def manage(self, managed: Any) -> None:
-        """Has transitions call methods of something, each named as its transition."""
+        """Sets the object whose methods the transitions call; they have the same names."""
         self._managed = managed
 
     def bring_up(self) -> None:
-        """Goes from unconfigured to active at once; raises what keeps it from that."""
+        """Goes from unconfigured to active; raises the error of a failed transition."""
         self._is_asked = False
         for trigger in (self.trigger_configure, self.trigger_activate):
             self._error = None
@@ -45,7 +45,7 @@ class ManagedNode(LazyParameters, LifecycleNode):
         self._is_asked = True
 
     def destroy_node(self) -> None:
-        """Leaves ROS, and lets go of the state machine, which rclpy forgets."""
+        """Leaves ROS, and destroys the state machine, which rclpy does not."""
         super().destroy_node()
         self._state_machine.destroy_when_not_in_use()
 
@@ -57,26 +57,26 @@ class ManagedNode(LazyParameters, LifecycleNode):
 
     def on_configure(self, state: Any) -> TransitionCallbackReturn:  # noqa: ARG002
         """Makes topics and the JAUS component."""
-        return self._done(lambda managed: managed.configure())
+        return self._transition(lambda managed: managed.configure())
 
     def on_activate(self, state: Any) -> TransitionCallbackReturn:  # noqa: ARG002
-        """Lets messages pass."""
-        return self._done(lambda managed: managed.activate())
+        """Begins to pass messages on."""
+        return self._transition(lambda managed: managed.activate())
 
     def on_deactivate(self, state: Any) -> TransitionCallbackReturn:  # noqa: ARG002
-        """Lets nothing pass."""
-        return self._done(lambda managed: managed.deactivate())
+        """Stops passing messages on."""
+        return self._transition(lambda managed: managed.deactivate())
 
     def on_cleanup(self, state: Any) -> TransitionCallbackReturn:  # noqa: ARG002
-        """Ends the JAUS component and gives topics back."""
-        return self._done(lambda managed: managed.cleanup())
+        """Ends the JAUS component and destroys topics."""
+        return self._transition(lambda managed: managed.cleanup())
 
     def on_shutdown(self, state: Any) -> TransitionCallbackReturn:  # noqa: ARG002
-        """Does the same for good, from any state."""
-        return self._done(lambda managed: managed.shut_down())
+        """Does the same from any state, and ends the process."""
+        return self._transition(lambda managed: managed.shut_down())
 
-    def _done(self, act: Callable[[Any], None]) -> TransitionCallbackReturn:
-        """Acts; a failure stays in the state before."""
+    def _transition(self, act: Callable[[Any], None]) -> TransitionCallbackReturn:
+        """Performs a transition; returns FAILURE, which keeps the state, if it raises."""
         if self._managed is None:
             return TransitionCallbackReturn.SUCCESS
         try:
@@ -94,12 +94,11 @@ REFUSED = "ros.request_refused"
 
 
 class EndableExecutor(SingleThreadedExecutor):
-    """Runs the callbacks of nodes on one thread until another one ends it.
+    """Runs the callbacks of nodes on one thread until another thread ends it.
 
-    The `shutdown` of rclpy takes the condition that wakes `spin` away while that may prepare to
-    wait: it would wait for ever. It is for an executor that does not spin any more.
-    Other threads may destroy publishers and subscriptions meanwhile. What rclpy does with those
-    that it has looked up already, it does not do with what tells their events, which raises.
+    `shutdown` of rclpy removes the condition that wakes `spin`, which might then wait for ever. It
+    is for an executor that does not spin any more. Other threads may destroy publishers and
+    subscriptions meanwhile; rclpy ignores a destroyed one, but raises for its event handlers.
     """
 
     def __init__(self, context: Context) -> None:
@@ -109,7 +108,7 @@ class EndableExecutor(SingleThreadedExecutor):
     def spin(self) -> None:
         """Runs callbacks until `end`, or an ExternalShutdownException of ROS."""
         while self.context.ok() and not self._is_ended:
-            # By another condition it would forget what is ready, and serve the first ones alone.
+            # The same condition each time: with a new one rclpy forgets which callbacks are ready.
             self._spin_once_impl(None, self._has_ended)
 
     def end(self) -> None:
@@ -118,13 +117,13 @@ class EndableExecutor(SingleThreadedExecutor):
         self.wake()
 
     def wait_for_ready_callbacks(self, *arguments: Any, **named: Any) -> Any:
-        """Waits for the next callback, anew when something was destroyed before the wait."""
+        """Waits for the next callback; again, if a handle was destroyed before the wait."""
         while True:
             with suppress(InvalidHandle):
                 return super().wait_for_ready_callbacks(*arguments, **named)
 
     def _take_waitable(self, waitable: Any) -> Any:
-        # Raised here, it would leave the callback group of the node occupied for ever.
+        # An error would leave the callback group of the node occupied for ever.
         with suppress(InvalidHandle):
             return super()._take_waitable(waitable)
         return None
@@ -134,11 +133,11 @@ class EndableExecutor(SingleThreadedExecutor):
 
 
 class GuardedExecutor(EndableExecutor):
-    """Runs the callbacks of a node, and counts what they raise: no request may end a bridge.
+    """Runs the callbacks of a node and counts their errors, so that no request ends a bridge.
 
-    rclpy raises out of `spin` what a callback raises, be it of its own services: for a transition
-    that is not possible now, or a parameter of an unknown type.
-    What ROS itself raises while it waits, and what is meant to end a process, still ends `spin`.
+    In rclpy each error of a callback ends `spin`, even of its own services: for a transition that
+    is not possible now, or a parameter of an unknown type. Errors of ROS itself while it waits, and
+    SystemExit, still end `spin` here.
     """
 
     def __init__(self, context: Context) -> None:
@@ -146,7 +145,7 @@ class GuardedExecutor(EndableExecutor):
         self.counters = Counters()
 
     def add_node(self, node: Any) -> bool:
-        """Serves a node; each of its services answers whatever it is asked."""
+        """Serves a node, whose services answer even requests that fail."""
         for service in node.services:
             service.callback = partial(self._answer, service.callback)
         return bool(super().add_node(node))
@@ -156,10 +155,10 @@ class GuardedExecutor(EndableExecutor):
         return super().create_task(self._guarded(callback), *arguments, **named)
 
     def _make_handler(self, entity: Any, node: Any, take: Callable[[Any], Any]) -> Any:
-        # Taking fails too, and rclpy would serve the entity never again.
-        return super()._make_handler(entity, node, partial(self._taken, take))
+        # Also if taking fails, after which rclpy would not serve the entity any more.
+        return super()._make_handler(entity, node, partial(self._take_guarded, take))
 
-    def _taken(self, take: Callable[[Any], Any], entity: Any) -> Any:
+    def _take_guarded(self, take: Callable[[Any], Any], entity: Any) -> Any:
         try:
             work = take(entity)
         except Exception as error:
@@ -177,7 +176,7 @@ class GuardedExecutor(EndableExecutor):
         return guarded
 
     def _answer(self, serve: Callable[[Any, Any], Any], request: Any, response: Any) -> Any:
-        """Answers a request; what cannot be done is refused."""
+        """Answers a request; refuses it if `serve` raises."""
         try:
             return serve(request, response)
         except Exception as error:
@@ -190,22 +189,21 @@ class GuardedExecutor(EndableExecutor):
 
 
 def _refused(request: Any, response: Any, reason: str) -> Any:
-    """Returns a response that says that a request was refused, as far as its type can.
+    """Returns the response with a refusal, for requests to set parameters.
 
-    Others are those of a transition, which fails unless it says that it succeeded, and of
-    questions.
+    Other responses are unchanged: those to transitions say failure by default.
     """
     refused = SetParametersResult(successful=False, reason=reason)
     if isinstance(response, SetParameters.Response):
-        lacking = len(request.parameters) - len(response.results)
-        response.results.extend([refused] * lacking)
+        missing = len(request.parameters) - len(response.results)
+        response.results.extend([refused] * missing)
     elif isinstance(response, SetParametersAtomically.Response):
         response.result = refused
     return response
 
 
 def without_ros_arguments(line: Sequence[str]) -> list[str]:
-    """Returns a command line without what is meant for ROS, where wrong a ParameterError."""
+    """Returns a command line without arguments for ROS; raises ParameterError for wrong ones."""
     with as_parameter_error():
         own: list[str] = remove_ros_args(["", *line])[1:]
     return own

@@ -1,10 +1,10 @@
-"""The ROS side of a bridge, on rclpy.
+"""The ROS node of a bridge, on rclpy.
 
-The loop waits for topics as it waits for sockets (`topics.py`, `waiting.py`); the executor
-of rclpy has a thread of its own for parameters, services and `/clock`.
+The loop waits for topics like for sockets (`topics.py`, `waiting.py`). The executor of rclpy has a
+thread of its own for parameters, services and actions.
 """
 
-# ROS is typed in parts; whoever checks generated code reads this module too.
+# rclpy has few types, and type checks of generated code include this module.
 # mypy: disable-error-code="import-not-found, import-untyped, no-untyped-call"
 
 from __future__ import annotations
@@ -37,14 +37,14 @@ PartT = TypeVar("PartT")
 
 
 class RosLogHandler(logging.Handler):
-    """Hands the records of the runtime to the logger of the node, and so to /rosout."""
+    """Passes log records of the runtime to the logger of the node, and so to /rosout."""
 
     def __init__(self, node: Any) -> None:
         super().__init__()
         self._logger = node.get_logger()
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Logs one record; rclpy tells severities by the place of the call, hence the branches."""
+        """Logs a record. rclpy allows one severity for each line of code, hence the branches."""
         text = self.format(record)
         if record.levelno >= logging.ERROR:
             self._logger.error(text)
@@ -57,31 +57,31 @@ class RosLogHandler(logging.Handler):
 
 
 class NodePart:
-    """A part of a node that is made when it is first asked for; see `RosSide.part`."""
+    """A part of a node, which the first call of `RosSide.part` makes."""
 
     def __init__(self, ros: RosNode) -> None:
-        """Has nothing yet."""
+        """Makes the part; the node has a loop."""
 
     def wait(self, deadline: float) -> None:
-        """Waits for what is under way, but not longer than to a time of the steady clock."""
+        """Waits for calls or goals under way, at most until a time of the steady clock."""
 
     def destroy(self) -> None:
-        """Leaves ROS; on the thread of the executor, or when it is over."""
+        """Destroys all handles; called on the thread of the executor, or after its end."""
 
 
-LAST_WORDS = 1.0  # longest time in seconds that a node which ends waits for slow subscribers
+LAST_WORDS = 1.0  # longest seconds that an ending node waits for slow subscribers
 
 
 class RosNode:
     """One rclpy node, whose topics a loop waits for.
 
     Attributes:
-        node: That of rclpy, as `executor`.
-        loop: Who waits, once it is attached.
-        publisher: Makes a publisher, as `subscribe` a subscription and `faults` tells of them: of
-            `NodeTopics`, once a loop is attached.
-        parameter: Declares a parameter, as `check_parameters` checks them: of `NodeParameters`.
-        manage: Has transitions act on something, as `bring_up` makes them: of `ManagedNode`.
+        node: The node of rclpy.
+        executor: The executor of rclpy.
+        loop: The loop, once it is attached.
+        publisher, subscribe, faults: Methods of `NodeTopics`, once a loop is attached.
+        parameter, check_parameters: `declare` and `check` of `NodeParameters`.
+        manage, bring_up: Methods of `ManagedNode`.
     """
 
     def __init__(
@@ -91,7 +91,16 @@ class RosNode:
         arguments: Sequence[str] | None = None,
         waiting: WaitingName = "automatic",
     ) -> None:
-        """Joins ROS; arguments are a command line with `--ros-args`, which may change the name."""
+        """Joins ROS.
+
+        Args:
+            arguments: Command line with `--ros-args`, which may change the name.
+            waiting: How to wait for topics, as the option `--ros-waiting`.
+
+        Raises:
+            ParameterError: The command line or a parameter file is wrong.
+            RosLostError: rclpy lacks an attribute that the bridge uses.
+        """
         self._context = Context()
         # Signals are left to the process: ROS must outlive the release of JAUS control.
         with as_parameter_error():
@@ -131,7 +140,7 @@ class RosNode:
         return str(self.node.get_fully_qualified_name())
 
     def now(self) -> Time:
-        """Time of the ROS clock, which follows `/clock` when `use_sim_time` is set."""
+        """Returns the time of the ROS clock: that of `/clock` if `use_sim_time` is set."""
         if self._is_simulated:
             return Time(*self._clock.now().seconds_nanoseconds())
         return Time(*divmod(time.time_ns(), 10**9))
@@ -142,25 +151,25 @@ class RosNode:
         return self._is_simulated
 
     def follow_clock(self, take: Callable[[float], None]) -> None:
-        """Gives each time on `/clock` in seconds to a function, on the loop or with its lock."""
-        from rosgraph_msgs.msg import Clock  # noqa: PLC0415 - most bridges are in no simulation
+        """Calls `take` with each time on `/clock` in seconds, on the loop or with its lock."""
+        from rosgraph_msgs.msg import Clock  # noqa: PLC0415 - most bridges do not need it
 
         decode = self.codec(Clock).decode
 
-        def hear(data: bytes, _stamp: int) -> None:
+        def take_clock(data: bytes, _stamp: int) -> None:
             clock = decode(data).clock
             take(clock.sec + clock.nanosec * 1e-9)
 
-        self.subscribe(Clock, Topic("/clock", Qos(reliability="best_effort", depth=1)), hear)
+        self.subscribe(Clock, Topic("/clock", Qos(reliability="best_effort", depth=1)), take_clock)
 
     def codec(self, ros_type: type[Any]) -> Codec:
-        """Returns what makes objects of messages, and the reverse; ImportError without the type."""
+        """Returns the codec of a type; raises ImportError or RosTypeError as `message_class`."""
         return Codec(ros_type)
 
     # ------------------------------------------------------------------ endpoints
 
     def attach(self, loop: Loop) -> None:
-        """Chooses how to wait; to be called before there are publishers and subscriptions."""
+        """Chooses how to wait; to be called before the first publisher or subscription."""
         self.loop = loop
         self.executor.counters = loop.counters
         self._topics = topics = NodeTopics(
@@ -170,7 +179,7 @@ class RosNode:
         self.faults = topics.faults
 
     def part(self, load: Callable[[], Callable[[Any], PartT]]) -> PartT:
-        """Returns a part of the node; see `RosSide`. There is a loop by then."""
+        """Returns a part of the node, once a loop is attached; see `RosSide.part`."""
         kind = load()
         if kind not in self._parts:
             self._parts[kind] = kind(self)
@@ -184,9 +193,10 @@ class RosNode:
         self._diagnostics.publish(data)
 
     def start(self, fail: Callable[[BaseException], None]) -> None:
-        """Starts to wait for messages and parameters, and to log through ROS.
+        """Starts to wait for messages and requests, and to log to ROS.
 
-        Unless the node is closed, `fail` is told on the thread concerned why nobody waits any more.
+        Args:
+            fail: Called with the error that ends a thread before `close`, on that thread.
         """
         LOGGER.addHandler(self._log)
         LOGGER.propagate = False
@@ -196,23 +206,23 @@ class RosNode:
         self._thread.start()
 
     def listen(self) -> None:
-        """Begins to take the messages of what was subscribed to; before `start`, that does."""
+        """Takes messages of new subscriptions from now on; no effect before `start`."""
         if self._topics is not None and self._fail is not None:
             self._topics.listen(self._fail)
 
     def release(self) -> None:
-        """Gives all topics back, once subscribers have what was published last.
+        """Destroys all topics, once subscribers have the messages published last.
 
-        At the end of the process, `close` does. The caller must not hold the lock of the loop:
-        whoever waits may need it to finish.
+        The caller must not hold the lock of the loop, which callbacks may need. At the end of the
+        process, `close` does the same.
         """
         self._finish()
-        # The executor may look at ends just now; while it runs, it alone may destroy them.
+        # While the executor runs, only its thread may destroy handles, which it may be using.
         if self._thread in (None, threading.current_thread()):
-            self._give_back()
+            self._destroy()
 
     def _finish(self) -> None:
-        """Waits until subscribers have what was published, and clients the ends of their goals."""
+        """Waits until subscribers have the published messages, and clients their results."""
         if not self._context.ok():
             return
         deadline = time.monotonic() + LAST_WORDS
@@ -223,8 +233,8 @@ class RosNode:
             for part in self._parts.values():
                 part.wait(deadline)
 
-    def _give_back(self) -> None:
-        """Destroys all ends; to be called on the thread of the executor, or when it is over."""
+    def _destroy(self) -> None:
+        """Destroys all handles; called on the thread of the executor, or after its end."""
         for part in self._parts.values():
             part.destroy()
         self._parts.clear()
@@ -236,14 +246,14 @@ class RosNode:
     # ------------------------------------------------------------------ transitions
 
     def shut_down(self) -> None:
-        """Goes to finalized, unless it is there or ROS is gone."""
+        """Goes to finalized, unless it is there or ROS has ended."""
         if self._context.ok() and self.node.state != "finalized":
             self.node.trigger_shutdown()
 
     def close(self) -> None:
-        """Stops to wait and leaves ROS, once subscribers have what was published last.
+        """Leaves ROS, once subscribers have the messages published last.
 
-        The caller must not hold the lock of the loop: whoever waits may need it to finish.
+        The caller must not hold the lock of the loop, which callbacks may need.
         """
         if self._is_closing:
             return
@@ -255,7 +265,7 @@ class RosNode:
         if self._thread is not None:
             self._thread.join()
         self.executor.shutdown()
-        self._give_back()
+        self._destroy()
         self.node.destroy_node()
         try_shutdown(context=self._context)
 

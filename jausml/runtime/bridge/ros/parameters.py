@@ -1,6 +1,6 @@
-"""Parameters of a node of rclpy, and quality of service, which some of them change."""
+"""Parameters of a node of rclpy, and the quality of service of its topics."""
 
-# ROS is typed in parts; whoever checks generated code reads this module too.
+# rclpy has few types, and type checks of generated code include this module.
 # mypy: disable-error-code="import-not-found, import-untyped, no-untyped-call, misc"
 
 from __future__ import annotations
@@ -38,10 +38,10 @@ from ..ends.topics import EndpointHealth, Parameter, ParameterError, Qos, neares
 
 
 class LazyParameters(Node):
-    """A node that declares a parameter when somebody asks for it.
+    """A node that declares a parameter when it is first used; before, it is `offered` by name.
 
-    A declaration of rclpy makes four messages and publishes one, eight times for each connection,
-    and nobody ever asks for most of them: they are offered by name.
+    Each connection has eight parameters, of which most are never used, and each declaration of
+    rclpy makes four messages and publishes one.
     """
 
     def __init__(self, *arguments: Any, **options: Any) -> None:
@@ -50,7 +50,7 @@ class LazyParameters(Node):
         self.add_pre_set_parameters_callback(self._declare_set)
 
     def has_parameter(self, name: str) -> bool:
-        """Whether there is a parameter; what gets values and types asks this first."""
+        """Returns whether there is a parameter, which rclpy checks before each access."""
         self._declare(name)
         return bool(super().has_parameter(name))
 
@@ -60,13 +60,13 @@ class LazyParameters(Node):
         return super().describe_parameter(name)
 
     def get_parameters_by_prefix(self, prefix: str) -> dict[str, Any]:
-        """Returns parameters by what their names have behind a prefix."""
+        """Returns parameters by their names behind a prefix."""
         self._declare(*self.offered)
         parameters: dict[str, Any] = super().get_parameters_by_prefix(prefix)
         return parameters
 
     def list_parameters(self, prefixes: list[str], depth: int) -> ListParametersResult:
-        """Returns the names of parameters; those of all of them declare none."""
+        """Returns the names of parameters; declares them only for a prefix or depth."""
         if prefixes or depth:
             self._declare(*self.offered)
             return super().list_parameters(prefixes, depth)
@@ -78,19 +78,19 @@ class LazyParameters(Node):
         return listing
 
     def _declare_set(self, parameters: list[Any]) -> list[Any]:
-        """Returns parameters that are to be set, once they are there: 10 is 10.0."""
+        """Declares parameters that are to be set; returns them in their types: 10.0 for 10."""
         self._declare(*(parameter.name for parameter in parameters))
         return [self._as_declared(parameter) for parameter in parameters]
 
     def _as_declared(self, parameter: Any) -> Any:
-        wanted = RclpyParameter.Type.DOUBLE
+        double = RclpyParameter.Type.DOUBLE
         is_integer = parameter.type_ == RclpyParameter.Type.INTEGER
         if (
             is_integer
             and self.has_parameter(parameter.name)
-            and self.get_parameter(parameter.name).type_ == wanted
+            and self.get_parameter(parameter.name).type_ == double
         ):
-            return RclpyParameter(parameter.name, wanted, float(parameter.value))
+            return RclpyParameter(parameter.name, double, float(parameter.value))
         return parameter
 
     def _declare(self, *names: str) -> None:
@@ -100,32 +100,32 @@ class LazyParameters(Node):
 
 
 class NodeParameters:
-    """The parameters of one node, and what command line and files give of them."""
+    """The parameters of one node, and their values from command line and files."""
 
     def __init__(self, node: Any, line: Sequence[str] = ()) -> None:
-        """Follows changes of a node from now on, which a command line was given to."""
-        self.given = {**_overrides(node), **_outvoted(node, line)}
+        """Follows changes of the parameters of a node with a command line."""
+        self.overrides = {**_overrides(node), **_retyped(node, line)}
         self._node = node
         self._checks: dict[str, Callable[[Any], object]] = {}
-        self._followers: dict[str, Callable[[Any], None]] = {}
+        self._callbacks: dict[str, Callable[[Any], None]] = {}
         self._present: set[str] = set()
         self._declared: set[str] = set()
-        self._problems: list[str] = []
+        self._errors: list[str] = []
         node.add_on_set_parameters_callback(self._check)
         node.add_post_set_parameters_callback(self._apply)
 
     def declare(self, parameter: Parameter, changed: Callable[[Any], None] | None = None) -> Any:
-        """Returns the value of a parameter, which is declared at once only if it is given.
+        """Returns the value of a parameter; declares it now only if its value is overridden.
 
-        One that was declared before the node was released has its present value. One that is given
-        a value that does not do has that of the model, until `check` tells it with all others.
+        After `release`, that is its present value. For a value that is not allowed, the default is
+        returned, and `check` will raise.
 
         Args:
-            changed: Takes each later value, on the thread of the executor; without it the parameter
-                cannot change.
+            changed: Called with each later value on the thread of the executor; without it the
+                parameter is read-only.
 
         Raises:
-            ParameterError: Another parameter has its name.
+            ParameterError: Another parameter has the same name.
         """
         name = parameter.name
         if name in self._present:
@@ -134,14 +134,14 @@ class NodeParameters:
         if parameter.check is not None:
             self._checks[name] = parameter.check
         if changed is not None:
-            self._followers[name] = changed
+            self._callbacks[name] = changed
         if name in self._declared:
             return self._node.get_parameter(name).value
-        override = self.given.get(name)
+        override = self.overrides.get(name)
         try:
-            value = parameter.taken(parameter.default if override is None else override.value)
+            value = parameter.converted(parameter.default if override is None else override.value)
         except ValueError as error:
-            self._problems.append(str(error))
+            self._errors.append(str(error))
             return parameter.default
         declare = partial(self._declare, parameter, value, is_fixed=changed is None)
         if override is None:
@@ -150,15 +150,15 @@ class NodeParameters:
         return declare()
 
     def check(self) -> None:
-        """Raises ParameterError with a line for each value that does not do, if there are any."""
-        if self._problems:
-            raise ParameterError("\n".join(self._problems))
+        """Raises ParameterError with a line for each value that is not allowed, if any."""
+        if self._errors:
+            raise ParameterError("\n".join(self._errors))
 
     def release(self) -> None:
-        """Follows none any more, until they are declared again."""
+        """Follows no parameter any more, until it is declared again."""
         self._present.clear()
-        self._followers.clear()
-        self._problems.clear()
+        self._callbacks.clear()
+        self._errors.clear()
 
     def _declare(self, parameter: Parameter, value: Any, *, is_fixed: bool) -> Any:
         descriptor = _descriptor(parameter, is_fixed=is_fixed)
@@ -178,23 +178,27 @@ class NodeParameters:
     def _apply(self, parameters: Sequence[Any]) -> None:
         for parameter in parameters:
             # A declaration is no change.
-            if parameter.name in self._declared and parameter.name in self._followers:
-                self._followers[parameter.name](parameter.value)
+            if parameter.name in self._declared and parameter.name in self._callbacks:
+                self._callbacks[parameter.name](parameter.value)
 
 
-def tell_unknown(node: Any, possible: Iterable[str] = ()) -> None:
-    """Warns of parameters that nobody declares: they are misspelt, or of something else."""
+def warn_of_unknown(node: Any, possible: Iterable[str] = ()) -> None:
+    """Warns of overrides of parameters that the node does not have, such as misspelt ones.
+
+    Args:
+        possible: Names of parameters that the node would declare if they were overridden.
+    """
     unknown = [name for name in _overrides(node) if not node.has_parameter(name)]
     known = [*node.list_parameters([], 0).names, *possible] if unknown else []
     for name in unknown:
-        meant = nearest(name, known)
-        hint = f"; did you mean {meant}?" if meant else ""
+        similar = nearest(name, known)
+        hint = f"; did you mean {similar}?" if similar else ""
         LOGGER.warning("%s has no parameter %s%s", node.get_fully_qualified_name(), name, hint)
 
 
 @contextmanager
 def as_parameter_error(about: str = "") -> Iterator[None]:
-    """Gives what ROS refuses of names, files and values one class, and one line of text."""
+    """Raises ParameterError, with one line of text, for errors of ROS in names and values."""
     try:
         yield
     except (ParameterException, NameValidationException, RuntimeError) as error:
@@ -202,25 +206,25 @@ def as_parameter_error(about: str = "") -> Iterator[None]:
 
 
 def _overrides(node: Any) -> Mapping[str, Any]:
-    # rclpy keeps what command line and files say here, and has no other way to ask for it.
+    # rclpy has no public access to the values from command line and files.
     overrides: Mapping[str, Any] = node._parameter_overrides  # noqa: SLF001
     return overrides
 
 
-def _outvoted(node: Any, line: Sequence[str]) -> dict[str, Any]:
-    """Returns what the command line says of parameters to which a file gives another type.
+def _retyped(node: Any, line: Sequence[str]) -> dict[str, Any]:
+    """Returns parameters of the command line to which a file gives another type.
 
-    Of several types ROS takes the first of an order of its own, and the others are lost.
+    ROS keeps only one of several types, which may be that of the file.
     """
     overrides = {}
     if "--params-file" in line:
         for option, text in pairwise(line):
             path, _, value = text.partition(":=")
             owner, _, name = path.rpartition(":")
-            taken = _overrides(node).get(name) if option in ("-p", "--param") else None
-            if taken and owner in ("", node.get_name(), node.get_fully_qualified_name()):
+            override = _overrides(node).get(name) if option in ("-p", "--param") else None
+            if override and owner in ("", node.get_name(), node.get_fully_qualified_name()):
                 stated = ParameterMessage(name=name, value=get_parameter_value(value))
-                if stated.value.type != taken.type_.value:
+                if stated.value.type != override.type_.value:
                     overrides[name] = RclpyParameter.from_parameter_msg(stated)
     return overrides
 
@@ -239,30 +243,26 @@ def _descriptor(parameter: Parameter, *, is_fixed: bool) -> ParameterDescriptor:
     return descriptor
 
 
-OVERRIDABLE = ("reliability", "durability", "history", "depth")
-"""Policies that parameters may change; times are the business of the model."""
+OVERRIDABLE = ("reliability", "durability", "history", "depth")  # policies with parameters
 
+# Least depth of a subscription that is not latched: enough for a stall of a tenth of a second at
+# 1000 messages a second.
 LEAST_DEPTH = 100
-"""Messages that a subscription keeps at least unless it is latched: ten times what a plain
-subscription keeps. At 1000 messages a second that bridges a stall of a tenth of a second."""
 
-MOST_KEPT = 5000
-"""Messages that a publisher with `keep_all` keeps for a reader that does not read.
+# Depth of a publisher with `keep_all`, as in Fast DDS, where each `publish` beyond it would block
+# Python for a tenth of a second, so that one stalled reader would hold up all topics.
+MAX_KEPT = 5000
 
-Fast DDS keeps as many. Then each `publish` waits a tenth of a second for that reader, and Python
-with it: one reader that stands still would hold up all topics.
-"""
-
-_UNLIMITED = 2**63 - 1  # nanoseconds that ROS reports for a time that nobody limits
+_UNLIMITED = 2**63 - 1  # nanoseconds that ROS reports for no limit
 
 
 def overridden(
     health: EndpointHealth, overrides: Container[str], parameter: Callable[[Parameter], Any]
 ) -> Qos:
-    """Returns the quality of service of an endpoint after parameters.
+    """Returns the quality of service of an endpoint, as changed by parameters.
 
-    A parameter exists only where command line or file give it: with four for each endpoint, those
-    that matter would be hard to find among them, and the start would take longer.
+    A parameter is only declared (by `parameter`) if it is in `overrides`: four for each endpoint
+    would hide the important ones, and delay the start.
     """
     qos = health.qos
     for policy in OVERRIDABLE:
@@ -275,10 +275,9 @@ def overridden(
 
 
 def deep_enough(qos: Qos) -> Qos:
-    """Returns the quality of service of a subscription that does not lose what it can keep.
+    """Returns the quality of service of a subscription with at least `LEAST_DEPTH`.
 
-    A queue of ten is full after 10 ms at 1000 messages a second. What is latched keeps its depth,
-    which says how much of the past is asked for.
+    A latched one keeps its depth, which is the number of former messages that it requests.
     """
     if qos.durability == "volatile" and qos.history == "keep_last" and qos.depth < LEAST_DEPTH:
         return replace(qos, depth=LEAST_DEPTH)
@@ -286,12 +285,12 @@ def deep_enough(qos: Qos) -> Qos:
 
 
 def never_waiting(qos: Qos) -> Qos:
-    """Returns the quality of service of a publisher that forgets the oldest rather than wait."""
-    return replace(qos, history="keep_last", depth=MOST_KEPT) if qos.history == "keep_all" else qos
+    """Returns the quality of service of a publisher that drops old messages rather than block."""
+    return replace(qos, history="keep_last", depth=MAX_KEPT) if qos.history == "keep_all" else qos
 
 
 def profile_of(qos: Qos) -> QoSProfile:
-    """Returns the rclpy profile of policies with the words of the model, or a RuntimeError."""
+    """Returns the rclpy profile of a QoS; raises RuntimeError for an unknown word."""
     profile = QoSProfile(
         reliability=_policy(ReliabilityPolicy, "reliability", qos.reliability),
         durability=_policy(DurabilityPolicy, "durability", qos.durability),
@@ -309,7 +308,7 @@ def profile_of(qos: Qos) -> QoSProfile:
 
 
 def qos_of(profile: QoSProfile) -> Qos:
-    """Returns what a profile says; of another node, history and depth are not known."""
+    """Returns the QoS of a profile of another node, whose history and depth are unknown."""
     return Qos(
         reliability=profile.reliability.name.lower(),
         durability=profile.durability.name.lower(),

@@ -1,11 +1,11 @@
-"""Services of ROS on rclpy: what serves requests, and what calls servers.
+"""Servers and clients of ROS services, on rclpy.
 
-The executor takes requests and responses on its thread and hands them to the loop, as bytes.
-Requests are taken by a waitable instead of the server class of rclpy: that one would keep a
-coroutine for each request under way, which the executor then asks again and again.
+The executor takes requests and responses on its thread and passes them to the loop, as bytes. A
+waitable takes requests instead of the server class of rclpy, which would keep a coroutine for each
+request under way, for the executor to poll.
 """
 
-# ROS is typed in parts; whoever checks generated code reads this module too.
+# rclpy has few types, and type checks of generated code include this module.
 # mypy: disable-error-code="import-not-found, import-untyped, no-untyped-call"
 
 from __future__ import annotations
@@ -30,10 +30,9 @@ from .parameters import as_parameter_error
 
 Reply = Callable[[bytes], None]
 TakeRequest = Callable[[bytes, Reply], None]
-Answered = Callable[[bytes], None]
+TakeResponse = Callable[[bytes], None]
 
-_PROFILE = QoSProfile(depth=128)
-"""Reliable and volatile as services are, with room for more calls than are under way at once."""
+_PROFILE = QoSProfile(depth=128)  # reliable and volatile, for more calls than are under way
 
 
 class NodeServices(NodePart):
@@ -47,7 +46,7 @@ class NodeServices(NodePart):
         self._clients: list[Any] = []
 
     def serve(self, service: RosService, take: TakeRequest) -> None:
-        """Serves a service; takes each serialized request and what replies to it, on the loop."""
+        """Serves a service; calls `take` on the loop with each request and its reply function."""
         kind = _installed(service)
         with as_parameter_error(f"service {service.name!a}: "), self._node.handle:
             profile = _PROFILE.get_c_qos_profile()
@@ -58,7 +57,7 @@ class NodeServices(NodePart):
         self._introspection.add(served)
 
     def client(self, service: RosService) -> NodeClient:
-        """Returns what calls a service."""
+        """Returns a client of a service."""
         kind = _installed(service)
         with as_parameter_error(f"service {service.name!a}: "):
             client = self._node.create_client(kind, service.name, qos_profile=_PROFILE)
@@ -67,7 +66,7 @@ class NodeServices(NodePart):
         return NodeClient(client, kind, self._loop)
 
     def destroy(self) -> None:
-        """Leaves ROS."""
+        """Destroys all servers and clients."""
         for service in self._served:
             self._node.remove_waitable(service)
             service.handle.destroy_when_not_in_use()
@@ -85,21 +84,21 @@ class NodeClient:
         self._loop = loop
 
     def is_ready(self) -> bool:
-        """Whether somebody serves."""
+        """Returns whether the service has a server."""
         return bool(self._client.service_is_ready())
 
-    def call(self, request: bytes, answered: Answered) -> Callable[[], None]:
-        """Calls the service, whose response is given on the loop; returns what forgets the call."""
+    def call(self, request: bytes, take: TakeResponse) -> Callable[[], None]:
+        """Sends a request; `take` is called on the loop. Returns a function that drops the call."""
         future = self._client.call_async(deserialize_message(request, self._kind.Request))
-        future.add_done_callback(partial(self._done, answered))
+        future.add_done_callback(partial(self._take_response, take))
         return partial(self._client.remove_pending_request, future)
 
-    def _done(self, answered: Answered, future: Any) -> None:
-        """Hands a response to the loop; on the thread of the executor, which nothing may end."""
+    def _take_response(self, take: TakeResponse, future: Any) -> None:
+        """Passes a response to the loop; on the thread of the executor, which must not fail."""
         if future.cancelled() or future.exception() is not None:
             return
         response = serialize_message(future.result())
-        self._loop.call_soon(partial(answered, response))
+        self._loop.call_soon(partial(take, response))
 
 
 class _Served(Waitable):
@@ -114,7 +113,7 @@ class _Served(Waitable):
         self._index: int | None = None
 
     def configure_introspection(self, clock: Any, profile: QoSProfile, state: Any) -> None:
-        """Has its calls published, as services of rclpy do."""
+        """Configures introspection, as services of rclpy do."""
         with self.handle:
             self.handle.configure_introspection(clock.handle, profile.get_c_qos_profile(), state)
 
@@ -153,10 +152,10 @@ class _Served(Waitable):
 
 
 def _installed(service: RosService) -> Any:
-    """Returns the class of a service, whose parts are those of the model."""
+    """Returns the class of a service; raises RosTypeError if it differs from the model."""
     for part in (service.request, service.response):
         installed_class(part)
     package, kind, name = service.type_name.split("/")
     service_class = getattr(importlib.import_module(f"{package}.{kind}"), name)
-    check_is_valid_srv_type(service_class)  # which imports what serializes it
+    check_is_valid_srv_type(service_class)  # imports its type support
     return service_class

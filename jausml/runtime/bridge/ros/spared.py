@@ -1,7 +1,7 @@
-"""What a bridge keeps out of its process until somebody asks for it.
+"""Delays imports of ROS that a bridge does not need.
 
-The modules of messages import numpy, and rclpy imports yaml; a bridge uses neither, and both with
-what generates Python of ROS types take a quarter of the memory of its process.
+Modules of ROS messages import numpy, and rclpy imports yaml; a bridge uses neither. With the
+generator of Python for ROS types they take a quarter of the memory of its process.
 """
 
 from __future__ import annotations
@@ -15,27 +15,24 @@ from importlib.util import find_spec
 from types import ModuleType
 from typing import Any
 
-SPARED = ("numpy", "yaml")
-"""Modules that are imported when something of them is asked for."""
-
+SPARED = ("numpy", "yaml")  # modules that are imported at the first use of an attribute
 _TYPE_SUPPORTS = "rosidl_generator_py"
 _GENERATING = f"{_TYPE_SUPPORTS}.generate_py_impl"
 
-_LOCK = threading.RLock()
-"""Held by the thread that imports: a module may be executed only once."""
+_LOCK = threading.RLock()  # held by the thread that imports, as a module is executed once
 
 
 class SparedModule(ModuleType):
-    """Stands for a module until something of it is asked for."""
+    """Stands for a module until its first attribute is used."""
 
     def __init__(self, spec: ModuleSpec) -> None:
         super().__init__(spec.name)
         self.__spec__ = spec
-        # Who looks for the module of a function asks all modules for their files.
+        # `inspect` reads the file of each module.
         self.__file__ = spec.origin
 
     def __getattr__(self, name: str) -> Any:
-        """Imports the module, and is as it is from then on."""
+        """Imports the module, takes over all its attributes, and returns one."""
         with _LOCK:
             if sys.modules.get(self.__name__) is self:
                 del sys.modules[self.__name__]
@@ -45,9 +42,9 @@ class SparedModule(ModuleType):
 
 
 def spare_modules() -> None:
-    """Keeps modules that nobody may use out of the process, before rclpy and messages ask for them.
+    """Delays the modules; to be called before rclpy and messages are imported.
 
-    Whoever imports them afterwards, as overrides may, finds all that they have.
+    An override that imports one of them later can use it as usual.
     """
     for name in SPARED:
         spec = None if name in sys.modules else find_spec(name)
@@ -57,9 +54,9 @@ def spare_modules() -> None:
 
 
 def _spare_generator() -> None:
-    """Keeps out of the process what generates Python of ROS types, which takes 8 MiB.
+    """Imports the package of type supports without its generator, which takes 8 MiB.
 
-    It comes with the package that finds type supports, which is prepared to do without.
+    That package handles the ImportError.
     """
     if _TYPE_SUPPORTS in sys.modules or _GENERATING in sys.modules:
         return

@@ -1,4 +1,4 @@
-"""Nodes of ROS that are no bridges: they spin until a signal ends them."""
+"""Runs ROS nodes that are no bridges until a signal ends them."""
 
 from __future__ import annotations
 
@@ -17,37 +17,37 @@ from rclpy.utilities import ok, try_shutdown
 
 from ...base.process import ignore_signals
 from ..ends.topics import ParameterError
-from .parameters import as_parameter_error, tell_unknown
+from .parameters import as_parameter_error, warn_of_unknown
 
-# ROS is typed in parts; whoever checks generated code reads this module too.
+# rclpy has few types, and type checks of generated code include this module.
 # mypy: disable-error-code="import-not-found, import-untyped, no-untyped-call"
 
 WAKE_UP_PERIOD = 1.0  # longest time in seconds until a node that spins notices a shutdown
 
 
 def spin(factory: Callable[[], Any], arguments: Sequence[str] | None) -> None:
-    """Spins a node until SIGINT or SIGTERM; a wrong parameter is a ParameterError."""
+    """Spins a node until SIGINT or SIGTERM; raises ParameterError for a wrong parameter."""
     atexit.register(ignore_signals)
-    # ROS itself ends on a signal; Python's KeyboardInterrupt would strike anywhere, even in
-    # clean-up. What comes before ROS has begun is not forgotten.
-    early: list[int] = []
+    # rclpy handles signals once it runs. Earlier ones are kept, as a KeyboardInterrupt might come
+    # anywhere, even in clean-up.
+    early_signals: list[int] = []
     for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda number, _: early.append(number))
+        signal.signal(number, lambda number, _: early_signals.append(number))
     with as_parameter_error():
         rclpy.init(args=None if arguments is None else list(arguments))
     try:
-        if early:
+        if early_signals:
             return
         node = _new_node(factory)
-        tell_unknown(node)
-        # rclpy may begin to wait just after a signal has shut ROS down; nothing else wakes it then.
+        warn_of_unknown(node)
+        # Wakes an rclpy that began to wait just after a signal has shut ROS down.
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         node.create_timer(WAKE_UP_PERIOD, lambda: None, clock=steady)
         with suppress(ExternalShutdownException):
             rclpy.spin(node)
         node.destroy_node()
     except RuntimeError:
-        # A signal shuts ROS down in the midst of anything, which rclpy may report like this.
+        # rclpy may raise this wherever a signal shuts ROS down.
         if ok():
             raise
     finally:
@@ -55,7 +55,7 @@ def spin(factory: Callable[[], Any], arguments: Sequence[str] | None) -> None:
 
 
 def _new_node(factory: Callable[[], Any]) -> Any:
-    """Makes a node; errors of the user's code stay as they are."""
+    """Makes a node; raises ParameterError for errors of parameters."""
     try:
         return factory()
     except ParameterException as error:

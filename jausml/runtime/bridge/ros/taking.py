@@ -1,4 +1,4 @@
-"""Takes serialized messages of a topic and counts what was lost."""
+"""Takes serialized messages of a subscription, and counts lost ones."""
 
 from __future__ import annotations
 
@@ -12,25 +12,21 @@ from ..ends.ros_side import Feed
 from ..ends.topics import TopicCounts
 from ..fastpath.side import FastSubscriber
 
-AT_ONCE = 16
-"""Messages of a topic that are taken in one turn of the loop, so that others have theirs."""
-
-_NOT_TOLD = -1  # stands for the next number of a middleware that does not number messages
-
-_KEPT_BY_ALL = 5000
-"""Messages that a subscription with the history `keep_all` is taken to have kept."""
+AT_ONCE = 16  # messages of a topic that are taken in one turn of the loop, for the sake of others
+_NO_NUMBER = -1  # expected number of a middleware that does not number messages
+_KEPT_BY_ALL = 5000  # depth that is assumed for a subscription with the history `keep_all`
 
 
 @dataclass(frozen=True)
 class Subscription:
-    """A subscription and what takes its messages."""
+    """A subscription and the function that takes its messages."""
 
     handle: Any
-    matched: Any
+    matched: Any  # event of publishers that come and go
     message_class: type[Any]
     depth: int  # messages that it keeps; 0 means all
-    # Is given each serialized message, and the time in nanoseconds at which it was published, by
-    # the clock of its publisher.
+    # Called with each serialized message, and the nanoseconds of its publication by the clock of
+    # its publisher.
     take: Callable[[bytes, int], None]
     age_limit: int  # nanoseconds after which a message that waits is too old; 0 means never
     counts: TopicCounts
@@ -38,21 +34,20 @@ class Subscription:
 
 def reader(  # noqa: C901 - for two functions that share the number expected
     subscription: Subscription,
-    announced: Callable[[], int],
+    count_waiting: Callable[[], int],
     standstill: Standstill,
     rearm: Callable[[int], object] | None = None,
     descriptor: int = -1,
 ) -> Callable[[], None]:
-    """Returns what takes the messages that wait, a limited number at once.
+    """Returns a function that takes waiting messages, at most `AT_ONCE` in a call.
 
-    One function does all that happens to each message between ROS and `take`: each further one
-    would show in the latency.
+    It is a single function, as each further call would add to the latency of a message.
 
     Args:
-        announced: Returns how many messages to take.
-        rearm: Asks for another call for so many messages. None means that `announced` is no more
-            than a guess: the middleware tells by itself when more is there, and not how much.
-        descriptor: Where it is announced, from which a core may take the usual messages.
+        count_waiting: Returns the number of waiting messages.
+        rearm: Requests another call for a number of messages. None if the middleware does so by
+            itself, and `count_waiting` is only an upper bound.
+        descriptor: The eventfd of the count, for the core.
     """
     handle, kind, take, counts = (
         subscription.handle,
@@ -69,18 +64,18 @@ def reader(  # noqa: C901 - for two functions that share the number expected
         nonlocal expected
         if steady() > standstill.due:
             standstill.end()
-        left = announced()
-        rest = left - AT_ONCE if left > AT_ONCE else 0
+        waiting = count_waiting()
+        rest = waiting - AT_ONCE if waiting > AT_ONCE else 0
         oldest = time_ns() - age_limit
         try:
-            while left > rest:
-                left -= 1
+            while waiting > rest:
+                waiting -= 1
                 taken = take_message(kind, True)  # noqa: FBT003 - raw
                 if taken is None:
-                    # What was announced and is not there any more was overwritten.
+                    # Messages that were counted and are not there were overwritten.
                     if rearm is not None:
-                        counts.lost += left + 1
-                    left = 0
+                        counts.lost += waiting + 1
+                    waiting = 0
                     return
                 data, info = taken
                 counts.taken += 1
@@ -88,14 +83,14 @@ def reader(  # noqa: C901 - for two functions that share the number expected
                     expected += 1
                 else:
                     expected = follow(expected, info["publication_sequence_number"])
-                # Of 0, which stands for a time that nobody told, nothing is known.
+                # 0 stands for an unknown time.
                 if 0 < info["received_timestamp"] < oldest:
                     counts.too_old += 1
                 else:
                     take(data, info["source_timestamp"])
         finally:
-            if left and rearm is not None:
-                rearm(left)
+            if waiting and rearm is not None:
+                rearm(waiting)
 
     find = getattr(take, "fast_path", None)
     if rearm is None or find is None:
@@ -103,39 +98,39 @@ def reader(  # noqa: C901 - for two functions that share the number expected
     feed = Feed(handle.pointer, descriptor, subscription.age_limit, counts)
     fast: FastSubscriber | None = None
 
-    def read_other() -> None:
-        """Takes what a core has not passed on, and looks whether it can from now on."""
+    def read_returned() -> None:
+        """Takes messages that the core leaves to Python, and updates or makes its taker."""
         nonlocal expected, fast
         expected = feed.expected
-        other = None if fast is None else fast.pending()
-        if other is None:
+        message = None if fast is None else fast.pending()
+        if message is None:
             read()
         else:
             if steady() > standstill.due:
                 standstill.end()
             counts.taken += 1
-            usual = other.number == expected
-            expected = expected + 1 if usual else follow(expected, other.number)
-            if 0 < other.received < time_ns() - age_limit:
+            is_next = message.number == expected
+            expected = expected + 1 if is_next else follow(expected, message.number)
+            if 0 < message.received < time_ns() - age_limit:
                 counts.too_old += 1
             else:
-                take(other.data, other.published)
-            if other.left:
-                rearm(other.left)
+                take(message.data, message.published)
+            if message.left:
+                rearm(message.left)
         feed.expected = expected
         if fast is None or not fast.is_current:
             fast = find(feed)
         else:
-            fast.look()
+            fast.update()
 
-    return read_other
+    return read_returned
 
 
 class _Publishers:
-    """The publishers of a topic, as far as they are to be known to tell what was missed.
+    """Counts missed messages by the gaps between their numbers.
 
-    Each publisher numbers its messages, but nothing tells whose a message is. So a gap is one only
-    while there is a single publisher, and no message of a former one can still have waited.
+    Each publisher numbers its messages, but a message does not name its publisher. So a gap counts
+    only while there is a single publisher, and no message of a former one can still be waiting.
     """
 
     def __init__(self, subscription: Subscription) -> None:
@@ -145,9 +140,9 @@ class _Publishers:
         self._matched = subscription.matched
 
     def follow(self, expected: int, number: int | None) -> int:
-        """Returns the number after one that was not expected; counts what is missed for certain."""
+        """Returns the next expected number after an unexpected one; counts missed messages."""
         if number is None:
-            return _NOT_TOLD
+            return _NO_NUMBER
         # The state may be read at any time, and a publisher is found before its messages come.
         state = self._matched.take_event()
         counts = self._counts

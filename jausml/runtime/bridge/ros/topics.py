@@ -1,10 +1,10 @@
-"""Topics of a bridge on rclpy: publishers, subscriptions, what waits for both, and who is there.
+"""Topics of a bridge on rclpy: publishers, subscriptions, their events and faults.
 
-They are made below the classes `Publisher` and `Subscription` of rclpy: the executor would look at
-each of those whenever it wakes up.
+They are handles below the classes `Publisher` and `Subscription` of rclpy, each of which the
+executor would check whenever it wakes up.
 """
 
-# ROS is typed in parts; whoever checks generated code reads this module too.
+# rclpy has few types, and type checks of generated code include this module.
 # mypy: disable-error-code="import-not-found, import-untyped, no-untyped-call"
 
 from __future__ import annotations
@@ -45,17 +45,17 @@ from .parameters import (
     overridden,
     profile_of,
     qos_of,
-    tell_unknown,
+    warn_of_unknown,
 )
 from .taking import Subscription
 from .values import is_of_any_size
 from .waiting import Listener, NoListenerError, WaitSets
 
-Told = Callable[[Any], None]
+TakeState = Callable[[Any], None]  # called with the state of an event
 
 
 def matched_event(subscription: Any) -> Any:
-    """Returns the event of a subscription that tells of publishers that come and go."""
+    """Returns the event of a subscription for publishers that come and go."""
     with subscription:
         return internals.EventHandle(
             subscription, QoSSubscriptionEventType.RCL_SUBSCRIPTION_MATCHED
@@ -63,25 +63,25 @@ def matched_event(subscription: Any) -> Any:
 
 
 def publisher_events(
-    handle: Any, health: EndpointHealth, matched: Told
+    handle: Any, health: EndpointHealth, matched: TakeState
 ) -> Iterator[tuple[Any, Callable[[], None]]]:
-    """Yields the events of a publisher, and what takes each."""
+    """Yields the events of a publisher, and the function that reads each."""
     kinds = QoSPublisherEventType
     yield from _event(handle, kinds.RCL_PUBLISHER_MATCHED, matched)
     yield from _event(handle, kinds.RCL_PUBLISHER_OFFERED_INCOMPATIBLE_QOS, _incompatible(health))
-    # ROS waits for each event apart, so only for those that may come.
+    # Only events that may come, as waiting for each one costs time.
     if health.qos.deadline > 0:
-        missed = _more(health.note_missed_deadline)
+        missed = _if_more(health.note_missed_deadline)
         yield from _event(handle, kinds.RCL_PUBLISHER_OFFERED_DEADLINE_MISSED, missed)
     if health.qos.lease_duration > 0:
-        lost = _more(health.note_lost_liveliness)
+        lost = _if_more(health.note_lost_liveliness)
         yield from _event(handle, kinds.RCL_PUBLISHER_LIVELINESS_LOST, lost)
 
 
 def subscription_events(
     handle: Any, health: EndpointHealth
 ) -> Iterator[tuple[Any, Callable[[], None]]]:
-    """Yields the events of a subscription, and what takes each."""
+    """Yields the events of a subscription, and the function that reads each."""
 
     def liveliness(state: Any) -> None:
         if not (state.alive_count_change or state.not_alive_count_change):
@@ -95,14 +95,14 @@ def subscription_events(
     callback = _incompatible(health)
     yield from _event(handle, kinds.RCL_SUBSCRIPTION_REQUESTED_INCOMPATIBLE_QOS, callback)
     if health.qos.deadline > 0:
-        missed = _more(health.note_missed_deadline)
+        missed = _if_more(health.note_missed_deadline)
         yield from _event(handle, kinds.RCL_SUBSCRIPTION_REQUESTED_DEADLINE_MISSED, missed)
     if health.qos.lease_duration > 0:
         yield from _event(handle, kinds.RCL_SUBSCRIPTION_LIVELINESS_CHANGED, liveliness)
 
 
-def _event(handle: Any, kind: Any, tell: Told) -> Iterator[tuple[Any, Callable[[], None]]]:
-    """Yields one event; nothing where the middleware does not know it."""
+def _event(handle: Any, kind: Any, take: TakeState) -> Iterator[tuple[Any, Callable[[], None]]]:
+    """Yields one event; none if the middleware does not support it."""
     try:
         with handle:
             event = internals.EventHandle(handle, kind)
@@ -112,31 +112,31 @@ def _event(handle: Any, kind: Any, tell: Told) -> Iterator[tuple[Any, Callable[[
     def read() -> None:
         state = event.take_event()
         if state is not None:
-            tell(state)
+            take(state)
 
     yield event, read
 
 
-def _more(note: Callable[[], None]) -> Told:
-    """Notes what happened since the last time; an event may be read when nothing did."""
+def _if_more(note: Callable[[], None]) -> TakeState:
+    """Returns a function that calls `note` if the event has happened since the last read."""
 
-    def tell(state: Any) -> None:
+    def take(state: Any) -> None:
         if state.total_count_change > 0:
             note()
 
-    return tell
+    return take
 
 
-def _incompatible(health: EndpointHealth) -> Told:
-    def tell(state: Any) -> None:
+def _incompatible(health: EndpointHealth) -> TakeState:
+    def take(state: Any) -> None:
         if state.total_count_change > 0:
             health.note_incompatible(str(qos_policy_name_from_kind(state.last_policy_kind)))
 
-    return tell
+    return take
 
 
 class NodePublisher:
-    """A publisher for serialized messages, which the function of rclpy itself publishes."""
+    """A publisher for serialized messages; `publish` is the function of rclpy itself."""
 
     __slots__ = ("handle", "matched", "publish", "published", "unmatched")
 
@@ -149,12 +149,11 @@ class NodePublisher:
 
     @property
     def address(self) -> int:
-        """Where the client library has it."""
+        """Address of the publisher in rcl."""
         return int(self.handle.pointer)
 
 
-WaitingName = Literal["automatic", "listener", "wait-set"]
-"""How the bridge waits for ROS; `automatic` takes the listener where there is one."""
+WaitingName = Literal["automatic", "listener", "wait-set"]  # how the bridge waits for ROS
 
 
 class NodeTopics:
@@ -169,23 +168,28 @@ class NodeTopics:
         parameters: NodeParameters,
         age_limit: int,
     ) -> None:
-        """Has none yet; its queues keep messages for an age in nanoseconds, or 0 for ever."""
+        """Makes no topics yet.
+
+        Args:
+            waiting: `automatic` uses a listener where the middleware supports it.
+            age_limit: Nanoseconds after which a waiting message is too old; 0 means never.
+        """
         self._node = node
         self._parameters = parameters
         self._age_limit = age_limit
         self._health: dict[tuple[Topic, bool], EndpointHealth] = {}
-        self._kin: Counter[tuple[str, bool]] = Counter()  # endpoints that share a topic
+        self._numbers: Counter[tuple[str, bool]] = Counter()  # of publishers or subscriptions
         self._publishers: list[Any] = []
         self._subscriptions: list[Any] = []
         self._events: list[Any] = []
-        self._waiting = self._chosen(waiting, context, loop)
+        self._waiting = self._choose_waiting(waiting, context, loop)
 
     def publisher(
-        self, ros_type: type[Any], topic: Topic, greet: Callable[[], None] | None = None
+        self, ros_type: type[Any], topic: Topic, on_match: Callable[[], None] | None = None
     ) -> NodePublisher:
-        """Makes a publisher of a class of rclpy, or of a light one, whose `TYPE` names the type."""
+        """Makes a publisher; `on_match` is called for each subscriber that is found."""
         rclpy_class = message_class(ros_type)
-        health = self._watched(topic, topic.qos, publishes=True)
+        health = self._new_health(topic, topic.qos, publishes=True)
         health.qos = never_waiting(health.qos)
         handle = self._new_handle(internals.Publisher, rclpy_class, topic, health)
         self._publishers.append(handle)
@@ -195,8 +199,8 @@ class NodeTopics:
 
         def matched(state: Any) -> None:
             publisher.matched = state.current_count
-            if state.current_count_change > 0 and greet is not None:
-                greet()
+            if state.current_count_change > 0 and on_match is not None:
+                on_match()
 
         self._wait_for(publisher_events(handle, health, matched))
         return publisher
@@ -204,15 +208,15 @@ class NodeTopics:
     def subscribe(
         self, ros_type: type[Any], topic: Topic, take: Callable[[bytes, int], None]
     ) -> TopicCounts:
-        """Makes a subscription; messages are taken after `start`."""
+        """Makes a subscription, whose messages are taken after `listen`; returns its counts."""
         rclpy_class, counts = message_class(ros_type), TopicCounts()
-        health = self._watched(topic, deep_enough(topic.qos), publishes=False)
+        health = self._new_health(topic, deep_enough(topic.qos), publishes=False)
         handle = self._new_handle(internals.Subscription, rclpy_class, topic, health)
         self._subscriptions.append(handle)
         self._watch_types(health, rclpy_class, handle.get_publisher_count)
         health.counts = counts if is_of_any_size(rclpy_class) else None
         qos = health.qos
-        # What is latched is as old as it is.
+        # A latched message may have any age.
         age_limit = self._age_limit if qos.durability == "volatile" else 0
         depth = qos.depth if qos.history == "keep_last" else 0
         self._wait_for(subscription_events(handle, health))
@@ -224,30 +228,30 @@ class NodeTopics:
         return counts
 
     def faults(self, topic: Topic, *, publishes: bool, alone: bool = False) -> list[TopicFault]:
-        """Returns why a topic does not work as it should; nothing while it does."""
+        """Returns the faults of a topic; where `alone`, a second publisher is one."""
         return self._health[topic, publishes].faults(alone=alone)
 
-    def _watched(self, topic: Topic, qos: Qos, *, publishes: bool) -> EndpointHealth:
-        """Returns what will know how a publisher or subscription fares, with its final quality."""
+    def _new_health(self, topic: Topic, qos: Qos, *, publishes: bool) -> EndpointHealth:
+        """Returns the health of a new publisher or subscription, with its QoS after overrides."""
         with as_parameter_error(f"topic {topic.name!a}: "):
             name = self._node.resolve_topic_name(topic.name)
         find = self._finder(publishes=publishes)
-        kin = self._kin[name, publishes]
-        self._kin[name, publishes] += 1
-        entity = ("publisher" if publishes else "subscription") + (f"_{kin + 1}" if kin else "")
+        number = self._numbers[name, publishes] = self._numbers[name, publishes] + 1
+        suffix = f"_{number}" if number > 1 else ""
+        entity = ("publisher" if publishes else "subscription") + suffix
 
         def others() -> list[tuple[str, Qos]]:
             return [(_node_name(endpoint), qos_of(endpoint.qos_profile)) for endpoint in find(name)]
 
         health = EndpointHealth(publishes, name, qos, entity, others)
-        health.qos = overridden(health, self._parameters.given, self._parameters.declare)
+        health.qos = overridden(health, self._parameters.overrides, self._parameters.declare)
         self._health[topic, publishes] = health
         return health
 
     def _watch_types(
         self, health: EndpointHealth, rclpy_class: type[Any], count: Callable[[], int]
     ) -> None:
-        """Lets what fares badly know who is at the other end with another type, if nobody else."""
+        """Sets how a health counts its opposite ends, and finds those with another type."""
         find, own = self._finder(publishes=health.publishes), _type_name(rclpy_class)
 
         def strangers() -> list[tuple[str, str]]:
@@ -259,7 +263,7 @@ class NodeTopics:
         health.strangers, health.count = strangers, count
 
     def _finder(self, *, publishes: bool) -> Callable[[str], list[Any]]:
-        """Returns what finds the other ends of a topic, by its full name."""
+        """Returns the function that finds the opposite ends of a topic by its full name."""
         node: Any = self._node
         finder: Callable[[str], list[Any]] = (
             node.get_subscriptions_info_by_topic if publishes else node.get_publishers_info_by_topic
@@ -282,30 +286,32 @@ class NodeTopics:
     # ------------------------------------------------------------------ life
 
     def listen(self, fail: Callable[[BaseException], None]) -> None:
-        """Begins to take the messages of what was subscribed to."""
+        """Begins to take messages; `fail` is called with the error that ends a thread."""
         possible = (
             endpoint_health.parameter(policy)
             for endpoint_health in self._health.values()
             for policy in OVERRIDABLE
         )
-        tell_unknown(self._node, possible)
+        warn_of_unknown(self._node, possible)
         self._waiting.start(fail)
 
     def wait(self, deadline: float) -> None:
-        """Waits until subscribers have what was published, at most to a steady time."""
+        """Waits until subscribers have the published messages, or until a steady time."""
         for publisher in self._publishers:
             left = Duration(seconds=max(deadline - time.monotonic(), 0.0))
             publisher.wait_for_all_acked(left.get_c_duration())
 
     def destroy(self) -> None:
-        """Gives all topics back; on the thread of the executor, or when it is over."""
+        """Destroys all topics; called on the thread of the executor, or after its end."""
         self._waiting.close()
         for handle in (*self._events, *self._subscriptions, *self._publishers):
             handle.destroy_when_not_in_use()
 
     # ------------------------------------------------------------------ waiting
 
-    def _chosen(self, waiting: WaitingName, context: Any, loop: Loop) -> Listener | WaitSets:
+    def _choose_waiting(
+        self, waiting: WaitingName, context: Any, loop: Loop
+    ) -> Listener | WaitSets:
         if waiting == "wait-set":
             return WaitSets(loop, context)
         try:
@@ -317,7 +323,7 @@ class NodeTopics:
             return WaitSets(loop, context)
 
     def _listener(self, loop: Loop) -> Listener:
-        """Returns the listener, tried with a subscription and an event that go at once."""
+        """Returns a listener after a trial; raises NoListenerError if it does not work."""
         listener = Listener(loop)
         node = self._node.handle
         with node:

@@ -1,11 +1,11 @@
-"""Values of objects of rclpy, checked as light classes check theirs.
+"""Checks values of messages of rclpy, as light classes check theirs.
 
-The classes of ROS take any object for any field, and what serializes them reads memory: -1 in a
-field of real numbers arrives as not a number, 200 in an int8 as -56, a list that is longer than its
-bound not at all. So what users give is made what its field carries before rclpy has it.
+The classes of ROS take any object for a field, and their serialization reads it as raw memory: -1
+in a field of real numbers arrives as not a number, 200 in an int8 as -56, and a list that is longer
+than its bound not at all. So messages of users are checked and converted before.
 """
 
-# ROS is typed in parts; whoever checks generated code reads this module too.
+# rclpy has few types, and type checks of generated code include this module.
 # mypy: disable-error-code="import-not-found, import-untyped, no-untyped-call, misc"
 
 from __future__ import annotations
@@ -32,40 +32,42 @@ from ...wire.message import EncodeError
 from ..light_message import BAD_VALUES, installed
 from ..messages import cdr
 
+# Returns the value of a field in the type of the field; raises one of BAD_VALUES.
 Check: TypeAlias = Callable[[Any], Any]
-"""Returns the value that a field carries for what stands in it; raises one of BAD_VALUES."""
 
 
 def checked(message: Any) -> Any:
-    """Returns an object of rclpy with the values that its serialized form will have.
+    """Returns a message of rclpy, in which values have been converted to the types of their fields.
 
-    What light classes take for a field is made what the field carries, in the object itself: an
-    integer becomes a real number. Of a value that does not fit, an EncodeError names the path.
+    A conversion is one that light classes allow, such as of an integer to a real number.
+
+    Raises:
+        EncodeError: A value does not fit its field, whose path is named.
     """
     kind: Any = type(message)
     for name, check in _checks(kind):
         value = getattr(message, name)
-        checked_value = _at(name, check, value)
+        checked_value = _checked_at(name, check, value)
         if checked_value is not value:
             setattr(message, name, checked_value)
     return message
 
 
 class CheckedPublisher(Publisher):  # type: ignore[misc, type-arg, unused-ignore]
-    """A publisher of rclpy that checks the values of what it publishes."""
+    """A publisher of rclpy that checks its messages."""
 
     def publish(self, msg: Any) -> None:
-        """Publishes an object, or a serialized message as it is."""
+        """Publishes a message; a serialized one is not checked."""
         super().publish(msg if isinstance(msg, bytes) else checked(msg))
 
 
 def checked_answers(answer: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
-    """Returns a method that answers requests of a service, with its responses checked."""
+    """Returns a callback of a service whose responses are checked."""
     return lambda request, response: checked(answer(request, response))
 
 
 def is_of_any_size(kind: Any) -> bool:
-    """Whether messages of a class have a sequence without a bound."""
+    """Returns whether messages of a class have a sequence without a bound."""
     for slot in kind.SLOT_TYPES:
         inner = slot.value_type if isinstance(slot, AbstractNestedType) else slot
         is_part = isinstance(inner, NamespacedType)
@@ -75,22 +77,22 @@ def is_of_any_size(kind: Any) -> bool:
 
 
 class _MisfitError(EncodeError):
-    """A value that does not fit its field, which is named by its path."""
+    """A value does not fit its field, which is named by its path."""
 
 
-def _at(place: str, check: Check, value: Any) -> Any:
+def _checked_at(path: str, check: Check, value: Any) -> Any:
     try:
         return check(value)
     except _MisfitError as error:
-        raise _MisfitError(f"{place}.{error.field}", error.reason) from error
+        raise _MisfitError(f"{path}.{error.field}", error.reason) from error
     except (EncodeError, *BAD_VALUES) as error:
         shown = " ".join(repr(value).split())
-        raise _MisfitError(place, f"{shown:.80} does not fit: {error}") from error
+        raise _MisfitError(path, f"{shown:.80} does not fit: {error}") from error
 
 
 @cache
 def _checks(kind: Any) -> tuple[tuple[str, Check], ...]:
-    """Returns the fields of a class, and what checks each."""
+    """Returns the fields of a class, and the check of each."""
     names = kind.get_fields_and_field_types()
     return tuple((name, _check(slot)) for name, slot in zip(names, kind.SLOT_TYPES, strict=True))
 
@@ -104,7 +106,7 @@ def _check(slot: Any) -> Check:
         encoded = cdr.wide if isinstance(slot, AbstractWString) else cdr.encoded
         return partial(_text, encoded, slot.maximum_size if slot.has_maximum_size() else 0)
     if isinstance(slot, BasicType):
-        return _OF_PRIMITIVES.get(slot.typename, _as_it_is)
+        return _PRIMITIVE_CHECKS.get(slot.typename, _unchanged)
     return partial(_message, _class_of(slot))
 
 
@@ -118,8 +120,8 @@ def _elements(check: Check, count: int | None, is_fixed: bool, values: Any) -> A
     elif count is not None:
         cdr.at_most(values, count)
     if isinstance(values, array) or hasattr(values, "dtype"):
-        return values  # of rclpy, which has made numbers of the field of them
-    checked_values = [_at(str(index), check, value) for index, value in enumerate(values)]
+        return values  # rclpy has converted its elements
+    checked_values = [_checked_at(str(index), check, value) for index, value in enumerate(values)]
     return values if all(map(operator.is_, checked_values, values)) else checked_values
 
 
@@ -143,7 +145,7 @@ def _octet(value: Any) -> Any:
     return bytes([cdr.octet(value)])
 
 
-def _as_it_is(value: Any) -> Any:
+def _unchanged(value: Any) -> Any:
     return value
 
 
@@ -157,7 +159,7 @@ _CODES = {
     "int64": "q",
     "uint64": "Q",
 }
-_OF_PRIMITIVES: dict[str, Check] = {
+_PRIMITIVE_CHECKS: dict[str, Check] = {
     **{name: partial(_number, struct.Struct(f"<{code}"), int) for name, code in _CODES.items()},
     "float": partial(_number, struct.Struct("<f"), float),
     "double": partial(_number, struct.Struct("<d"), float),

@@ -1,4 +1,4 @@
-"""Waits for ROS: with listeners on the epoll of the loop, or else with wait sets on threads."""
+"""Waiting for ROS: by listeners on the epoll of the loop, or by wait sets on threads."""
 
 from __future__ import annotations
 
@@ -16,16 +16,14 @@ from ...base.loop import Loop
 from .internals import internals
 from .taking import AT_ONCE, Subscription, reader
 
-Read = Callable[[], object]
-"""Takes what a topic or an event has to tell."""
+Read = Callable[[], object]  # takes the messages of a topic, or the state of an event
 
 
 class WaitSets:
     """Serves topics and events on threads, with the lock of the loop.
 
-    Whoever waits with a wait set names all that it holds again in each round, so a round costs
-    more with each topic. Events have a set of their own for that reason: they are as many as
-    topics, and nothing is lost when one is late.
+    Each wait has to name all handles of the set again, so it takes longer with each topic. Events
+    have a set of their own: they are as many as topics, and may be late.
     """
 
     def __init__(self, loop: Loop, context: Any) -> None:
@@ -34,12 +32,12 @@ class WaitSets:
         self._events = _ServedSet(loop, context, "event")
 
     def subscription(self, subscription: Subscription) -> None:
-        """Takes the messages of a subscription, what waits already included."""
+        """Takes the messages of a subscription, waiting ones included."""
         read = reader(subscription, lambda: AT_ONCE, self._standstill)
         self._topics.add(subscription.handle, read)
 
     def event(self, event: Any, read: Read) -> None:
-        """Runs `read` when an event has something to tell."""
+        """Runs `read` for each change of an event."""
         self._events.add(event, read)
 
     def start(self, fail: Callable[[BaseException], None]) -> None:
@@ -54,7 +52,7 @@ class WaitSets:
 
 
 class _ServedSet:
-    """A wait set, built once for what it holds, and the thread that waits with it."""
+    """A wait set, made anew for each new handle, and the thread that waits with it."""
 
     def __init__(self, loop: Loop, context: Any, kind: Literal["subscription", "event"]) -> None:
         self._loop = loop
@@ -67,7 +65,7 @@ class _ServedSet:
         self._is_closing = False
 
     def add(self, handle: Any, read: Read) -> None:
-        """Waits for one more, which is a subscription or an event."""
+        """Adds a handle of a subscription or an event."""
         self._served.append((handle, read))
         self._wake_up.trigger_guard_condition()
 
@@ -93,24 +91,24 @@ class _ServedSet:
                 fail(error)
 
     def _wait_until_more(self, served: tuple[tuple[Any, Read], ...]) -> None:
-        """Serves with one wait set until there is more to wait for."""
-        is_of_topics, count = self._kind == "subscription", len(served)
+        """Serves handles with one wait set until there is a new one."""
+        has_topics, count = self._kind == "subscription", len(served)
         with self._context.handle:
-            counts = (count, 1, 0, 0, 0, 0) if is_of_topics else (0, 1, 0, 0, 0, count)
+            counts = (count, 1, 0, 0, 0, 0) if has_topics else (0, 1, 0, 0, 0, count)
             wait_set = internals.WaitSet(*counts, self._context.handle)
-        add = wait_set.add_subscription if is_of_topics else wait_set.add_event
+        add = wait_set.add_subscription if has_topics else wait_set.add_event
         handles, reads = zip(*served, strict=True) if served else ((), ())
         by_pointer = {handle.pointer: read for handle, read in served}
         try:
             while not self._is_closing and len(served) == len(self._served):
-                # rcl forgets what was not ready: all has to be named again.
+                # rcl removes handles that were not ready.
                 wait_set.clear_entities()
                 wait_set.add_guard_condition(self._wake_up)
                 for handle in handles:
                     add(handle)
                 wait_set.wait(-1)
                 ready: Iterable[Read]
-                if is_of_topics:
+                if has_topics:
                     ready = map(by_pointer.__getitem__, wait_set.get_ready_entities(self._kind))
                 else:
                     are_ready = [wait_set.is_ready(self._kind, index) for index in range(count)]
@@ -131,9 +129,7 @@ class _ServedSet:
 ON_MESSAGE = "rcl_subscription_set_on_new_message_callback"
 ON_EVENT = "rcl_event_set_callback"
 
-EVENTS_TOGETHER = 16
-"""Events that share an eventfd; all of them are read when one has something to tell."""
-
+EVENTS_TOGETHER = 16  # events that share an eventfd, and are read together
 _MACHINES = ("x86_64", "aarch64")
 
 
@@ -142,7 +138,7 @@ class NoListenerError(Exception):
 
 
 class Listener:
-    """Registers topics and events with the loop; its callbacks run as those of sockets do.
+    """Registers topics and events with the loop, which serves them like sockets.
 
     librcl calls a function for each new message or event, on a thread of the middleware:
     `callback(user_data, count)`. `eventfd_write(fd, value)` of libc has the same convention of
@@ -161,7 +157,7 @@ class Listener:
         self._is_started = False
 
     def try_out(self, subscription: Any, event: Any) -> None:
-        """Sets both callbacks and takes them back; raises NoListenerError where that is refused."""
+        """Sets both callbacks and removes them; raises NoListenerError if that fails."""
         number = _eventfd()
         try:
             for function, handle in ((self._on_message, subscription), (self._on_event, event)):
@@ -171,7 +167,7 @@ class Listener:
             os.close(number)
 
     def subscription(self, subscription: Subscription) -> None:
-        """Takes the messages of a subscription on the loop, what waits already included."""
+        """Takes the messages of a subscription on the loop, waiting ones included."""
         number = _eventfd()
         read = reader(
             subscription,
@@ -184,9 +180,9 @@ class Listener:
         self._listen(self._on_message, subscription.handle, number)
 
     def event(self, event: Any, read: Read) -> None:
-        """Runs `read` on the loop when an event has something to tell, and now and then besides.
+        """Runs `read` on the loop for each change of an event, and sometimes without.
 
-        Some events share an eventfd: they are rare, and a process may have 1024 descriptors.
+        Several events share an eventfd: they are rare, and a process may have 1024 descriptors.
         """
         if len(self._events) % EVENTS_TOGETHER == 0:
             self._events = []
@@ -197,18 +193,18 @@ class Listener:
         self._listen(self._on_event, event, self._events_number)
 
     def start(self, fail: Callable[[BaseException], None]) -> None:  # noqa: ARG002
-        """Begins to serve what was registered so far; the loop counts what fails there."""
+        """Begins to serve; the loop counts errors of callbacks."""
         self._is_started = True
         with self._loop.lock:
             for number, read in self._reads.items():
                 self._loop.register(number, read)
 
     def close(self) -> None:
-        """Serves nothing any more; the handles may be destroyed then."""
+        """Stops serving; the handles may be destroyed then."""
         with self._loop.lock:
             for number in self._reads:
                 self._loop.unregister(number)
-        # First the callbacks: a number that is closed may soon be that of something else.
+        # Callbacks first, as the number of a closed descriptor may soon be used again.
         self._unset_all()
         for number in self._reads:
             os.close(number)
@@ -220,7 +216,7 @@ class Listener:
         self._unset.clear()
 
     def _listen(self, function: Any, handle: Any, number: int) -> None:
-        """Makes the middleware write to an eventfd."""
+        """Makes the middleware write to an eventfd for a handle."""
         code = function(handle.pointer, self._callback, number)
         if code != 0:
             raise NoListenerError(f"{function.__name__} gives {code}")
@@ -245,11 +241,11 @@ def _eventfd() -> int:
 
 
 def _callback_and_setters() -> tuple[ctypes.c_void_p, Any, Any]:
-    """Returns the callback, and what sets it for messages and for events."""
+    """Returns the callback, and the functions that set it for messages and for events."""
     if sys.platform != "linux" or platform.machine() not in _MACHINES:
         raise NoListenerError(f"not tried on {sys.platform} {platform.machine()}")
     try:
-        # rclpy has loaded it; another copy of it would know nothing.
+        # The copy that rclpy has loaded, which has its state.
         rcl = ctypes.CDLL("librcl.so", mode=os.RTLD_NOLOAD | os.RTLD_LAZY)
         write = ctypes.cast(ctypes.CDLL(None).eventfd_write, ctypes.c_void_p)
         setters = [getattr(rcl, name) for name in (ON_MESSAGE, ON_EVENT)]

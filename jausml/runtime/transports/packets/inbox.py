@@ -1,4 +1,4 @@
-"""Inbox: makes messages of received packets, and gives them to the components of this process."""
+"""Inbox: assembles received packets to messages, and delivers these to components."""
 
 from __future__ import annotations
 
@@ -19,29 +19,26 @@ from .packet import AckNak, Broadcast, DataFlags, Packet, Priority
 from .reassembly import Reassembly
 
 Receivers = list[tuple[JausAddress, Take]]
-
-
 _MAX_SOURCES = 256
 
 
-# JAUS-DEVIATION: by AS5669A a packet with these flags is an acknowledgement. Junior sets all eight
-# bits when its API is called with priority 0; what it means is a message of low priority.
+# JAUS-DEVIATION: in AS5669A a packet with these flags is an acknowledgement. Junior sets all eight
+# bits when its API is called with priority 0, for a message of low priority.
 class FlaglessMessages:
-    """Tells whole messages from fragments among packets whose flags are all set.
+    """Distinguishes whole messages and fragments among packets whose flags are all set.
 
-    A message longer than Junior's packets comes as full packets and a shorter tail, and nothing
-    marks them. A short packet is taken for a whole message, unless its source sent a full one
-    lately: it may then be the tail. A tail is taken for a message when all that came before it
-    was lost on the way; its body will hardly be one that its first two bytes call for.
+    Junior sends a long message as full packets and a shorter last one, without any mark. A short
+    packet is taken for a whole message unless its source has sent a full one lately. If all full
+    packets were lost, a last one is wrongly taken for a message, whose body will hardly be valid.
     """
 
     def __init__(self, seconds: float) -> None:
-        """Doubts the short packets of a source for so many seconds after a full one."""
+        """Rejects short packets of a source for `seconds` after a full one."""
         self._seconds = seconds
         self._fragmenting: OrderedDict[JausAddress, float] = OrderedDict()
 
     def whole(self, packet: Packet, now: float) -> Packet | None:
-        """Returns the message that a packet with a payload is, or None if it may be a fragment."""
+        """Returns a packet with the flags of a whole message; None if it may be a fragment."""
         if (packet.priority, packet.broadcast, packet.acknowledge, packet.data_flags) != (
             Priority.SAFETY_CRITICAL,
             Broadcast.RESERVED,
@@ -56,8 +53,8 @@ class FlaglessMessages:
             if len(self._fragmenting) > _MAX_SOURCES:
                 self._fragmenting.popitem(last=False)
             return None
-        doubted = self._fragmenting.get(source)
-        if doubted is not None and now - doubted < self._seconds:
+        last_full = self._fragmenting.get(source)
+        if last_full is not None and now - last_full < self._seconds:
             return None
         return packet._replace(
             priority=Priority.LOW,
@@ -68,10 +65,9 @@ class FlaglessMessages:
 
 
 class Inbox(Generic[Origin]):
-    """Receives for the components of one process, over whatever transport (AS5669A).
+    """Receives packets for the components of one process (AS5669A).
 
-    Every packet that it takes ends in exactly one way: delivered; kept as a fragment; an
-    acknowledgement; or dropped and counted.
+    Each packet is delivered, kept as a fragment, an acknowledgement, or dropped and counted.
     """
 
     def __init__(
@@ -82,10 +78,11 @@ class Inbox(Generic[Origin]):
         carrier: Carrier[Origin],
         quirks: Quirks,
     ) -> None:
-        """Starts with no components.
+        """Starts without components.
 
-        Who was acknowledged, which number and by whom is told; the answer is whether a packet
-        waited.
+        Args:
+            acknowledged: Called with each acknowledgement: the component of this process, the
+                number, and the sender. Returns whether a packet was waiting for it.
         """
         self._loop = loop
         self._counters = loop.counters
@@ -102,17 +99,15 @@ class Inbox(Generic[Origin]):
             settings.reassembly_timeout, settings.reassembly_limit, loop.counters
         )
         self._flagless = FlaglessMessages(settings.reassembly_timeout)
-        self._expiry = Alarm(loop)  # set while incomplete messages are watched
-        # Who else was heard with the address of a component of this process.
-        self.doubles: dict[JausAddress, Double] = {}
+        self._expiry = Alarm(loop)  # set while there are incomplete messages
+        self.doubles: dict[JausAddress, Double] = {}  # other components with an address of ours
+        # Components of this process; replaced, not changed, so that any thread may read it.
         self.receivers: dict[JausAddress, Take] = {}
-        """Components of this process; replaced when it changes, so any thread may read it."""
+        # Called with sender and number of another acknowledgement: whether it proves an endpoint.
         self.proves: Callable[[int, int], bool] = lambda _by, _sequence: False
-        """Told of an acknowledgement that no packet waits for; returns whether it proves who is
-        where."""
 
     def attach(self, address: JausAddress, take: Take) -> None:
-        """Receives messages for a component from now on."""
+        """Receives messages for a component from now on; raises ValueError for a bad address."""
         if not address.is_concrete:
             raise ValueError(f"{address} does not name one component")
         if address in self.receivers:
@@ -121,16 +116,16 @@ class Inbox(Generic[Origin]):
         self._loop.revision.changed()
 
     def detach(self, address: JausAddress) -> None:
-        """Stops to receive messages for a component; no effect when it is unknown."""
+        """Stops receiving messages for a component; no effect for an unknown one."""
         self.receivers = {known: take for known, take in self.receivers.items() if known != address}
         self._loop.revision.changed()
 
     def close(self) -> None:
-        """Stops to watch for incomplete messages."""
+        """Cancels the timer of incomplete messages."""
         self._expiry.cancel()
 
     def refuses(self, packet: Packet, origin: Origin) -> bool:
-        """Returns whether the source of a packet cannot be true; it is counted then."""
+        """Returns whether the source of a packet is impossible; counts such a packet."""
         source = packet.source
         if source.is_concrete and source not in self.receivers:
             return False
@@ -141,37 +136,37 @@ class Inbox(Generic[Origin]):
         return True
 
     def _note_double(self, source: JausAddress, origin: Origin) -> None:
-        """Tells once, as an error, that somebody else has the address of a component here."""
-        known = self.doubles.get(source)
+        """Logs once that another component has the address of one of this process."""
+        former = self.doubles.get(source)
         place = ":".join(map(str, origin)) if isinstance(origin, tuple) else str(origin)
-        first = HostClock(self._loop).utc() if known is None else known.first_heard
+        first = HostClock(self._loop).utc() if former is None else former.first_heard
         double = self.doubles[source] = Double(source, place, first, self._loop.now())
-        if known is None:
+        if former is None:
             LOGGER.error("%s", double)
-        # The error was logged once; somebody who keeps talking must not fill the log.
+        # At a low level, as the error was logged once.
         self._counters.count("transport.own_source", place, level=logging.DEBUG)
 
     def take(self, packet: Packet, origin: Origin, now: float) -> bool:
-        """Takes a packet of another process; returns False when it is for nobody here."""
+        """Takes a packet of another process; returns False if it is for no component here."""
         receivers = self.receivers_of(packet)
         if not receivers:
             return False
         self.arrival.origin = origin
         if packet.acknowledge >= AckNak.NAK:
             self._on_acknowledgement(packet, receivers, origin, now)
-        # A later packet of a message may be that short: only the first begins with a code.
+        # Only the first packet of a message has a code, so later ones may be shorter.
         elif len(packet.payload) < MESSAGE_CODE_SIZE and packet.data_flags <= DataFlags.FIRST:
-            self.duplicates.is_duplicate(packet, now)  # it is not lost, and has a number
+            self.duplicates.is_duplicate(packet, now)  # to count its number
             self._counters.count("transport.no_message_code", f"{packet.source} at {origin}")
         else:
             if packet.acknowledge:
-                # Repetitions too: the acknowledgement before may have been lost.
+                # Also repetitions, since the first acknowledgement may have been lost.
                 self._acknowledge(packet, receivers, origin)
             self._accept(packet, receivers, now)
         return True
 
     def receivers_of(self, packet: Packet) -> Receivers:
-        """Returns the components of this process that a packet is meant for."""
+        """Returns the components of this process to which a packet is addressed."""
         destination, source = packet.destination, packet.source
         take = self.receivers.get(destination)
         if take is not None:
@@ -185,14 +180,14 @@ class Inbox(Generic[Origin]):
         ]
 
     def deliver(self, packet: Packet, receivers: Receivers) -> None:
-        """Hands a whole message to components."""
-        # What goes to a wildcard may be numbered apart from the rest.
+        """Delivers a whole message to components."""
+        # Messages to wildcards may have a sequence of their own.
         self.arrival.number = None if packet.destination.is_wildcard else packet.sequence
-        self.arrival.is_sure = bool(packet.acknowledge)
+        self.arrival.wants_acknowledgement = bool(packet.acknowledge)
         for address, take in receivers:
             try:
                 take(packet.payload, packet.source)
-            except Exception as error:  # one component must not silence the others
+            except Exception as error:  # other components must still get the message
                 detail = f"{address}: {error!r}"
                 self._counters.count("transport.receiver_failed", detail, error=error)
 
@@ -216,7 +211,7 @@ class Inbox(Generic[Origin]):
         self, packet: Packet, receivers: Receivers, origin: Origin, now: float
     ) -> None:
         if packet.acknowledge is AckNak.NAK:
-            self._counters.add("transport.nak")  # nobody sends it; the repetition goes on
+            self._counters.add("transport.nak")  # unused in practice; repetitions go on
         elif packet.payload:
             self._on_marked_payload(packet, receivers, origin, now)
         elif self._acknowledged(packet.destination, packet.sequence, packet.source):
@@ -227,7 +222,7 @@ class Inbox(Generic[Origin]):
     def _on_marked_payload(
         self, packet: Packet, receivers: Receivers, origin: Origin, now: float
     ) -> None:
-        """Takes what is marked as an acknowledgement and yet must be a message of Junior."""
+        """Takes a packet with the flags of an acknowledgement and a payload, as of Junior."""
         message = None
         if len(packet.payload) >= MESSAGE_CODE_SIZE:
             message = self._flagless.whole(packet, now)
@@ -241,7 +236,7 @@ class Inbox(Generic[Origin]):
             self._accept(message, receivers, now)
 
     def _plan_expiry(self) -> None:
-        """Watches for incomplete messages, if there are any."""
+        """Sets the timer of incomplete messages, if there are any."""
         if self.reassembly.size and not self._expiry.is_set:
             self._expiry.set(self._timeout / 2, self._expire_fragments)
 

@@ -1,4 +1,4 @@
-"""Messenger: sends and receives whole messages as packets, over whatever transport."""
+"""Messenger: sends and receives messages as packets for any transport."""
 
 from __future__ import annotations
 
@@ -19,18 +19,22 @@ from .outbox import Outbox, Outcome
 from .outgoing import Packetizer
 from .packet import AckNak, Broadcast, DataFlags, Packet, Priority
 
-AT_ONCE = 10  # packets that a receiver takes in one go
-PER_SECOND = 8000  # packets that it takes in a second
+AT_ONCE = 10  # packets that a receiver takes in one burst
+PER_SECOND = 8000  # packets that a receiver takes in a second
+HELD_BY_PEERS = 50  # packets of an unfinished message that Junior and the JAUS Tool Set keep
+OFTEN_ANEW = 2  # restarts of the numbers of a peer after which that is logged as a quirk
 _MAX_DESTINATIONS = 256
 
 
 @dataclass
 class PeerTraffic:
-    """What a component of this process and another one have exchanged so far.
+    """Packets between a component of this process and a peer, without acknowledgements.
 
-    A message is one packet or, if it is large, several; acknowledgements are not counted. What the
-    numbers of the peer tell is exact if it numbers what it sends by destination, as components of
-    jausml do, or talks to this component alone. Else what was lost is an upper bound.
+    Attributes:
+        sent: Packets to the peer.
+        outcome: Messages to the peer that were acknowledged or not.
+        account: Packets of the peer; the lost ones are an upper bound unless the peer has a
+            sequence of numbers for each destination, as components of jausml do.
     """
 
     own: JausAddress
@@ -41,19 +45,19 @@ class PeerTraffic:
 
 
 class Bursts:
-    """Tells whether packets of a large message can go out in one go, without acknowledgement.
+    """Decides whether a large message can be sent in one burst, without acknowledgements.
 
     A node manager of Junior takes 10 datagrams each millisecond, and its receive buffer holds about
-    20 of full size; what comes on top is lost in silence.
+    20 of full size; further ones are lost.
     """
 
     def __init__(self) -> None:
         self._levels: dict[JausAddress, tuple[float, float]] = {}
 
     def fits(self, destination: JausAddress, count: int, now: float) -> bool:
-        """Returns whether a destination can take packets now; it is taken to get them if so."""
+        """Returns whether a destination can take packets now, and then counts them as sent."""
         level, since = self._levels.get(destination, (0.0, now))
-        # The receiver has taken some of it meanwhile, at its own pace.
+        # The receiver has taken some packets meanwhile.
         level = max(0.0, level - (now - since) * PER_SECOND) + count
         if level > AT_ONCE:
             return False
@@ -63,21 +67,14 @@ class Bursts:
         return True
 
 
-HELD_BY_PEERS = 50  # packets of an unfinished message that Junior and the JAUS Tool Set hold
-
-
-OFTEN_ANEW = 2
-"""How often a peer begins its numbers anew before that is told; a restart of it is no quirk."""
-
-
 class Messenger(Generic[Origin]):
-    """Messages of the components of one process: numbers, repeats, receives, acknowledges.
+    """Sends and receives the messages of the components of one process.
 
-    A message of so many packets that a receiver may lose some of them asks for acknowledgement,
-    whether the sender wants it or not: without one of its packets it is worth nothing.
+    A message of more packets than a receiver can take in one burst is sent with requests for
+    acknowledgement in any case, since it is useless without one of its packets.
 
-    Components of this process are reached without the network. A transport supplies how packets
-    leave and gives what arrives to ``inbox``.
+    Messages to components of this process do not use the network. The transport gives received
+    packets to ``inbox``.
     """
 
     def __init__(
@@ -88,13 +85,13 @@ class Messenger(Generic[Origin]):
         quirks: Quirks,
         draw: Callable[[int], int] | None = None,
     ) -> None:
-        """Starts with no components and nothing to wait for.
+        """Starts without components and messages.
 
         Args:
-            carrier: Puts packets on the network. Messages are repeated until acknowledged unless
-                it is reliable by itself.
-            draw: Returns a random number from 0 to below its argument, for sequence numbers;
-                by default that of the process.
+            carrier: Puts packets on the network. Unless it is reliable, packets are repeated until
+                they are acknowledged.
+            draw: Returns a random number from 0 to below its argument, for the first sequence
+                number; by default that of the process.
         """
         self._loop = loop
         self._transmit = carrier.transmit
@@ -106,12 +103,12 @@ class Messenger(Generic[Origin]):
         self._has_warned = False
         self._is_reliable = isinstance(carrier, ReliableCarrier)
         self._send_all = (
-            carrier.transmit_all if isinstance(carrier, ReliableCarrier) else self._send_in_one_go
+            carrier.transmit_all if isinstance(carrier, ReliableCarrier) else self._send_burst
         )
         self.inbox: Inbox[Origin] = Inbox(settings, loop, self.outbox.acknowledged, carrier, quirks)
 
     def close(self) -> None:
-        """Reports what waits for acknowledgement as lost."""
+        """Reports messages that wait for acknowledgement as lost."""
         self.inbox.close()
         self.outbox.close()
 
@@ -130,10 +127,10 @@ class Messenger(Generic[Origin]):
             raise ValueError(f"{source} does not name one component")
         if len(payload) < MESSAGE_CODE_SIZE:
             raise ValueError("a payload begins with a message code of two bytes")
-        # A copy: the caller may change a bytearray while the message waits.
+        # A copy, as the caller may change a bytearray later.
         payload = bytes(payload)
         is_here = destination in self.inbox.receivers
-        # First what nearly all messages are.
+        # Nearly all messages.
         if len(payload) <= self._longest and destination.is_concrete and not is_here:
             asks, count = acknowledge and not self._is_reliable, 1
             number = next(self.packetizer.numbers(source, destination)) & 0xFFFF
@@ -158,7 +155,7 @@ class Messenger(Generic[Origin]):
             packets = self.packetizer.packets(source, destination, payload, priority, wanted)
             if destination.is_wildcard and self.inbox.receivers_of(packets[0]):
                 self._send_here(packets[0], on_result)
-                # Told once: those of this process have it for certain.
+                # Reported once: components of this process get it for certain.
                 on_result = None
         if asks:
             self.outbox.send(packets, on_result, best_effort=not acknowledge, supersedes=supersedes)
@@ -168,9 +165,8 @@ class Messenger(Generic[Origin]):
             self._warn_of_size(packets[0], count)
 
     def traffic(self) -> list[PeerTraffic]:
-        """Returns what components of this process and others have exchanged, by pair.
+        """Returns the traffic of each pair of own component and peer; the last heard peer is last.
 
-        Those whose other one was heard last are last.
         To be called with the lock of the loop.
         """
         traffic_by_pair: dict[tuple[JausAddress, JausAddress], PeerTraffic] = {}
@@ -186,31 +182,31 @@ class Messenger(Generic[Origin]):
         for peer, own, account in self.inbox.duplicates.accounts():
             if account.restarts >= OFTEN_ANEW:
                 self._quirks.learn(peer, Quirk.NUMBERS_ANEW, f"{account.restarts} times so far")
-            # Taken out and put in again, so that who was heard last is last.
-            known = traffic_by_pair.pop((own, peer), None) or PeerTraffic(own, peer)
-            known.account = account
-            traffic_by_pair[own, peer] = known
+            # Removed and added again, so that the last heard peer is last.
+            traffic = traffic_by_pair.pop((own, peer), None) or PeerTraffic(own, peer)
+            traffic.account = account
+            traffic_by_pair[own, peer] = traffic
         return list(traffic_by_pair.values())
 
     def _send_here(self, packet: Packet, on_result: OnResult | None) -> None:
-        """Delivers to components of this process, in the next round of the loop."""
-        self._loop.call_soon(partial(self._arrive_here, packet, on_result))
+        """Delivers to components of this process, in the next turn of the loop."""
+        self._loop.call_soon(partial(self._deliver_here, packet, on_result))
 
-    def _arrive_here(self, packet: Packet, on_result: OnResult | None) -> None:
+    def _deliver_here(self, packet: Packet, on_result: OnResult | None) -> None:
         receivers = self.inbox.receivers_of(packet)
         self.inbox.deliver(packet, receivers)
         report(self._loop, on_result, success=bool(receivers))
 
     def _can_take(self, destination: JausAddress, count: int) -> bool:
-        """Returns whether a destination can take so many packets in one go and in a row."""
+        """Returns whether a destination can take so many packets in one burst."""
         if count == 1:
             return True
-        # It has to wait behind the one under way, which lanes do for acknowledged messages alone.
+        # It has to wait for a large message under way, which only acknowledged messages can.
         if self.outbox.has_large(destination):
             return False
         return self._bursts.fits(destination, count, self._loop.now())
 
-    def _send_in_one_go(self, packets: list[Packet], on_result: OnResult | None) -> None:
+    def _send_burst(self, packets: list[Packet], on_result: OnResult | None) -> None:
         sent = [self._transmit(packet) for packet in packets]
         report(self._loop, on_result, success=all(sent))
 

@@ -1,4 +1,4 @@
-"""Outbox: repeats packets until they are acknowledged, and gives up in the end."""
+"""Outbox: repeats packets until they are acknowledged or given up."""
 
 from __future__ import annotations
 
@@ -14,30 +14,28 @@ from ..delivery import MESSAGE_CODE_SIZE, Carrier, OnResult, report
 from .outgoing import Flight, Key, Lane, Message, key_of
 from .packet import Packet
 
-_MAX_MESSAGES = 4096
-_MAX_BYTES = 16 << 20
+_MAX_MESSAGES = 4096  # unacknowledged messages, and as many that wait for a late acknowledgement
+_MAX_BYTES = 16 << 20  # bytes of unacknowledged messages
 _MAX_IDLE_LANES = 256
-_MOST_OUTCOMES = 4096
-_BEST_EFFORT_PATIENCE_S = 1.0
+_MAX_OUTCOMES = 4096  # pairs of source and destination whose outcomes are counted
+_BEST_EFFORT_PATIENCE_S = 1.0  # seconds that a best-effort message waits in the queue
 
+# Factor of repetitions for a packet of a large message while its destination lives: such a packet
+# may take three frames, and is lost more often.
 PATIENCE = 4
-"""How many times as often a packet of a large message is repeated while its destination lives: a
-packet in three frames is lost often where one frame in five is."""
-
-OFTEN_ANSWERED = 3
-"""Answers without any acknowledgement after which a peer is taken for one that sends none."""
+OFTEN_ANSWERED = 3  # answers without any acknowledgement after which a peer is known to send none
 
 
 @dataclass(slots=True)
 class Outcome:
-    """How many messages from one component to another were acknowledged, late, or never.
+    """Counts of messages from one component to another by their acknowledgement.
 
-    Those that are answered instead have arrived; those of which nothing came may have as well.
+    Answered messages have arrived; unacknowledged ones may have arrived too.
     """
 
     acknowledged: int = 0
     answered: int = 0
-    late: int = 0  # messages that were acknowledged when they had been given up
+    late: int = 0  # acknowledged after they were given up
     unacknowledged: int = 0
 
 
@@ -45,33 +43,33 @@ class Outbox:
     """Repeats packets until they are acknowledged (AS5669A, acknowledge and retry).
 
     A packet is repeated with its sequence number after ``acknowledge_timeout`` and given up after
-    ``acknowledge_retries`` repetitions, of which the last one also searches by multicast; one of
-    several packets of a message is given more of them while its destination lives. With it goes all
-    that waits for a destination of which nothing was heard meanwhile. The lane of each destination
-    says which packets are under way at once. What is given up though its destination lives is
-    watched for a while: over a long way the acknowledgement is late, and the message is not lost.
-    An answer is as good as an acknowledgement, which may be on its way as well: instead of being
-    repeated when its time has come, what was answered is done. Callable from any thread; results
-    are reported on the loop's thread.
+    ``acknowledge_retries`` repetitions, the last of which also searches for its destination by
+    multicast. Packets of large messages are repeated more often while their destination lives. With
+    a packet, all messages to its destination are given up if that was silent meanwhile.
+
+    The `Lane` of each destination decides which packets are under way at once. A late
+    acknowledgement of a message that was given up is counted for a while. A message that was
+    answered is not repeated, even without an acknowledgement.
+
+    Callable from any thread; results are reported on the thread of the loop.
     """
 
     def __init__(
         self, settings: TransportSettings, loop: Loop, carrier: Carrier[Any], quirks: Quirks
     ) -> None:
-        """Starts with nothing to wait for; the carrier may search for a destination in the end."""
+        """Starts without messages."""
         self._timeout = settings.acknowledge_timeout
         self._retries = settings.acknowledge_retries
         self._patience = PATIENCE * (self._retries + 1) * self._timeout
         self._loop = loop
         self._carrier = carrier
         self._quirks = quirks
-        # By source and destination, of 4,096 pairs at most.
-        self.outcomes: dict[tuple[int, int], Outcome] = {}
+        self.outcomes: dict[tuple[int, int], Outcome] = {}  # by source and destination
         self._lock = threading.Lock()
         self._lanes: dict[JausAddress, Lane] = {}
-        self._flights: dict[Key, Flight] = {}  # in the order in which they are due
+        self._flights: dict[Key, Flight] = {}  # in the order of their due times
         self._timer: Timer | None = None
-        self._overdue: dict[Key, tuple[float, Message]] = {}  # in the order of their ends
+        self._overdue: dict[Key, tuple[float, Message]] = {}  # given up; in the order of their ends
         self._overdue_timer: Timer | None = None
         self._messages: dict[Message, None] = {}  # in the order of sending
         self._size = 0
@@ -92,13 +90,14 @@ class Outbox:
         best_effort: bool = False,
         supersedes: bool = False,
     ) -> None:
-        """Sends the packets of one message, which ask for acknowledgement, when it is their turn.
+        """Sends the packets of one message, which request acknowledgement, in its turn.
 
         Args:
-            on_result: Told once whether all packets were acknowledged.
-            best_effort: Whether it must be quick or not at all: as many packets as the destination
-                takes are under way at once instead of one, and it waits a second for its turn.
-            supersedes: Whether those before it with its code are withdrawn, and it goes in front.
+            on_result: Called once with whether all packets were acknowledged.
+            best_effort: Whether as many packets as the destination takes are under way at once,
+                instead of one, and the message is dropped after a second in the queue.
+            supersedes: Whether earlier messages with the same code are withdrawn, and this one is
+                sent first.
         """
         if supersedes:
             first = packets[0]
@@ -109,23 +108,23 @@ class Outbox:
             message.latest = self._loop.now() + _BEST_EFFORT_PATIENCE_S
         destination = packets[0].destination
         with self._lock:
-            is_taken = self._has_room_for(message)
-            ready = self._put(message, destination) if is_taken else []
-        if not is_taken:
+            fits = self._has_room_for(message)
+            ready = self._put(message, destination) if fits else []
+        if not fits:
             self._loop.counters.count("transport.too_many_unacknowledged", str(destination))
             report(self._loop, message.on_result, success=False)
         self._transmit(ready)
 
     def acknowledged(self, component: int, sequence: int, by: int) -> bool:
-        """Takes an acknowledgement; returns whether a packet waited for it."""
+        """Takes an acknowledgement; returns whether a packet was waiting for it."""
         with self._lock:
             flights = self._flights
-            # What went to a wildcard is acknowledged by a component, whose key it does not have.
+            # A packet to a wildcard is acknowledged by a component, but has the key 0.
             flight = flights.get((component, by, sequence)) or flights.get((component, 0, sequence))
             if flight is None:
                 return self._is_late((component, by, sequence), (component, 0, sequence))
             message, destination = flight.message, flight.packet.destination
-            # Somebody acknowledges what went to others.
+            # Acknowledged by a component that is not its destination.
             if destination != by and not destination.matches(address_of(by)):
                 return False
             del self._flights[flight.key]
@@ -135,16 +134,16 @@ class Outbox:
             is_done = message.is_done
             if is_done:
                 self._forget(message, lane)
-                lane.arrived(message)
+                lane.widen(message)
                 self._outcome_of(message).acknowledged += 1
-            ready = self._take_off(lane, destination) if lane.waits else []
+            ready = self._next_packets(lane, destination) if lane.waits else []
         if is_done:
             report(self._loop, message.on_result, success=True)
         self._transmit(ready)
         return True
 
     def answered(self, source: JausAddress, peer: JausAddress, start: bytes) -> None:
-        """Learns that a message that begins so was answered; no effect when it does not wait."""
+        """Marks waiting messages with a begin of their payload as answered by a peer."""
         with self._lock:
             for flight in self._flights.values():
                 packet = flight.packet
@@ -156,7 +155,7 @@ class Outbox:
                     flight.is_answered = True
 
     def withdraw(self, source: JausAddress, peer: JausAddress, start: bytes) -> None:
-        """Gives up messages that begin so: none is repeated, and those that wait are not sent."""
+        """Gives up messages with a begin of their payload: they are neither sent nor repeated."""
         now = self._loop.now()
         withdrawn: list[tuple[Message, Flight | None]] = []
         ready: list[Packet] = []
@@ -171,13 +170,13 @@ class Outbox:
                     withdrawn.append((message, self._flights.get(key_of(first))))
                     self._abandon(message, lane)
             if withdrawn:
-                ready = self._take_off(lane, peer)
+                ready = self._next_packets(lane, peer)
         for message, flight in withdrawn:
             self._end_unacknowledged(message, flight, now)
         self._transmit(ready)
 
     def close(self) -> None:
-        """Gives up everything; the results are reported."""
+        """Gives up all messages, and reports their results."""
         with self._lock:
             abandoned = list(self._messages)
             self._flights.clear()
@@ -198,7 +197,7 @@ class Outbox:
             report(self._loop, message.on_result, success=False)
 
     def _has_room_for(self, message: Message) -> bool:
-        """Whether a message may wait; one alone may be of any size."""
+        """Returns whether the queue has room for a message; a single one may have any size."""
         fits = self._size + message.size <= _MAX_BYTES or not self._size
         return fits and len(self._messages) < _MAX_MESSAGES
 
@@ -209,7 +208,7 @@ class Outbox:
         self._messages[message] = None
         self._size += message.size
         lane.add(message)
-        return self._take_off(lane, destination)
+        return self._next_packets(lane, destination)
 
     def _add_lane(self, destination: JausAddress) -> Lane:
         if len(self._lanes) >= _MAX_IDLE_LANES:
@@ -219,8 +218,8 @@ class Outbox:
         lane = self._lanes[destination] = Lane()
         return lane
 
-    def _take_off(self, lane: Lane, destination: JausAddress) -> list[Packet]:
-        """Returns the packets that are to be transmitted now."""
+    def _next_packets(self, lane: Lane, destination: JausAddress) -> list[Packet]:
+        """Returns the packets to be transmitted now, which are under way then."""
         now = self._loop.now()
         if lane.has_large:
             self._give_up_late(lane, destination, now)
@@ -252,13 +251,13 @@ class Outbox:
         self._size -= message.size
 
     def _expire(self) -> None:
-        """Repeats or gives up what is due; the next flight that will be has the timer then.
+        """Repeats or gives up packets that are due, and sets the timer for the next one.
 
-        One timer serves all: each flight waits for the same time, from when it was sent last.
+        One timer suffices, as each packet waits for the same time after it was sent.
         """
         now = self._loop.now()
         while True:
-            # The lock is free between two flights: others send meanwhile.
+            # The lock is free between two flights, so that other threads can send.
             with self._lock:
                 flight = next(iter(self._flights.values()), None)
                 if flight is None:
@@ -274,25 +273,25 @@ class Outbox:
         ready: list[Packet] = []
         packet = flight.packet
         with self._lock:
-            # Acknowledged or given up since it was looked at.
+            # Acknowledged or given up meanwhile.
             if self._flights.get(flight.key) is not flight:
                 return
             is_patient = flight.message.is_large and self._is_alive(flight, now)
             patience = PATIENCE if is_patient else 1
             if flight.is_answered:
                 self._end_answered(flight)
-                ready = self._take_off(self._lanes[packet.destination], packet.destination)
+                ready = self._next_packets(self._lanes[packet.destination], packet.destination)
             elif flight.repetitions < patience * self._retries:
                 flight.repetitions += 1
                 flight.message.is_repeated = True
                 flight.due = now + self._timeout
-                # To the end, which keeps flights in the order in which they are due.
+                # To the end, in the order of due times.
                 self._flights[flight.key] = self._flights.pop(flight.key)
                 ready = [packet]
                 self._loop.counters.add("transport.repeated")
             else:
                 given_up = self._give_up(flight)
-                ready = self._take_off(self._lanes[packet.destination], packet.destination)
+                ready = self._next_packets(self._lanes[packet.destination], packet.destination)
         if flight.is_answered:
             report(self._loop, flight.message.on_result, success=True)
         elif flight.repetitions == self._retries and not is_patient:
@@ -302,27 +301,27 @@ class Outbox:
         self._transmit(ready)
 
     def _end_answered(self, flight: Flight) -> None:
-        """Is done with a message whose answer came, and no acknowledgement in its time."""
+        """Ends a message that was answered, but not acknowledged in time."""
         self._land(flight)
         self._forget(flight.message, self._lanes[flight.packet.destination])
         outcome = self._outcome_of(flight.message)
         outcome.answered += 1
         if outcome.answered >= OFTEN_ANSWERED and not outcome.acknowledged:
-            how = f"{outcome.answered} answers and no acknowledgement"
-            self._quirks.learn(flight.packet.destination, Quirk.NO_ACKNOWLEDGEMENTS, how)
+            evidence = f"{outcome.answered} answers and no acknowledgement"
+            self._quirks.learn(flight.packet.destination, Quirk.NO_ACKNOWLEDGEMENTS, evidence)
 
     def _count_unacknowledged(self, message: Message) -> None:
         self._loop.counters.count("transport.unacknowledged", f"{message.packets[0].destination}")
         self._outcome_of(message).unacknowledged += 1
 
     def _end_unacknowledged(self, message: Message, flight: Flight | None, now: float) -> None:
-        """Reports a message that was given up; one that was under way is watched."""
+        """Reports a message that was given up; waits for a late acknowledgement if one may come."""
         if flight is None or not self._watch(message, flight, now):
             self._count_unacknowledged(message)
         report(self._loop, message.on_result, success=False)
 
     def _watch(self, message: Message, flight: Flight, now: float) -> bool:
-        """Waits on for the acknowledgement of a message that was given up, if it may come."""
+        """Waits for a late acknowledgement of a message; returns False if none may come."""
         with self._lock:
             if message.is_large or message is not flight.message or not self._is_alive(flight, now):
                 return False
@@ -334,7 +333,7 @@ class Outbox:
             return True
 
     def _is_late(self, *keys: Key) -> bool:
-        """Whether an acknowledgement is of a message that was given up and is watched."""
+        """Returns whether an acknowledgement is a late one, which is counted."""
         for key in keys:
             if key in self._overdue:
                 self._outcome_of(self._overdue.pop(key)[1]).late += 1
@@ -355,15 +354,15 @@ class Outbox:
             self._count_unacknowledged(message)
 
     def _is_alive(self, flight: Flight, now: float) -> bool:
-        """Returns whether the destination was heard in the time that a packet may take."""
+        """Returns whether the destination was heard while a packet may be repeated."""
         destination = flight.packet.destination
         heard, lane = self._carrier.heard(destination), self._lanes.get(destination)
-        if lane is not None:  # where nothing waits it may have made room for others since
+        if lane is not None:  # an idle lane may have been removed
             heard = max(heard, lane.heard)
         return heard >= now - self._patience
 
     def _give_up(self, flight: Flight) -> list[Message]:
-        """Forgets a message, and what waits behind it if its destination is silent."""
+        """Returns a message to give up, with all waiting ones if its destination is silent."""
         message = flight.message
         lane = self._lanes[flight.packet.destination]
         self._abandon(message, lane)
@@ -374,10 +373,10 @@ class Outbox:
         return [message, *waiting]
 
     def _abandon(self, message: Message, lane: Lane) -> None:
-        """Forgets a message with what is under way of it."""
+        """Forgets a message and its packets under way."""
         for packet in message.packets[: message.sent]:
             flight = self._flights.get(key_of(packet))
-            # Numbers come again: the key may be that of a newer message.
+            # Numbers wrap, so that the key may be that of a newer message.
             if flight is not None and flight.message is message:
                 self._land(flight)
         self._forget(message, lane)
@@ -385,15 +384,15 @@ class Outbox:
     def _outcome_of(self, message: Message) -> Outcome:
         packet = message.packets[0]
         pair = packet.source, packet.destination
-        known = self.outcomes.get(pair)
-        if known is None:
-            known = Outcome()
-            # Beyond the limit nobody is remembered: strangers must not fill the memory.
-            if len(self.outcomes) < _MOST_OUTCOMES:
-                self.outcomes[pair] = known
-        return known
+        outcome = self.outcomes.get(pair)
+        if outcome is None:
+            outcome = Outcome()
+            # Limited, as strangers must not fill the memory.
+            if len(self.outcomes) < _MAX_OUTCOMES:
+                self.outcomes[pair] = outcome
+        return outcome
 
     def _transmit(self, packets: list[Packet]) -> None:
-        """Puts packets on the network; without the lock, since the loop may be waiting for it."""
+        """Sends packets; called without the lock, for which the loop may be waiting."""
         for packet in packets:
             self._carrier.transmit(packet)

@@ -1,4 +1,4 @@
-"""Packets on their way out: messages cut into numbered packets, and lanes that they wait in."""
+"""Outgoing packets: cutting and numbering of messages, and the queues to each destination."""
 
 from __future__ import annotations
 
@@ -16,43 +16,41 @@ from ..delivery import OnResult
 from .packet import AckNak, Broadcast, DataFlags, Packet, Priority
 
 _MAX_FRAGMENTS = 32768
-_MOST_PAIRS = 4096
-MOST_SMALL_FRAGMENTS = 40  # packets of a message from which on they are larger than wished for
-
-FIRST_WINDOW = 8
-"""Packets of a large message that are under way at once to a peer of which nothing is known."""
+_MAX_PAIRS = 4096
+MAX_SMALL_FRAGMENTS = 40  # packets of a message, beyond which larger packets are used
+FIRST_WINDOW = 8  # packets of a large message that are under way at once to a new peer
+_SINGLES_UNDER_WAY = 32  # messages of one packet that are under way at once
 
 
 class Packetizer:
     """Numbers packets and cuts large messages; callable from any thread.
 
-    Each destination gets consecutive numbers of each source, whatever is sent to others, so that
-    it can tell what was lost on the way to it. All wildcards together are one destination, and so
-    are those that come when there are 4,096 others: strangers must not fill the memory.
+    Each pair of source and destination has consecutive numbers, so that the destination can count
+    lost packets. All wildcards are one destination, together with those beyond 4,096, since
+    strangers must not fill the memory.
 
-    Packets are larger than wished for where a message would take more than 40 of them, since
-    Junior and the JAUS Tool Set hold no more than 50 of an unfinished message.
+    A message that would take more than 40 packets is cut into larger ones, since Junior and the
+    JAUS Tool Set keep at most 50 packets of an unfinished message.
     """
 
     def __init__(self, fragment_size: int, draw: Callable[[int], int] | None = None) -> None:
         """Starts with no numbers used.
 
         Args:
-            fragment_size: Payload of one packet in bytes that is not to be exceeded without need.
+            fragment_size: Greatest payload of a packet in bytes, unless larger ones are needed.
             draw: Returns a random number from 0 to below its argument; by default that
                 of the process.
         """
         self._draw = random.randrange if draw is None else draw
         self._fragment_size = fragment_size
         self._numbers: dict[tuple[int, int], _Numbers] = {}
+        # Makes an iterator of numbers, atomic in its steps, and with the repr of `itertools.count`.
         self.counting: Callable[[int], Iterator[int]] = count
-        """Makes what counts from a number on, in steps of the interpreter; its representation is
-        that of `itertools.count`."""
 
     def refusal(self, destination: JausAddress, size: int) -> str:
-        """Returns the counter of what forbids to send so many bytes, if anything does."""
+        """Returns the counter for a message that cannot be sent; empty if it can."""
         if destination.is_wildcard:
-            # Peers do not reassemble broadcasts (Junior refuses to send them).
+            # Peers do not reassemble broadcasts; Junior does not send long ones either.
             return "transport.broadcast_too_large" if size > MAX_FRAGMENT_SIZE else ""
         if not destination.is_concrete:
             return "transport.bad_destination"
@@ -61,7 +59,7 @@ class Packetizer:
         return ""
 
     def count(self, destination: JausAddress, size: int) -> int:
-        """Returns how many packets a message of so many bytes takes."""
+        """Returns the number of packets for a message of so many bytes."""
         if size <= self._fragment_size:
             return 1
         return -(-size // self._step(destination, size))
@@ -100,40 +98,39 @@ class Packetizer:
             return self._fragment_size
         if destination.is_wildcard:
             return MAX_FRAGMENT_SIZE
-        needed = -(-size // MOST_SMALL_FRAGMENTS)
+        needed = -(-size // MAX_SMALL_FRAGMENTS)
         return max(self._fragment_size, min(MAX_FRAGMENT_SIZE, needed))
 
     def reserve(self, source: JausAddress, destination: JausAddress, amount: int) -> int:
-        """Takes consecutive sequence numbers of a pair and returns the first."""
+        """Reserves consecutive sequence numbers of a pair, and returns the first."""
         numbers = self.numbers(source, destination)
         while True:
-            taken = list(islice(numbers, amount))
-            if taken[-1] - taken[0] == amount - 1:  # no other thread took one between
-                return taken[0] & 0xFFFF
+            reserved = list(islice(numbers, amount))
+            if reserved[-1] - reserved[0] == amount - 1:  # without one of another thread between
+                return reserved[0] & 0xFFFF
 
     def numbers(self, source: JausAddress, destination: JausAddress) -> Iterator[int]:
-        """Returns the sequence numbers of a pair, to be taken modulo 65536 one by one.
+        """Returns the iterator of sequence numbers of a pair, to be used modulo 65536.
 
-        Each is taken in one step of the interpreter, which needs no lock.
+        Its steps are atomic, and need no lock.
         """
         pair = source, 0 if destination.is_wildcard else destination
-        known = self._numbers.get(pair)
-        if known is None and len(self._numbers) >= _MOST_PAIRS:
+        counter = self._numbers.get(pair)
+        if counter is None and len(self._numbers) >= _MAX_PAIRS:
             pair = source, 0
-            known = self._numbers.get(pair)
-        if known is None:
-            # A restarted sender must not repeat numbers that peers remember as seen.
+            counter = self._numbers.get(pair)
+        if counter is None:
+            # Random, as peers may remember the numbers of an earlier process.
             first = self._draw(0x10000)
-            # Another thread may have been first: then its numbers count.
-            known = self._numbers.setdefault(pair, _Numbers(first, self.counting(first)))
-        return known.following
+            # Another thread may have been first.
+            counter = self._numbers.setdefault(pair, _Numbers(first, self.counting(first)))
+        return counter.following
 
     def next_number(self, source: JausAddress, destination: JausAddress) -> int:
-        """Returns the number that the next packet of a pair will have, and does not take it."""
+        """Returns the number of the next packet of a pair, without reserving it."""
         self.numbers(source, destination)
-        # Pairs beyond the limit are counted with the wildcards.
-        known = self._numbers.get((source, destination)) or self._numbers[source, 0]
-        return known.first + known.used & 0xFFFF
+        counter = self._numbers.get((source, destination)) or self._numbers[source, 0]
+        return counter.first + counter.used & 0xFFFF
 
     def sent(self, source: JausAddress) -> dict[JausAddress, int]:
         """Returns how many packets a component has sent to each destination but wildcards."""
@@ -150,27 +147,23 @@ class _Numbers(NamedTuple):
 
     @property
     def used(self) -> int:
-        """How many are taken. A count tells where it is by its representation alone."""
+        """Number of used numbers, which only the repr of `itertools.count` tells."""
         return int(repr(self.following)[len("count(") : -1]) - self.first
-
-
-_SINGLES_UNDER_WAY = 32
 
 
 @dataclass(slots=True, eq=False)
 class Message:
-    """A message whose packets are sent, each until it is acknowledged."""
+    """A message whose packets are repeated until each is acknowledged."""
 
     packets: list[Packet]
-    on_result: OnResult | None  # told once whether all packets were acknowledged
-    # Whether its packets go as many at once as the receiver takes; others one after the other, as
-    # Junior sends them.
+    on_result: OnResult | None  # called once with whether all packets were acknowledged
+    # Whether as many packets as the receiver takes are under way at once; otherwise one, as Junior.
     is_best_effort: bool = False
-    is_urgent: bool = False  # whether it is sent at once, however much is under way
-    is_repeated: bool = False  # whether a packet of it had to be repeated
-    latest: float = math.inf  # time until which it is worth to begin with it
-    sent: int = 0
-    under_way: int = 0  # how many of these are not acknowledged yet
+    is_urgent: bool = False  # whether it is sent at once, whatever is under way
+    is_repeated: bool = False  # whether one of its packets had to be repeated
+    latest: float = math.inf  # time after which it is not sent any more
+    sent: int = 0  # packets
+    under_way: int = 0  # sent packets that are not acknowledged yet
     size: int = field(init=False)
     is_large: bool = field(init=False)
 
@@ -185,19 +178,18 @@ class Message:
         return self.under_way == 0 and self.sent == len(self.packets)
 
 
-Key = tuple[int, int, int]
-"""Who sends a packet, to whom (0 is any wildcard: they are numbered together), and its number."""
+Key = tuple[int, int, int]  # source, destination (0 for wildcards) and number of a packet
 
 
 def key_of(packet: Packet) -> Key:
-    """Returns what a packet is known by."""
+    """Returns the key of a packet, by which its acknowledgement is matched."""
     destination = packet.destination
     return packet.source, 0 if destination.is_wildcard else destination, packet.sequence
 
 
 @dataclass(slots=True, eq=False)
 class Flight:
-    """A packet under way."""
+    """A packet under way: first sent at `since`, to be repeated at `due`."""
 
     message: Message
     packet: Packet
@@ -209,17 +201,15 @@ class Flight:
 
 
 class Lane:
-    """Acknowledged messages to one destination, in an order that any receiver can take.
+    """Queue of acknowledged messages to one destination.
 
-    Messages of several packets go one after the other: receivers keep few packets of unfinished
-    messages (Junior and the components of the JAUS Tool Set 50, of all messages together), and
-    packets of several messages by turns would push each other out. Messages of one packet pass
-    between them; of these only so many are under way as a small receive buffer holds, and those of
-    high priority and stops besides.
+    Large messages are sent one after the other, since receivers keep few packets of unfinished
+    messages (Junior and the components of the JAUS Tool Set 50 for all messages). Messages of one
+    packet are sent in between; only so many of these are under way as a small receive buffer holds,
+    besides stops and those of high priority.
 
-    How many packets of a large message the receiver takes at once is learnt: twice as many after
-    each message of which it lost none, and from the first loss on half as many for good. To look
-    again would cost a message at each try, since a lost packet waits for its time-out.
+    The window, the number of packets of a large message under way at once, is learnt: it doubles
+    after each message without loss, and is halved for good at the first loss.
     """
 
     __slots__ = ("_large", "_singles", "_singles_under_way", "_widest", "_window", "heard")
@@ -230,25 +220,25 @@ class Lane:
         self._singles: deque[Message] = deque()
         self._singles_under_way = 0
         self._window = FIRST_WINDOW
-        self._widest = MOST_SMALL_FRAGMENTS
+        self._widest = MAX_SMALL_FRAGMENTS
 
     @property
     def is_empty(self) -> bool:
-        """Whether nothing waits and nothing is under way."""
+        """Whether no message waits or is under way."""
         return not (self._large or self._singles or self._singles_under_way)
 
     @property
     def waits(self) -> bool:
-        """Whether there is something whose turn may come."""
+        """Whether there are messages with packets to send."""
         return bool(self._large or self._singles)
 
     @property
     def has_large(self) -> bool:
-        """Whether a message of several packets is under way."""
+        """Whether a large message waits or is under way."""
         return bool(self._large)
 
     def add(self, message: Message) -> None:
-        """Lets a message wait for its turn, which may be now."""
+        """Adds a message; an urgent one is first."""
         if message.is_large:
             self._large.append(message)
         elif message.is_urgent:
@@ -257,10 +247,10 @@ class Lane:
             self._singles.append(message)
 
     def ready(self) -> list[tuple[Message, Packet]]:
-        """Returns the packets whose turn it is; they are under way from now on."""
+        """Returns the packets to be sent now, which are under way then."""
         ready: list[tuple[Message, Packet]] = []
         singles = self._singles
-        # Urgent ones stand in front, and wait for nobody.
+        # Urgent messages are first, and do not wait.
         while singles and (self._singles_under_way < _SINGLES_UNDER_WAY or singles[0].is_urgent):
             self._singles_under_way += 1
             ready.append(_next_of(singles.popleft()))
@@ -271,8 +261,8 @@ class Lane:
                 ready.append(_next_of(first))
         return ready
 
-    def arrived(self, message: Message) -> None:
-        """Learns from a message that is done; packets fewer than the window say nothing."""
+    def widen(self, message: Message) -> None:
+        """Adapts the window after a message that has filled it is acknowledged."""
         if not message.is_best_effort or len(message.packets) < self._window:
             return
         if message.is_repeated:
@@ -280,14 +270,14 @@ class Lane:
         self._window = min(2 * self._window, self._widest)
 
     def give_up_late(self, now: float) -> list[Message]:
-        """Forgets the messages whose turn would be now, but which is too late, and returns them."""
+        """Removes large messages that are next but too late, and returns them."""
         late: list[Message] = []
         while self._large and not self._large[0].sent and self._large[0].latest < now:
             late.append(self._large.popleft())
         return late
 
     def remove(self, message: Message) -> None:
-        """Forgets a message, since it is done, given up or withdrawn."""
+        """Removes a message that is acknowledged, given up or withdrawn."""
         if message.is_large:
             self._large.remove(message)
         elif message.sent:
@@ -297,7 +287,7 @@ class Lane:
 
     @property
     def waiting(self) -> list[Message]:
-        """The messages of which nothing was sent yet."""
+        """The messages of which no packet was sent yet."""
         return [*self._singles, *[message for message in self._large if not message.sent]]
 
 

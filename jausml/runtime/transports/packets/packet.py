@@ -1,4 +1,4 @@
-"""The AS5669A general transport header: packets to and from JUDP datagrams."""
+"""Packets of AS5669A (general transport header), to and from JUDP datagrams."""
 
 from __future__ import annotations
 
@@ -11,13 +11,9 @@ from ...base.counters import Counters
 
 JUDP_VERSION = 2  # first byte of every datagram (AS5669A)
 
-PLACE_MASK = 0xC0
-"""Bits of the flags that tell the place of a packet in a message of several packets."""
-
+PLACE_MASK = 0xC0  # bits of the flags for the place of a packet in a message of several
 EMPTY_MESSAGE_SIZE = 14  # bytes of a message without payload: header 12, sequence number 2
-
-MAX_PAYLOAD = 65507 - 1 - EMPTY_MESSAGE_SIZE
-"""Payload bytes of the largest message that one UDP datagram carries."""
+MAX_PAYLOAD = 65507 - 1 - EMPTY_MESSAGE_SIZE  # bytes of the largest payload in a UDP datagram
 
 
 class Priority(IntEnum):
@@ -32,7 +28,7 @@ class Priority(IntEnum):
 class Broadcast(IntEnum):
     """Reach of a message (AS5669A, flags bits 2-3).
 
-    Receivers decide by the destination: peers exist that leave NONE on a wildcard destination.
+    Receivers go by the destination, as some peers send NONE to a wildcard.
     """
 
     NONE = 0
@@ -42,7 +38,7 @@ class Broadcast(IntEnum):
 
 
 class AckNak(IntEnum):
-    """Acknowledgement asked for or given (AS5669A, flags bits 4-5)."""
+    """Acknowledgement requested or given (AS5669A, flags bits 4-5)."""
 
     NONE = 0
     REQUESTED = 1
@@ -64,7 +60,7 @@ class Packet(NamedTuple):
 
     destination: JausAddress
     source: JausAddress
-    payload: bytes = b""  # message code and body, a part of them, or nothing in an acknowledgement
+    payload: bytes = b""  # message code and body, or a part; empty in an acknowledgement
     sequence: int = 0  # number of the packet among those of its source, modulo 65536
     priority: Priority = Priority.STANDARD
     broadcast: Broadcast = Broadcast.NONE
@@ -74,11 +70,11 @@ class Packet(NamedTuple):
 
     @property
     def flags(self) -> int:
-        """The flags as they are on the wire."""
+        """The byte of the flags."""
         return self.priority | self.broadcast << 2 | self.acknowledge << 4 | self.data_flags << 6
 
     def encode(self) -> bytes:
-        """Returns the datagram of this message alone; ValueError where a field does not fit."""
+        """Returns the datagram with this packet; raises ValueError for a field out of range."""
         if len(self.payload) > MAX_PAYLOAD:
             raise ValueError(f"{len(self.payload)} bytes of payload do not fit one datagram")
         if not (0 <= self.sequence <= 0xFFFF and 0 <= self.message_type <= 0x3F):
@@ -103,12 +99,11 @@ _FIELDS_OFFSET = 3
 _COMPRESSION_FIELDS_SIZE = 2
 _COMPRESSED = 3
 _TYPE_MASK = 0x3F
-# Worked out once: to make four enumerations for each packet is slow.
+# Priority, broadcast, acknowledge and data flags of each byte: a table is faster for each packet.
 FLAGS = tuple(
     (Priority(flags & 3), Broadcast(flags >> 2 & 3), AckNak(flags >> 4 & 3), DataFlags(flags >> 6))
     for flags in range(256)
 )
-"""By value of the flags what they say: priority, broadcast, acknowledge, data flags."""
 
 _OTHER_VERSIONS = (
     (b"\x01", "judp.version_1", "AS5669 version 1, which AS5669A replaced"),
@@ -117,18 +112,17 @@ _OTHER_VERSIONS = (
 
 
 def parse_datagram(data: bytes, counters: Counters) -> list[Packet]:
-    """Returns the messages of a datagram in their order; never raises.
+    """Returns the packets of a datagram in their order; never raises.
 
-    What cannot be read is counted: ``judp.version_1`` and ``judp.reference_architecture``, older
-    protocols; ``judp.bad_version``; ``judp.acknowledgement_of_other_version``, which is taken all
-    the same; ``judp.truncated``, the size says more than there is;
-    ``transport.bad_size``; ``judp.trailing_bytes``, ignored after a good message; and what
-    ``parse_message`` counts.
+    Errors are counted: ``judp.version_1`` and ``judp.reference_architecture`` (older protocols);
+    ``judp.bad_version``; ``judp.acknowledgement_of_other_version``, which is taken all the same;
+    ``judp.truncated`` (the size is beyond the end); ``transport.bad_size``;
+    ``judp.trailing_bytes``, ignored after a good packet; and those of ``parse_message``.
     """
     if not data or data[0] != JUDP_VERSION:
         if _is_acknowledgement(data):
-            # JAUS-DEVIATION: JAUS++ leaves the version out in front of its acknowledgements, which
-            # are right otherwise. Only the number of a packet that waits for one makes use of it.
+            # JAUS-DEVIATION: JAUS++ omits the version of its acknowledgements, which are right
+            # otherwise. They only have an effect with the number of a packet that waits for one.
             counters.add("judp.acknowledgement_of_other_version")
             packet = parse_message(
                 data, len(data) - EMPTY_MESSAGE_SIZE, EMPTY_MESSAGE_SIZE, counters
@@ -155,19 +149,19 @@ def parse_datagram(data: bytes, counters: Counters) -> list[Packet]:
 
 
 def message_size(data: bytes | bytearray, offset: int) -> int:
-    """Returns the size that the message at an offset states, of which three bytes are there."""
+    """Returns the size in the header of the packet at an offset, which has at least three bytes."""
     return data[offset + 1] | data[offset + 2] << 8
 
 
 def parse_message(data: bytes, offset: int, size: int, counters: Counters) -> Packet | None:
-    """Returns one message of at least 14 bytes without the version of its datagram; never raises.
+    """Returns a packet of at least 14 bytes, without a version; never raises.
 
-    What cannot be read is counted: ``transport.bad_message_type``, reserved by the standard;
-    ``transport.compressed``; ``transport.bad_size``.
+    Returns None after an error, which is counted: ``transport.bad_message_type``, reserved by the
+    standard; ``transport.compressed``; ``transport.bad_size``.
     """
     kind, _, flags, destination, source = _HEADER.unpack_from(data, offset)
     start, end = offset + _HEADER_SIZE, offset + size
-    # Compressed or of a reserved type: rare, and judged apart.
+    # Rare: compressed, or of a reserved type.
     if kind:
         reason, skipped = _compression(data, offset, size)
         if reason:
@@ -189,13 +183,13 @@ def parse_message(data: bytes, offset: int, size: int, counters: Counters) -> Pa
 
 
 def _compression(data: bytes, offset: int, size: int) -> tuple[str, int]:
-    """Returns why a message cannot be read, if so, and the bytes to skip before its fields.
+    """Returns the counter of an error, or an empty text, and the bytes to skip before the fields.
 
-    The standard has the header compression flags in bits 6-7 and, when they are set, two more
-    bytes before the fields. Requests and confirmations (1 and 2) carry an uncompressed message:
-    it is read, and the offer declined silently. Peers exist that use bits 0-1 (Junior and the
-    node manager of fkie), or that set bits 6-7 without the two bytes. Both are read where the
-    addresses leave no doubt what is meant.
+    In the standard the flags of header compression are bits 6-7, with two more bytes before the
+    fields if they are set. Requests and confirmations of compression (1 and 2) have an uncompressed
+    message, which is read; compression itself is not supported. Some peers use bits 0-1 (Junior and
+    the node manager of fkie), or set bits 6-7 without the two bytes. Both are read if the addresses
+    are only plausible so.
     """
     kind = data[offset]
     if kind >> 6 == _COMPRESSED and not kind & _TYPE_MASK:
@@ -212,16 +206,16 @@ def _compression(data: bytes, offset: int, size: int) -> tuple[str, int]:
 
 
 def _is_plausible(data: bytes, offset: int) -> bool:
-    """Returns whether the addresses of a message, read at an offset, can be addresses."""
+    """Returns whether the fields at an offset have possible addresses."""
     _, destination, source = _FIELDS.unpack_from(data, offset + _FIELDS_OFFSET)
-    to = address_of(destination)
-    return address_of(source).is_concrete and bool(to.subsystem and to.node and to.component)
+    receiver = address_of(destination)
+    is_receiver = bool(receiver.subsystem and receiver.node and receiver.component)
+    return is_receiver and address_of(source).is_concrete
 
 
 def _is_acknowledgement(data: bytes) -> bool:
-    """Returns whether a datagram is an acknowledgement, whatever version it states, if any."""
+    """Returns whether a datagram is an acknowledgement of any version, or without one."""
     start = len(data) - EMPTY_MESSAGE_SIZE
-    # With one byte of version in front, or without any.
     if start not in (0, 1) or data[start]:
         return False
     size, flags = data[start + 1] | data[start + 2] << 8, data[start + 3]

@@ -1,4 +1,4 @@
-"""Messages of several packets: putting their fragments together."""
+"""Reassembly of messages of several packets (fragments)."""
 
 from __future__ import annotations
 
@@ -9,19 +9,18 @@ from ...base.address import address_of
 from ...base.counters import Counters
 from .packet import FLAGS, PLACE_MASK, DataFlags, Packet
 
-Way = tuple[int, int]  # source and destination
+Pair = tuple[int, int]  # source and destination
 Whole = tuple[bytes, int, int]  # payload of a message, and number and flags of its first packet
 
 _FIRST, _MIDDLE, _LAST = (place << 6 for place in list(DataFlags)[1:])
-# Counted for each fragment: a flood of tiny ones takes memory beyond its payload.
-_FRAGMENT_OVERHEAD = 400
+_FRAGMENT_OVERHEAD = 400  # bytes counted for each fragment besides its payload
 _MAX_STREAMS = 256
 _MAX_FRAGMENTS = 32768
 _TOTAL_FACTOR = 4
 
 
-class _Line:
-    """Fragments of one message that came in their order, from the first one on."""
+class _OrderedFragments:
+    """Fragments of one message that have come in order, from the first one on."""
 
     __slots__ = ("flags", "following", "parts", "size", "start", "updated")
 
@@ -39,22 +38,18 @@ class _Line:
 
 @dataclass(slots=True, eq=False)
 class _Run:
-    """Fragments with consecutive sequence numbers, from ``start`` to ``end``.
-
-    ``flags`` are those of the first packet of a message where the run has it, else 0; it is
-    ``closed`` with the last one.
-    """
+    """Fragments with consecutive sequence numbers, from ``start`` to ``end``."""
 
     start: int
     end: int
     updated: float
-    flags: int = 0
-    closed: bool = False
+    flags: int = 0  # of the first packet of a message, if the run has it
+    closed: bool = False  # whether the run has the last packet of a message
 
 
 @dataclass(slots=True, eq=False)
 class _Stream:
-    """Fragments of one source to one destination, and the runs that they form."""
+    """Fragments of one pair in any order, and the runs that they form."""
 
     fragments: dict[int, bytes] = field(default_factory=dict)
     by_start: dict[int, _Run] = field(default_factory=dict)
@@ -62,11 +57,11 @@ class _Stream:
     size: int = 0
 
     @classmethod
-    def of(cls, line: _Line) -> _Stream:
-        """Returns a stream with what came in order so far."""
-        stream, flags = cls(), line.flags
-        for number, payload in enumerate(line.parts, line.start):
-            stream.add(flags, number & 0xFFFF, payload, line.updated)
+    def of(cls, ordered: _OrderedFragments) -> _Stream:
+        """Returns a stream with fragments that have come in order so far."""
+        stream, flags = cls(), ordered.flags
+        for number, payload in enumerate(ordered.parts, ordered.start):
+            stream.add(flags, number & 0xFFFF, payload, ordered.updated)
             flags = _MIDDLE
         return stream
 
@@ -74,11 +69,11 @@ class _Stream:
         return len(self.fragments)
 
     def add(self, flags: int, number: int, payload: bytes, now: float) -> _Run:
-        """Keeps a fragment and returns the run that it belongs to now."""
+        """Adds a fragment, and returns its run."""
         by_start, by_end, place = self.by_start, self.by_end, flags & PLACE_MASK
         self.fragments[number] = payload
         self.size += len(payload) + _FRAGMENT_OVERHEAD
-        # A first packet continues no run, whatever number came before it.
+        # A first packet never continues a run.
         run = None if place == _FIRST else by_end.get(number - 1 & 0xFFFF)
         if run is None or run.closed:
             run = by_start[number] = _Run(number, number, now)
@@ -92,7 +87,7 @@ class _Stream:
         else:
             after = by_start.get(number + 1 & 0xFFFF)
             if after is not None and not after.flags:
-                # One that begins with a first packet would be another message.
+                # A run with a first packet would be another message.
                 del by_start[after.start]
                 run.end, run.closed = after.end, after.closed
         by_end[run.end] = run
@@ -113,29 +108,29 @@ class _Stream:
 
 
 class Reassembly:
-    """Collects the fragments of each way until a message is whole (AS5669A, data flags).
+    """Collects the fragments of each pair until a message is complete (AS5669A, data flags).
 
-    Fragments carry neither an offset nor a total: a message is the run of consecutive sequence
-    numbers from a first to a last packet, in whatever order they arrive. Discards are counted:
-    ``transport.reassembly_timeout``, ``transport.reassembly_overflow``, and
-    ``transport.reassembly_stale``, others of a number that came again. Of the fragments taken,
-    ``transport.fragments``, each is held, or among ``transport.fragments_assembled`` or
+    Fragments have neither an offset nor a total: a message is a run of consecutive sequence numbers
+    from a first to a last packet, which may come in any order. Discards are counted as
+    ``transport.reassembly_timeout``, ``transport.reassembly_overflow``, or
+    ``transport.reassembly_stale`` (a number came again with other content). Each fragment, counted
+    as ``transport.fragments``, is held, or counted as ``transport.fragments_assembled`` or
     ``transport.fragments_discarded``.
     """
 
     def __init__(self, timeout: float, limit: int, counters: Counters) -> None:
-        """Discards what makes no progress for so many seconds, or is of too many bytes."""
+        """Discards incomplete messages after `timeout` seconds, or beyond `limit` bytes."""
         self._timeout = timeout
         self.limit = limit
         self._counters = counters
         self._taken = counters.tally("transport.fragments")
         self._assembled = counters.tally("transport.fragments_assembled")
         self._finished = counters.tally("transport.reassembled")
-        self._held: OrderedDict[Way, _Line | _Stream] = OrderedDict()
+        self._held: OrderedDict[Pair, _OrderedFragments | _Stream] = OrderedDict()
         self.size = 0
 
     def note_whole(self, count: int) -> None:
-        """Counts a message of so many fragments that was put together elsewhere."""
+        """Counts a message of so many fragments that the core has reassembled."""
         self._taken.count += count
         self._assembled.count += count
         self._finished.count += 1
@@ -144,70 +139,75 @@ class Reassembly:
         return sum(map(len, self._held.values()))
 
     def add(self, packet: Packet, now: float) -> Packet | None:
-        """Takes a fragment and returns the whole message that it completes, if it does.
+        """Takes a fragment; returns the message that it completes, or None.
 
         The message has the sequence number, priority and destination of its first packet.
         """
-        way = packet.source, packet.destination
-        whole = self._put(way, packet.flags, packet.sequence, packet.payload, now)
+        pair = packet.source, packet.destination
+        whole = self._put(pair, packet.flags, packet.sequence, packet.payload, now)
         if whole is None:
             return None
         payload, sequence, first = whole
-        said = FLAGS[first & ~PLACE_MASK]
-        return Packet(packet.destination, packet.source, payload, sequence, *said)
+        flags = FLAGS[first & ~PLACE_MASK]
+        return Packet(packet.destination, packet.source, payload, sequence, *flags)
 
-    def _put(self, way: Way, flags: int, sequence: int, payload: bytes, now: float) -> Whole | None:
-        """Takes a fragment.
-
-        Nearly all come in their order: those of a message are in a line then, which ends with it.
-        """
+    def _put(
+        self, pair: Pair, flags: int, sequence: int, payload: bytes, now: float
+    ) -> Whole | None:
+        """Takes a fragment, which usually comes in order."""
         place, held = flags & PLACE_MASK, self._held
-        line = held.get(way)
-        if line is None and place == _FIRST:
-            line = held[way] = _Line(flags, sequence, payload, now)
-            self.size += line.size
-        elif type(line) is _Line and line.following == sequence and place != _FIRST:
-            line.parts.append(payload)
+        ordered = held.get(pair)
+        if ordered is None and place == _FIRST:
+            ordered = held[pair] = _OrderedFragments(flags, sequence, payload, now)
+            self.size += ordered.size
+        elif (
+            type(ordered) is _OrderedFragments and ordered.following == sequence and place != _FIRST
+        ):
+            ordered.parts.append(payload)
             if place == _LAST:
-                del held[way]
-                self.size -= line.size
+                del held[pair]
+                self.size -= ordered.size
                 self._taken.count += 1
-                return self._whole(line.parts, line.start, line.flags)
-            line.following, line.updated = sequence + 1 & 0xFFFF, now
+                return self._whole(ordered.parts, ordered.start, ordered.flags)
+            ordered.following, ordered.updated = sequence + 1 & 0xFFFF, now
             cost = len(payload) + _FRAGMENT_OVERHEAD
-            line.size += cost
+            ordered.size += cost
             self.size += cost
-            held.move_to_end(way)
+            held.move_to_end(pair)
         else:
-            return self._put_in_stream(way, flags, sequence, payload, now)
+            return self._put_in_stream(pair, flags, sequence, payload, now)
         self._taken.count += 1
-        # The cheap comparisons first: below these limits nothing can be too much.
-        if self.size > self.limit or len(line.parts) > _MAX_FRAGMENTS or len(held) > _MAX_STREAMS:
-            self._enforce_limits(way, line)
+        # Cheap comparisons first, below which no limit can be exceeded.
+        if (
+            self.size > self.limit
+            or len(ordered.parts) > _MAX_FRAGMENTS
+            or len(held) > _MAX_STREAMS
+        ):
+            self._enforce_limits(pair, ordered)
         return None
 
     def _put_in_stream(
-        self, way: Way, flags: int, sequence: int, payload: bytes, now: float
+        self, pair: Pair, flags: int, sequence: int, payload: bytes, now: float
     ) -> Whole | None:
-        stream = self._held.get(way)
+        stream = self._held.get(pair)
         if not isinstance(stream, _Stream):
-            # Out of order: what came in a line is kept by its numbers from here on.
-            stream = self._held[way] = _Stream() if stream is None else _Stream.of(stream)
+            # Out of order: fragments are kept by number from here on.
+            stream = self._held[pair] = _Stream() if stream is None else _Stream.of(stream)
         if sequence in stream.fragments:
             if stream.fragments[sequence] == payload:
                 self._counters.add("transport.duplicate")
                 return None
-            self._discard_stale(way, stream, sequence)
-        self._held.move_to_end(way)
+            self._discard_stale(pair, stream, sequence)
+        self._held.move_to_end(pair)
         self._taken.count += 1
         self.size += len(payload) + _FRAGMENT_OVERHEAD
         run = stream.add(flags, sequence, payload, now)
         if run.closed and run.flags:
             parts = self._remove(stream, run)
             if not stream.fragments:
-                del self._held[way]
+                del self._held[pair]
             return self._whole(parts, run.start, run.flags)
-        self._enforce_limits(way, stream)
+        self._enforce_limits(pair, stream)
         return None
 
     def _whole(self, parts: list[bytes], start: int, flags: int) -> Whole:
@@ -216,32 +216,32 @@ class Reassembly:
         return b"".join(parts), start, flags
 
     def expire(self, now: float) -> None:
-        """Discards what has not grown for the timeout."""
-        for way, held in list(self._held.items()):
-            if isinstance(held, _Line):
+        """Discards messages that have made no progress for the timeout."""
+        for pair, held in list(self._held.items()):
+            if isinstance(held, _OrderedFragments):
                 if now - held.updated >= self._timeout:
-                    del self._held[way]
+                    del self._held[pair]
                     self.size -= held.size
-                    self._count_expired(way, len(held))
+                    self._count_expired(pair, len(held))
                 continue
             runs = held.by_start.values()
             for run in [run for run in runs if now - run.updated >= self._timeout]:
-                self._count_expired(way, len(self._remove(held, run)))
+                self._count_expired(pair, len(self._remove(held, run)))
             if not held.fragments:
-                del self._held[way]
+                del self._held[pair]
 
-    def _count_expired(self, way: Way, count: int) -> None:
+    def _count_expired(self, pair: Pair, count: int) -> None:
         self._counters.add("transport.fragments_discarded", count)
         self._counters.count(
-            "transport.reassembly_timeout", f"{count} fragments of {address_of(way[0])}"
+            "transport.reassembly_timeout", f"{count} fragments of {address_of(pair[0])}"
         )
 
-    def _discard_stale(self, way: Way, stream: _Stream, sequence: int) -> None:
-        """Discards what a source left behind that restarted, and uses its numbers again."""
+    def _discard_stale(self, pair: Pair, stream: _Stream, sequence: int) -> None:
+        """Discards a run of a source that has restarted and uses its numbers again."""
         count = len(self._remove(stream, stream.run_of(sequence)))
         self._counters.add("transport.fragments_discarded", count)
         self._counters.count(
-            "transport.reassembly_stale", f"{count} fragments of {address_of(way[0])}"
+            "transport.reassembly_stale", f"{count} fragments of {address_of(pair[0])}"
         )
 
     def _remove(self, stream: _Stream, run: _Run) -> list[bytes]:
@@ -250,17 +250,17 @@ class Reassembly:
         self.size -= before - stream.size
         return parts
 
-    def _enforce_limits(self, way: Way, held: _Line | _Stream) -> None:
+    def _enforce_limits(self, pair: Pair, held: _OrderedFragments | _Stream) -> None:
         if held.size > self.limit or len(held) > _MAX_FRAGMENTS:
-            self._discard(way)
+            self._discard(pair)
         while self.size > self.limit * _TOTAL_FACTOR or len(self._held) > _MAX_STREAMS:
-            # Whoever was silent longest is first.
+            # The longest silent pair is first.
             self._discard(next(iter(self._held)))
 
-    def _discard(self, way: Way) -> None:
-        held = self._held.pop(way)
+    def _discard(self, pair: Pair) -> None:
+        held = self._held.pop(pair)
         self.size -= held.size
         self._counters.add("transport.fragments_discarded", len(held))
         self._counters.count(
-            "transport.reassembly_overflow", f"{held.size} bytes of {address_of(way[0])}"
+            "transport.reassembly_overflow", f"{held.size} bytes of {address_of(pair[0])}"
         )

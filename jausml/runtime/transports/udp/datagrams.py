@@ -1,4 +1,4 @@
-"""The packets of JUDP (AS5669A) over any network of datagrams, be it real or virtual."""
+"""JUDP (AS5669A) without sockets, for a real or virtual network of datagrams."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from functools import partial
 
 from ...base.address import JausAddress
-from ...base.fast_path import through
+from ...base.fast_path import with_fast_path
 from ...base.loop import Loop
 from ...base.settings import Endpoint, TransportSettings
 from ..address_book import AddressBook, Entry
@@ -17,17 +17,17 @@ from ..packets.packet import AckNak, Packet, Priority
 from ..transport import Transport
 from .sender import Port, Sender
 
-LOOPBACK = "127."  # what the addresses of this host alone begin with
-_TIME_TO_ANSWER = 2.0  # seconds that a component has to answer the first message after a silence
+LOOPBACK = "127."  # prefix of addresses within this host
+_TIME_TO_ANSWER = 2.0  # seconds for an answer to the first message after a silence
 
 
 class DatagramTransport(Transport):
-    """What JUDP does with packets (AS5669A), without the sockets.
+    """Sends and receives packets as datagrams (AS5669A, JUDP).
 
-    Destinations with a wildcard go to the multicast group and to the matching components of this
-    process, except the sender. A component of this process is reached without the network. An
-    unknown destination is multicast with a request for acknowledgement, as Junior does; the
-    acknowledgement teaches its endpoint. Whatever arrives and cannot be used is counted.
+    A message to a wildcard goes to the multicast group and to the matching components of this
+    process, except its sender. A message to a component of this process does not use the network.
+    One to an unknown destination is multicast with a request for acknowledgement, as by Junior;
+    the acknowledgement tells the endpoint. Packets that cannot be used are counted.
     """
 
     def __init__(
@@ -55,13 +55,13 @@ class DatagramTransport(Transport):
     def sender(
         self, source: JausAddress, destination: JausAddress, priority: Priority = Priority.STANDARD
     ) -> Callable[[bytes], None]:
-        """Returns what sends one payload after the other; see ``Transport.sender``."""
+        """Returns a function that sends payloads; see ``Transport.sender``."""
         messenger = self._messenger
 
         def send(payload: bytes) -> None:
             messenger.send(source, destination, payload, priority, False, None)  # noqa: FBT003
 
-        # The compiled core of a bridge sends from one component to one place.
+        # The compiled core of a bridge only sends from one component to another.
         if not (source.is_concrete and destination.is_concrete):
             return send
         outlet = partial(
@@ -73,10 +73,10 @@ class DatagramTransport(Transport):
             self._settings.fragment_size,
             self.inbox,
         )
-        return through(send, outlet)
+        return with_fast_path(send, outlet)
 
     def count_by(self, counting: Callable[[int], Iterator[int]]) -> None:
-        """Has packets numbered by what is made of the first number; before there is a sender."""
+        """Sets the function that makes iterators of numbers; called before the first sender."""
         self._messenger.packetizer.counting = counting
 
     def is_unheard(self, address: JausAddress) -> bool:
@@ -88,41 +88,41 @@ class DatagramTransport(Transport):
             longest_silence = self.address_book.lifetime + _TIME_TO_ANSWER
             if entry is None:
                 return True
-            # Without proof it counts as never heard, though it may have spoken a moment ago.
-            heard = entry.heard if entry.claim is None else entry.spoke
+            # `heard` is -inf without proof.
+            heard = entry.heard if entry.claim is None else entry.heard_in_doubt
             return self.loop.now() - heard > longest_silence
 
     def is_proved(self, address: JausAddress) -> bool:
-        """Returns whether a component is where it says; see ``Transport.is_proved``."""
+        """Returns whether a component has proved its endpoint; see ``Transport.is_proved``."""
         entry = self.address_book.learnt.get(address)
         return entry is None or entry.claim is None
 
     def place_of(self, address: JausAddress) -> tuple[str, str]:
-        """Returns where a component is; see ``Transport.place_of``."""
+        """Returns host and endpoint of a component; see ``Transport.place_of``."""
         endpoint = self.address_book.find(address)
         return ("", "") if endpoint is None else (endpoint[0], f"{endpoint[0]}:{endpoint[1]}")
 
     def is_kept(self, address: JausAddress) -> bool:
-        """Returns whether a component gives way to nobody; see ``Transport.is_kept``."""
+        """Returns whether a component is always kept; see ``Transport.is_kept``."""
         return self.address_book.is_kept(address)
 
     def keep_place(self, owner: JausAddress, address: JausAddress | None) -> None:
-        """Has a controller give way to nobody; see ``Transport.keep_place``."""
+        """Keeps a controller; see ``Transport.keep_place``."""
         self.address_book.keep_place(owner, address)
 
     def when_proved(self, listener: Callable[[JausAddress], None]) -> None:
-        """Tells of proofs; see ``Transport.when_proved``."""
+        """Adds a listener for proofs; see ``Transport.when_proved``."""
         self._sender.prover.listeners.append(listener)
 
     def silence_of(self, address: JausAddress) -> float:
-        """Returns how long a component was silent; see ``Transport.silence_of``."""
+        """Returns the seconds since the last packet; see ``Transport.silence_of``."""
         entry = self.address_book.learnt.get(address)
         return math.inf if entry is None else self.loop.now() - entry.latest
 
     def _trusts(self, endpoint: Endpoint) -> bool:
-        """Returns whether an endpoint needs no proof.
+        """Returns whether an endpoint needs no proof, like those of this host.
 
-        The kernel drops what comes from outside in the name of this host.
+        The kernel drops datagrams from outside with an address of this host.
         """
         settings = self._settings
         return (
@@ -135,12 +135,12 @@ class DatagramTransport(Transport):
         self.inbox.attach(address, take)
 
     def _messenger_of(self, source: JausAddress) -> Messenger[Endpoint]:
-        del source  # one for all components
+        del source  # one messenger for all components
         return self._messenger
 
     def _take_packet(self, packet: Packet, sender: Endpoint) -> bool:
-        """Takes a packet that has arrived; returns False when it is for nobody of this process."""
-        # Before anything is learnt: a false source must take no place in the book.
+        """Takes a packet; returns False if it is for no component of this process."""
+        # Before its endpoint is learnt.
         if self.inbox.refuses(packet, sender):
             return True
         now = self.loop.now()
@@ -152,11 +152,11 @@ class DatagramTransport(Transport):
         return self.inbox.take(packet, sender, now)
 
     def _take_unproved(self, packet: Packet, sender: Endpoint, entry: Entry, now: float) -> bool:
-        """Takes a packet of a component that has not proved where it is: one may be the proof."""
+        """Takes a packet of a component without proof of its endpoint; it may be the proof."""
         asker = next((address for address, _ in self.inbox.receivers_of(packet)), None)
         is_answer = packet.acknowledge >= AckNak.NAK
-        # Before the prover hears of it: the answer may be the proof, and saves a question.
+        # Before `heard`: an acknowledgement may be the proof, and save a question.
         is_taken = is_answer and self.inbox.take(packet, sender, now)
         self._sender.prover.heard(entry, packet, asker)
-        # After the prover has counted it: what it makes us answer is paid for by its bytes.
+        # After `heard`: its bytes are the credit for our answers.
         return is_taken if is_answer else self.inbox.take(packet, sender, now)

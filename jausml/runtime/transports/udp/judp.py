@@ -1,4 +1,4 @@
-"""JAUS over UDP: the sockets of one process (AS5669A, JUDP version 2)."""
+"""JAUS over UDP (AS5669A, JUDP version 2): the sockets of one process."""
 
 from __future__ import annotations
 
@@ -35,43 +35,42 @@ from ..ports import (
 )
 from .datagrams import DatagramTransport
 
-Receiver = Callable[[int], tuple[bytes, Endpoint]]
-"""Receives a datagram of at most so many bytes; tells where it came from."""
+Receiver = Callable[
+    [int], tuple[bytes, Endpoint]
+]  # receives a datagram up to a size, and its origin
 
-
-# An option of Linux that the socket module does not name: how its memory stands. Of nine numbers
-# (SK_MEMINFO) the last one counts the drops.
+# An option of Linux that is not in the socket module: the last of its nine numbers (SK_MEMINFO)
+# counts dropped datagrams.
 _SO_MEMINFO = 55
 _MEMINFO = struct.Struct("9I")
 _DROPS = 8
 
 
 class KernelDrops:
-    """Counts what the kernel drops at the sockets of one process, as ``judp.kernel_dropped``.
+    """Counts datagrams that the kernel has dropped, as ``judp.kernel_dropped`` (Linux).
 
-    To have it told with each datagram costs 5 us after a pause; so the kernel is asked now and
-    then, where it answers (Linux).
+    The kernel is queried periodically: the number with each datagram would cost 5 us.
     """
 
     def __init__(self, counters: Counters) -> None:
         self._counters = counters
-        self._known: dict[socket.socket, int] = {}
+        self._totals: dict[socket.socket, int] = {}
 
     def watch(self, sock: socket.socket) -> None:
         """Counts the drops of a socket from now on."""
-        self._known.setdefault(sock, 0)
+        self._totals.setdefault(sock, 0)
 
-    def look(self) -> None:
-        """Counts what was dropped since the last time; sockets that do not tell are forgotten."""
-        for sock, known in list(self._known.items()):
+    def update(self) -> None:
+        """Counts the drops since the last call; sockets without the option are ignored."""
+        for sock, former in list(self._totals.items()):
             try:
                 memory_info = sock.getsockopt(socket.SOL_SOCKET, _SO_MEMINFO, _MEMINFO.size)
-                self._known[sock] = total = _MEMINFO.unpack(memory_info)[_DROPS]
+                self._totals[sock] = total = _MEMINFO.unpack(memory_info)[_DROPS]
             except (OSError, struct.error):
-                del self._known[sock]
+                del self._totals[sock]
                 continue
-            # The kernel counts in 32 bits, and begins again at 0.
-            amount = total - known & 0xFFFFFFFF
+            # The counter of the kernel has 32 bits.
+            amount = total - former & 0xFFFFFFFF
             if amount:
                 self._counters.count(
                     "judp.kernel_dropped",
@@ -84,13 +83,13 @@ class KernelDrops:
 
 _LARGEST_DATAGRAM = 65535
 _DATAGRAMS_PER_TURN = 32
-_PAUSE_S = 0.0002  # after which what comes has likely come alone
+_PAUSE_S = 0.0002  # after which a datagram has likely come alone
 
 
 def reader(
     receive: Receiver, loop: Loop, take: Callable[[bytes, Endpoint], None]
 ) -> Callable[[], None]:
-    """Returns what reads the datagrams that have arrived at a socket, a few at a time."""
+    """Returns a function that reads waiting datagrams, a limited number at once."""
     counters = loop.counters
     received = counters.tally("judp.received")
     most, latest = 1, loop.now()
@@ -99,10 +98,10 @@ def reader(
         nonlocal most, latest
         now = loop.now()
         if now - latest > _PAUSE_S:
-            # To ask the socket again and find nothing costs 30 us, more than a datagram: after a
-            # pause one is read, and more in a turn only while one follows the other.
+            # One datagram after a pause, and more only while others follow: a call that finds none
+            # costs 30 us, more than a datagram.
             most = 1
-            # The process may have stood still, and what waited meanwhile is thrown away unread.
+            # Datagrams that waited while the process stood still are discarded.
             if now > loop.standstill.due:
                 loop.standstill.end()
         latest = now
@@ -117,7 +116,7 @@ def reader(
                 return
             received.count += 1
             take(data, origin)
-        # Others of the loop have their turn now and then, however much comes.
+        # Limited, so that other callbacks have their turn.
         most = min(2 * most, _DATAGRAMS_PER_TURN)
 
     return read
@@ -149,10 +148,10 @@ class JudpTransport(DatagramTransport):
             for sock in (self._port.multicast, self._port.unicast):
                 self._listen_at(sock)
             self._share_port()
-            self._look_for_manager()
-            self._look_for_drops()
+            self._check_manager()
+            self._count_drops()
             self._standstill_watch = self.loop.standstill.watch(
-                self._settings.standstill, self._throw_away
+                self._settings.standstill, self._discard_waiting
             )
 
     def close(self) -> None:
@@ -162,8 +161,7 @@ class JudpTransport(DatagramTransport):
                 timer.cancel()
             if self._standstill_watch is not None:
                 self._standstill_watch.cancel()
-            # The last look: a closed socket tells nothing.
-            self._drops.look()
+            self._drops.update()  # before the sockets are closed
             for sock in self._port.sockets:
                 self.loop.unregister(sock)
             self._sender.close()
@@ -171,27 +169,26 @@ class JudpTransport(DatagramTransport):
 
     @property
     def own_endpoints(self) -> frozenset[Endpoint]:
-        """Where this process sends from: what comes from there are its own multicasts."""
+        """The endpoints of this process, from which its own multicasts come."""
         return self._port.endpoints
 
     @property
     def endpoint(self) -> Endpoint | None:
-        """Where this process sends from and is reached, while open."""
+        """The endpoint of this process; None while the transport is not open."""
         unicast = self._port.unicast
         return None if unicast is None else unicast.getsockname()
 
     def datagram(
         self, source: JausAddress, destination: JausAddress, payload: bytes, priority: Priority
     ) -> tuple[bytes, Endpoint] | None:
-        """Returns what another process may send instead; see ``Transport.datagram``."""
+        """Returns a datagram for another process to send; see ``Transport.datagram``."""
         with self.loop.lock:
             endpoint = self.address_book.find(destination)
-        # A message of several packets is more than one datagram, which is all that is handed over.
+        # A message of several packets has several datagrams.
         if endpoint is None or len(payload) > self._settings.fragment_size:
             return None
-        asked = AckNak.REQUESTED
-        packet = Packet(destination, source, payload, priority=priority, acknowledge=asked)
-        return packet.encode(), endpoint
+        packet = Packet(destination, source, payload, priority=priority)
+        return packet._replace(acknowledge=AckNak.REQUESTED).encode(), endpoint
 
     def next_number(self, source: JausAddress, destination: JausAddress) -> int:
         """Returns the number of the next packet; see ``Transport.next_number``."""
@@ -206,9 +203,11 @@ class JudpTransport(DatagramTransport):
             self.loop.register(sock, self._reader(sock, by_multicast=sock is self._port.multicast))
 
     def receive_by(self, make: Callable[[socket.socket, bool], Receiver] | None) -> None:
-        """Has what `make` returns for a socket receive from it; None: the sockets themselves.
+        """Sets how datagrams are received; None restores the sockets.
 
-        It is told too whether the socket is that of the group.
+        Args:
+            make: Returns the receiver for a socket; its second argument is whether the socket is
+                that of the multicast group.
         """
         with self.loop.lock:
             self._receive_by = make
@@ -226,24 +225,24 @@ class JudpTransport(DatagramTransport):
     def receive_datagram(
         self, data: bytes, sender: Endpoint, *, by_multicast: bool = False
     ) -> None:
-        """Takes a datagram, maybe of the group, as if read on the loop's thread; never raises."""
+        """Takes a datagram, with the lock of the loop; never raises."""
         if sender in self._port.endpoints:
             self.counters.add("judp.own_multicast")
             return
         if not self._allowed.admits(sender):
             return
-        # Frames are spoken between processes of this host alone.
+        # Frames are only exchanged between processes of this host.
         if data.startswith(FRAME) and sender[0] == self._settings.interface:
             self._on_neighbour(data, sender)
             return
         for packet in parse_datagram(data, self.counters):
             if data[0] != JUDP_VERSION:
                 self._note_version(packet, data)
-            # What came to the group has reached the other processes of this host as well.
+            # Multicasts have reached the other processes of this host, too.
             self._on_packet(packet, sender, may_forward=not by_multicast)
 
     def _note_version(self, packet: Packet, data: bytes) -> None:
-        """Learns that acknowledgements of a known peer, of which this is one, lack a version."""
+        """Learns the quirk of a known peer whose acknowledgement has no or another version."""
         if packet.source in self.address_book.learnt:
             how = f"version {data[0]}" if len(data) > EMPTY_MESSAGE_SIZE else "no version"
             self.quirks.learn(packet.source, Quirk.OTHER_VERSION, how)
@@ -253,7 +252,7 @@ class JudpTransport(DatagramTransport):
             self._on_stray(packet, sender, may_forward=may_forward)
 
     def _on_stray(self, packet: Packet, sender: Endpoint, *, may_forward: bool) -> None:
-        """Passes a packet that is not for this process to a neighbour that shares the port."""
+        """Forwards a packet to another process of this host that shares the port, or drops it."""
         endpoint = self.address_book.find(packet.destination)
         if (
             may_forward
@@ -268,7 +267,7 @@ class JudpTransport(DatagramTransport):
 
     def _on_neighbour(self, frame: bytes, sender: Endpoint) -> None:
         """Takes a frame from another process of this host that shares the port."""
-        # Only the owner of the port passes on: anybody else could forge the origin.
+        # Only the owner of the port may forward, as others could forge the origin.
         forwarded = read_forwarded(frame) if sender == self._port.well_known else None
         present = read_present(frame)
         if forwarded is not None:
@@ -276,7 +275,7 @@ class JudpTransport(DatagramTransport):
             if not self._allowed.admits(origin):
                 return
             for packet in parse_datagram(datagram, self.counters):
-                # Passed on once, so that nothing goes round between two processes.
+                # Forwarded once, so that no packet circles between two processes.
                 self._on_packet(packet, origin, may_forward=False)
         elif present is not None:
             self.counters.add("judp.present")
@@ -287,7 +286,7 @@ class JudpTransport(DatagramTransport):
             self.counters.count("judp.bad_version", f"{frame[:32].hex()} from {sender}")
 
     def _share_port(self) -> None:
-        """Tries to own the port; until then tells its owner again and again who lives here."""
+        """Takes over the port, or announces the components of this process to its owner."""
         if not self._port.is_owner and self._port.take_over():
             # The compiled core relies on the socket and on the own endpoints, which have changed.
             self.loop.revision.changed()
@@ -297,16 +296,16 @@ class JudpTransport(DatagramTransport):
             self._announce()
             self._takeover_alarm.set(self._settings.takeover_interval, self._share_port)
 
-    def _look_for_manager(self) -> None:
-        """Warns of a node manager that started later, and cannot have the port.
+    def _check_manager(self) -> None:
+        """Warns once of a node manager that cannot have the standard port of this process.
 
-        Node managers want the standard port; Junior's goes on without a network if it is taken.
+        Junior's node manager runs without a network then.
         """
         if self._settings.port != JUDP_PORT:
             return
         folder = manager_folder(self._settings) if self._port.is_owner else None
         if folder is None:
-            self._manager_alarm.set(_MANAGER_INTERVAL_S, self._look_for_manager)
+            self._manager_alarm.set(_MANAGER_INTERVAL_S, self._check_manager)
             return
         LOGGER.warning(
             "a node manager runs on this host (its socket is in %s), but this process owns UDP "
@@ -316,15 +315,16 @@ class JudpTransport(DatagramTransport):
             JUDP_PORT,
         )
 
-    def _look_for_drops(self) -> None:
-        """Counts each second what the kernel has dropped."""
-        self._drops.look()
-        self._drops_alarm.set(_DROPS_INTERVAL_S, self._look_for_drops)
+    def _count_drops(self) -> None:
+        """Counts each second the datagrams that the kernel has dropped."""
+        self._drops.update()
+        self._drops_alarm.set(_DROPS_INTERVAL_S, self._count_drops)
 
-    def _throw_away(self, still: float) -> None:
-        """Throws away what waited while the process stood still; what is acknowledged comes again.
+    def _discard_waiting(self, still: float) -> None:
+        """Discards datagrams that waited while the process stood still for `still` seconds.
 
-        Any of it may be a command of long ago, and not all that obey commands have a time-out.
+        They may be old commands, and not all components have a time-out. Messages with a request
+        for acknowledgement are repeated.
         """
         count = self._port.empty()
         if count:

@@ -1,7 +1,7 @@
-"""Sends packets as datagrams, and only few to an address that has not proved to be the true one.
+"""Sends packets as datagrams, and only few of them to an endpoint that is not proved.
 
-A datagram says where it comes from, and anybody can forge that. So an endpoint gets no more than a
-few bytes for each byte from it, until it has acknowledged a number that it could not guess; RFC
+The source address of a datagram can be forged. So an endpoint is only sent a few bytes for each
+byte from it, until it has acknowledged a number that it could not guess (the proof); RFC
 9000 (8.1) bounds the amplification of QUIC in this way. Any stack of AS5669A acknowledges.
 """
 
@@ -24,28 +24,22 @@ from ..delivery import Carrier
 from ..packets.inbox import Inbox
 from ..packets.packet import EMPTY_MESSAGE_SIZE, AckNak, Broadcast, Packet, Priority
 
+# Counters.
 PROVED = "transport.address_proved"  # components that have acknowledged a question
 HELD = "transport.unproved_held"  # datagrams that wait for the proof of their destination
-
-DROPPED = "transport.unproved_dropped"
-"""Datagrams to a component without proof that nothing was left for."""
-
+DROPPED = "transport.unproved_dropped"  # datagrams beyond the credit of their destination
 NEVER = "transport.never_acknowledges"  # questions to a component that has left many unanswered
 
-_QUESTION = b"\x02\x42"
-"""ReportHeartbeatPulse (AS5710): asks for an acknowledgement, and for nothing else."""
-
-# With the version byte in front.
-_QUESTION_SIZE = 1 + EMPTY_MESSAGE_SIZE + len(_QUESTION)
-_INTERVAL_S = 0.1
-# Wrong answers after which another number is drawn, as somebody may be guessing.
-_MOST_WRONG = 8
-_MOST_HELD = 4
+_QUESTION = b"\x02\x42"  # ReportHeartbeatPulse (AS5710), which has no effect but to be acknowledged
+_QUESTION_SIZE = 1 + EMPTY_MESSAGE_SIZE + len(_QUESTION)  # with the version byte
+_INTERVAL_S = 0.1  # between two questions
+_MAX_WRONG = 8  # wrong numbers after which another one is drawn, as they may be guesses
+_MAX_HELD = 4
 _MANY_QUESTIONS = 10
 
 
 class Prover:
-    """Asks for the proofs of one process, and keeps what goes to an endpoint within its credit."""
+    """Requests proofs, and limits the bytes to each endpoint without one to its credit."""
 
     def __init__(
         self, book: AddressBook, loop: Loop, limit: int, put: Callable[[bytes, Endpoint], bool]
@@ -55,13 +49,13 @@ class Prover:
         self._loop = loop
         self._limit = limit
         self._put = put
-        # Of the system: these numbers must not follow from others that a stranger has seen.
+        # Of the system, as numbers must not be predictable from earlier ones.
         self._draw = SystemRandom().randrange
         self._lock = threading.Lock()
         self.listeners: list[Callable[[JausAddress], None]] = []
 
     def heard(self, entry: Entry, packet: Packet, asker: JausAddress | None) -> None:
-        """Notes that a packet came without proof; who is meant here, if anybody, asks for one."""
+        """Adds a packet to the credit of a component, and sends a question of `asker`."""
         claim = entry.claim
         if claim is None:
             return
@@ -72,32 +66,32 @@ class Prover:
         self._ask(packet.source, entry, claim)
 
     def send(self, destination: JausAddress, entry: Entry, datagram: bytes) -> bool:
-        """Sends a datagram to a component without proof, or keeps it; tells whether it may go."""
+        """Sends a datagram to a component without proof, or holds it; returns False if dropped."""
         claim = entry.claim
         if claim is None:
-            # Proved since the caller looked.
+            # Proved meanwhile.
             return self._put(datagram, entry.endpoint)
         with self._lock:
-            # A question must still fit in, or nothing could ever prove the place.
-            may_go = self._take(claim, len(datagram), kept=_QUESTION_SIZE)
-            is_held = not may_go and len(claim.held) < _MOST_HELD
+            # A question must still fit, without which there is no proof.
+            fits = self._spend(claim, len(datagram), reserve=_QUESTION_SIZE)
+            is_held = not fits and len(claim.held) < _MAX_HELD
             if is_held:
                 claim.held.append(datagram)
-        if may_go:
+        if fits:
             return self._put(datagram, entry.endpoint)
         self._loop.counters.add(HELD if is_held else DROPPED)
         self._ask(destination, entry, claim)
         return is_held
 
     def acknowledged(self, by: int, number: int) -> bool:
-        """Takes an acknowledgement that no packet waits for; tells whether it is a proof."""
+        """Takes an acknowledgement without a waiting packet; returns whether it is a proof."""
         entry = self._book.learnt.get(by)
         claim = None if entry is None else entry.claim
         if entry is None or claim is None or claim.number is None:
             return False
         if claim.number != number:
             claim.wrong += 1
-            if claim.wrong >= _MOST_WRONG:
+            if claim.wrong >= _MAX_WRONG:
                 claim.number = None
             return False
         source = address_of(by)
@@ -110,16 +104,16 @@ class Prover:
         return True
 
     def _ask(self, destination: JausAddress, entry: Entry, claim: Claim) -> None:
-        """Asks a component, unless it was asked a moment ago or its credit is used up."""
+        """Sends a question, unless there was one lately or the credit is used up."""
         now = self._loop.now()
         with self._lock:
             if (
                 claim.asker is None
                 or now - claim.asked < _INTERVAL_S
-                or not self._take(claim, _QUESTION_SIZE)
+                or not self._spend(claim, _QUESTION_SIZE)
             ):
                 return
-            # The same number each time: a late answer to an earlier question is a proof too.
+            # The same number each time, so that a late acknowledgement is a proof, too.
             if claim.number is None:
                 claim.number, claim.wrong = self._draw(0x10000), 0
             claim.asked = now
@@ -132,38 +126,38 @@ class Prover:
                 NEVER, f"{destination} at {place}; state it as a peer (--jaus-peer) to trust it"
             )
 
-    def _take(self, claim: Claim, size: int, *, kept: int = 0) -> bool:
-        """Takes bytes from the credit of a claim, of which some stay; tells whether they fit."""
-        if claim.sent + size + kept > self._limit * claim.received:
+    def _spend(self, claim: Claim, size: int, *, reserve: int = 0) -> bool:
+        """Spends bytes of the credit, unless less than `reserve` would be left; returns whether."""
+        if claim.sent + size + reserve > self._limit * claim.received:
             return False
         claim.sent += size
         return True
 
 
-class Exit(Protocol):
-    """What datagrams leave through: a socket, as a rule."""
+class DatagramSocket(Protocol):
+    """A socket, or one of a virtual network."""
 
     def sendto(self, datagram: bytes, endpoint: Endpoint, /) -> int:
-        """Sends a datagram; raises OSError when it cannot go."""
+        """Sends a datagram; raises OSError."""
 
 
 class Port(Protocol):
-    """What a sender needs of a port; ``SharedPort`` is that of a host."""
+    """The attributes of a port that a sender needs; ``SharedPort`` is that of a host."""
 
     @property
-    def unicast(self) -> Exit | None:
-        """What datagrams leave through, while the port is open."""
+    def unicast(self) -> DatagramSocket | None:
+        """The socket to send from; None while the port is not open."""
 
     @property
     def group(self) -> Endpoint:
-        """Where datagrams go that are for everybody."""
+        """The endpoint of the multicast group."""
 
     def close(self) -> None:
-        """Sends no more."""
+        """Closes the sockets."""
 
 
 class Sender(Carrier[Endpoint]):
-    """Sends each packet where its destination is, from any thread."""
+    """Sends packets to the endpoints of their destinations; callable from any thread."""
 
     def __init__(self, loop: Loop, port: Port, book: AddressBook, limit: int = 0) -> None:
         self._loop = loop
@@ -174,15 +168,15 @@ class Sender(Carrier[Endpoint]):
         self._sent = loop.counters.tally("judp.sent")
 
     def close(self) -> None:
-        """Closes the sockets when no other thread is sending."""
+        """Closes the sockets while no other thread is sending."""
         with self._socket_lock:
             self._port.close()
 
     def transmit(self, packet: Packet) -> bool:
-        """Puts a packet on the network, where its destination is or may be."""
+        """Sends a packet to the endpoint of its destination, or to the group to search for it."""
         destination = packet.destination
         entry = self._book.learnt.get(destination)
-        # Heard lately means proved as well: without proof it counts as never heard.
+        # Heard lately, and so proved: `heard` is -inf without proof.
         if entry is not None and self._loop.now() - entry.heard < self._book.lifetime:
             return self.put(packet.encode(), entry.endpoint)
         if entry is not None and entry.claim is not None:
@@ -196,37 +190,37 @@ class Sender(Carrier[Endpoint]):
             doubt = self._book.doubt(destination, self._loop.now())
         if doubt is Doubt.NONE and endpoint is not None:
             return self.put(packet.encode(), endpoint)
-        # The acknowledgement tells where it is.
+        # The acknowledgement will tell its endpoint.
         packet = packet._replace(acknowledge=AckNak.REQUESTED)
         sent = endpoint is not None and self.put(packet.encode(), endpoint)
-        # To everybody besides the known place: it may have moved.
+        # Also to the group, as it may have moved.
         if doubt is Doubt.SEARCH:
             packet = packet._replace(broadcast=Broadcast.GLOBAL)
             sent = self.put(packet.encode(), self._port.group) or sent
         return sent
 
     def answer(self, packet: Packet, origin: Endpoint) -> None:
-        """Sends a packet back to the endpoint that one came from."""
+        """Sends a packet to the origin of another one."""
         entry = self._book.learnt.get(packet.destination)
-        # An answer is bounded too: the question may have come in a forged name.
+        # Within its credit, as the source may be forged.
         if entry is not None and entry.claim is not None:
             self.prover.send(packet.destination, entry, packet.encode())
         else:
             self.put(packet.encode(), origin)
 
     def heard(self, destination: JausAddress) -> float:
-        """Returns when a destination was heard last, whatever it said."""
+        """Returns the time of the last packet of a destination, or -inf."""
         entry = self._book.learnt.get(destination)
         return -math.inf if entry is None else entry.latest
 
     def suspect(self, destination: JausAddress, since: float) -> None:
-        """Searches for a destination that fails to acknowledge, from its next packet on."""
+        """Doubts the endpoint of a destination that has acknowledged nothing since a time."""
         self._book.suspect(destination, since)
 
     def put(self, datagram: bytes, endpoint: Endpoint) -> bool:
-        """Sends a datagram from the unicast socket; returns whether the system took it."""
+        """Sends a datagram from the unicast socket; returns whether the system accepted it."""
         try:
-            # `close` waits for it: a closed descriptor may be that of another file a moment later.
+            # Not during `close`, after which the descriptor may be that of another file.
             with self._socket_lock:
                 if self._port.unicast is None:
                     raise OSError("the transport is not open")
@@ -246,23 +240,23 @@ class Sender(Carrier[Endpoint]):
         longest: int,
         inbox: Inbox[Endpoint],
     ) -> Outlet:
-        """Returns how a core sends single packets that need no acknowledgement."""
+        """Returns the outlet by which the core sends single packets without acknowledgement."""
         learnt, counters = self._book.learnt, self._loop.counters
 
-        def place() -> tuple[int, Endpoint, float] | None:
+        def endpoint() -> tuple[int, Endpoint, float] | None:
             entry, sock = learnt.get(destination), self._port.unicast
-            # The port of a virtual world has no descriptor to lend.
+            # The port of a virtual world has no descriptor.
             if not isinstance(sock, socket.socket) or entry is None:
                 return None
-            is_elsewhere = entry.claim is not None or destination in inbox.receivers
-            return None if is_elsewhere else (sock.fileno(), entry.endpoint, entry.heard)
+            needs_python = entry.claim is not None or destination in inbox.receivers
+            return None if needs_python else (sock.fileno(), entry.endpoint, entry.heard)
 
-        def note(datagrams: int, error: int) -> None:
+        def count(datagrams: int, error: int) -> None:
             self._sent.count += datagrams
             if error:
                 entry = learnt.get(destination)
-                where = "" if entry is None else entry.endpoint
-                counters.count("judp.send_failed", f"{where}: {os.strerror(error)}")
+                target = "" if entry is None else entry.endpoint
+                counters.count("judp.send_failed", f"{target}: {os.strerror(error)}")
 
         lifetime = self._book.lifetime
-        return Outlet(source, destination, priority, longest, lifetime, numbers, place, note)
+        return Outlet(source, destination, priority, longest, lifetime, numbers, endpoint, count)
