@@ -1,4 +1,4 @@
-"""A system of ten thousand elements: only what is seen is sent, and is in the page."""
+"""A system of five thousand elements: only what is seen is sent, and is in the page."""
 
 import pytest
 from desktop import Desktop
@@ -12,7 +12,7 @@ pytestmark = [
     pytest.mark.timeout(900),
 ]
 
-GROUPS, HOSTS = 476, 12
+GROUPS, HOSTS = 240, 12
 """21 elements a group, and those of the hosts."""
 
 SLOW = 300_000
@@ -20,7 +20,7 @@ SLOW = 300_000
 
 MOST_PARTS, MOST_HEAP = 6_000, 100_000_000
 MOST_SENT = 250_000
-"""Bytes: the picture of all would be ten million."""
+"""Bytes: the picture of all would be five million."""
 
 
 MOST_AT_ONCE = 40
@@ -94,7 +94,7 @@ def test_hosts_bridges_and_boxes_come_as_one_goes_near_and_an_edit_sends_little(
 
     # From afar each host is one box that tells how much runs there.
     expect(closed).to_have_count(HOSTS, timeout=SLOW)
-    expect(closed.first).to_contain_text("160 components, 40 bridges")
+    expect(closed.first).to_contain_text("80 components, 20 bridges")
     assert wire.since(0) < MOST_SENT
     assert parts(page) < MOST_PARTS
     assert page.evaluate("window.redrawn") == 0
@@ -137,7 +137,7 @@ def test_hosts_bridges_and_boxes_come_as_one_goes_near_and_an_edit_sends_little(
 
     # Farther away again all is closed but the frames around what is chosen.
     page.get_by_role("button", name="Fit").click()
-    expect(closed).to_have_count(HOSTS - 1 + 39, timeout=SLOW)
+    expect(closed).to_have_count(HOSTS - 1 + 19, timeout=SLOW)
     assert parts(page) < MOST_PARTS
 
     # Hundreds of parts come as frames open, few at once; what is closed is not drawn anew.
@@ -146,7 +146,7 @@ def test_hosts_bridges_and_boxes_come_as_one_goes_near_and_an_edit_sends_little(
     page.mouse.move(place["x"] + 12, place["y"] + 12)
     for _ in range(2):
         page.mouse.wheel(0, -300)
-    expect(closed).not_to_have_count(HOSTS - 1 + 39, timeout=SLOW)
+    expect(closed).not_to_have_count(HOSTS - 1 + 19, timeout=SLOW)
     # The next picture of the screen says how many came with this one.
     page.evaluate("() => new Promise(done => requestAnimationFrame(() => done()))")
     assert 0 < page.evaluate("window.most") <= MOST_AT_ONCE
