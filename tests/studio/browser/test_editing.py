@@ -40,7 +40,9 @@ def test_a_drop_stands_where_one_dropped_and_a_reload_shows_the_same(own_desk, e
     assert [path.name for path in example.parent.glob("*.layout.json")]
     search = desk.page.get_by_role("combobox", name="Search what can be added")
     search.fill("node")
-    offer = desk.page.get_by_role("option", name=re.compile("^node")).first
+    offers = desk.page.get_by_role("listbox", name="What can be added").get_by_role("option")
+    offer = offers.first
+    expect(offer.locator(".offer-label")).to_have_text("node")  # those before it are gone
     pane = desk.diagram.bounding_box()
     offer.drag_to(desk.diagram, target_position={"x": 60, "y": pane["height"] - 90})
     expect(desk.box("node")).to_be_visible()
