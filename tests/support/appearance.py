@@ -2,13 +2,15 @@
 
 import needs
 
+_JUDGE = "part => axe.run(part ?? document, {resultTypes: ['violations'], preload: false})"
 
-def broken(page):
-    """Returns the rules of axe that a page breaks, with what breaks them."""
+
+def broken(page, part=None):
+    """Returns the rules of axe that a page breaks, or a part of it, with what breaks them."""
     needs.ask("axe")
     if page.evaluate("typeof axe") == "undefined":
         page.evaluate(needs.AXE.read_text(encoding="utf-8"))
-    found = page.evaluate("axe.run(document, {resultTypes: ['violations']})")["violations"]
+    found = page.evaluate(_JUDGE, part and part.element_handle())["violations"]
     return {
         violation["id"]: [node["html"][:120] for node in violation["nodes"]] for violation in found
     }

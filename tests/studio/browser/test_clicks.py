@@ -1,8 +1,8 @@
 """A whole system by hand, from an empty folder on, in as few clicks as one needs; they are counted.
 
-Three components, a service of one's own with three messages, five fields, an event and a machine of
-three states, two nodes, two bridges, four connections, and a map with a clock, a constant and what
-is left out. It took 229 clicks before lists had rows.
+Two components, a service of one's own with three messages, three fields, an event and a machine of
+three states, two nodes, two bridges, three connections, and a map with a clock, a constant and what
+is left out.
 """
 
 import re
@@ -18,11 +18,11 @@ pytestmark = [
     pytest.mark.timeout(600),
 ]
 
-MOST_CLICKS = 120
+MOST_CLICKS = 70
 COUNTED = "window.clicks = 0; addEventListener('pointerdown', () => clicks++, true);"
 MESSAGES = {
-    "SetBlade": {"Speed": "meter per second", "Height": "meter"},
-    "ReportBlade": {"Speed": "meter per second", "Height": "meter", "Load": "percent"},
+    "SetBlade": {"Speed": "meter per second"},
+    "ReportBlade": {"Speed": "meter per second", "Load": "percent"},
 }
 
 
@@ -128,7 +128,7 @@ def test_a_system_with_a_service_of_its_own_takes_few_clicks(open_studio, tmp_pa
     page = open_studio(
         folder,
         prepare=lambda page: page.add_init_script(COUNTED),
-        viewport={"width": 2200, "height": 1400},
+        viewport={"width": 1600, "height": 1000},
     )
     desk = Modeller(page, folder / "mower.ros2jaus")
     expect(page.get_by_text("There is no model in")).to_be_visible()
@@ -159,7 +159,6 @@ def test_a_system_with_a_service_of_its_own_takes_few_clicks(open_studio, tmp_pa
     for source, target, trigger in (
         ("Idle", "Cutting", "SetBlade"),
         ("Cutting", "Fault", "Jammed"),
-        ("Fault", "Idle", "SetBlade"),
     ):
         desk.connect(desk.title(source), desk.title(target), trigger)
         desk.written(f"target: {target}")
@@ -168,8 +167,6 @@ def test_a_system_with_a_service_of_its_own_takes_few_clicks(open_studio, tmp_pa
     desk.new("Blade", "blade", "tool")
     desk.leave()
     desk.new("VelocityStateSensor", "velocity_state_sensor", "base")
-    desk.leave()
-    desk.new("GlobalPoseSensor", "global_pose_sensor", "gps")
     for kind, name in (("bridge", "motion"), ("bridge", "work"), ("node", "planner")):
         desk.new(kind, kind, name)
     desk.rows("subscriptions", "blade")
@@ -182,12 +179,11 @@ def test_a_system_with_a_service_of_its_own_takes_few_clicks(open_studio, tmp_pa
 
     planner, tool = desk.title("planner"), desk.title("tool")
     desk.connect(desk.title("base"), planner, "ReportVelocityState")
-    desk.connect(desk.title("gps"), planner, "ReportGlobalPose")
     desk.connect(tool, desk.row("planner", "/blade"), "ReportBlade")
     desk.connect(desk.row("cutter", "/cut"), tool, "SetBlade")
     # The bridge that is offered first is the one that serves an end already, or carries less.
-    desk.written("uses: VelocityStateSensor, Blade")
-    desk.written("uses: GlobalPoseSensor")
+    desk.written("uses: VelocityStateSensor\n")
+    desk.written("uses: Blade\n")
     desk.written("connection cut {")
 
     desk.look_at("Map: blade")

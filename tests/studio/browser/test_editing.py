@@ -29,33 +29,20 @@ def shown(page):
     return desk
 
 
-def test_what_stands_beside_a_value_leaves_it_the_room(desk):
-    desk.row("bridge", "odometry").click()
-    jump = desk.page.get_by_role("button", name="Go to velocity_state")
-    assert jump.bounding_box()["width"] < 40
-    assert desk.page.get_by_role("combobox", name="map").bounding_box()["width"] > 100
-
-
-@pytest.mark.slow
-def test_what_was_moved_stays_where_it_is(own_desk, example):
-    before = example.read_bytes()
-    place = own_desk.title("vehicle").bounding_box()
-    own_desk.drag(own_desk.title("vehicle"), place["x"] + 45, place["y"] + 85)
-    expect(own_desk.said).to_contain_text("Move a box")
-    moved = own_desk.place("vehicle")
-    own_desk.page.reload()
-    expect(own_desk.box("vehicle")).to_be_visible()
-    assert own_desk.place("vehicle") == moved
-    assert example.read_bytes() == before
-    assert [path.name for path in example.parent.glob("*.layout.json")]
-
-
 @pytest.mark.slow
 def test_a_drop_stands_where_one_dropped_and_a_reload_shows_the_same(own_desk, example):
     desk, before = own_desk, example.read_bytes()
+    place = desk.title("vehicle").bounding_box()
+    desk.drag(desk.title("vehicle"), place["x"] + 45, place["y"] + 85)
+    expect(desk.said).to_contain_text("Move a box")
+    moved = desk.place("vehicle")
+    assert example.read_bytes() == before
+    assert [path.name for path in example.parent.glob("*.layout.json")]
     search = desk.page.get_by_role("combobox", name="Search what can be added")
     search.fill("node")
-    offer = desk.page.get_by_role("option", name=re.compile("^node")).first
+    offers = desk.page.get_by_role("listbox", name="What can be added").get_by_role("option")
+    offer = offers.first
+    expect(offer.locator(".offer-label")).to_have_text("node")  # those before it are gone
     pane = desk.diagram.bounding_box()
     offer.drag_to(desk.diagram, target_position={"x": 60, "y": pane["height"] - 90})
     expect(desk.box("node")).to_be_visible()
@@ -80,6 +67,7 @@ def test_a_drop_stands_where_one_dropped_and_a_reload_shows_the_same(own_desk, e
     desk.page.reload()
     expect(field).to_have_value("It hears satellites.")
     expect(desk.box("gps")).to_have_class(re.compile("chosen"))
+    assert desk.place("vehicle") == moved
     assert desk.diagram.locator(".react-flow__viewport").get_attribute("style") == sight
     field.press("Control+Enter")
     expect(desk.said).to_contain_text("Set documentation of gps")
@@ -109,6 +97,15 @@ def test_edits_are_in_the_file_at_once_and_undone_to_the_same_bytes(desk, shared
     desk.keyboard.press("Delete")
     expect(desk.box("logger")).to_have_count(0)
     assert b'name="logger"' not in shared_example.read_bytes()
+    # What others refer to is removed with them when one agrees.
+    changed = shared_example.read_bytes()
+    desk.title("rover").click()
+    desk.keyboard.press("Delete")
+    expect(desk.dialog(re.compile("Remove rover"))).to_contain_text("odometry")
+    desk.keyboard.press("Escape")
+    expect(desk.box("rover")).to_have_count(1)
+    assert shared_example.read_bytes() == changed
+    desk.diagram.focus()
     desk.keyboard.press("Control+z")
     expect(desk.box("logger")).to_have_count(1)
     desk.keyboard.press("Control+z")
@@ -116,17 +113,11 @@ def test_edits_are_in_the_file_at_once_and_undone_to_the_same_bytes(desk, shared
     assert shared_example.read_bytes() == before
     desk.keyboard.press("Control+Shift+z")
     expect(desk.box("rover")).to_have_count(1)
-
-
-def test_what_others_refer_to_is_removed_with_them_when_one_agrees(desk, shared_example):
-    before = shared_example.read_bytes()
-    desk.title("vehicle").click()
-    desk.keyboard.press("Delete")
-    dialog = desk.dialog(re.compile("Remove vehicle"))
-    expect(dialog).to_contain_text("odometry")
-    desk.keyboard.press("Escape")
-    expect(desk.box("vehicle")).to_have_count(1)
-    assert shared_example.read_bytes() == before
+    # What stands beside a value leaves it the room.
+    desk.row("bridge", "odometry").click()
+    jump = desk.page.get_by_role("button", name="Go to velocity_state")
+    assert jump.bounding_box()["width"] < 40
+    assert desk.page.get_by_role("combobox", name="map").bounding_box()["width"] > 100
 
 
 def test_a_change_of_another_program_appears(own_desk, example):
@@ -136,19 +127,6 @@ def test_a_change_of_another_program_appears(own_desk, example):
     expect(own_desk.page.get_by_text("Another program changed catvehicle.xmi")).to_be_visible()
     own_desk.page.get_by_role("button", name="Show the difference").click()
     expect(own_desk.dialog(re.compile("What changed"))).to_contain_text("recorder")
-
-
-@pytest.mark.slow
-def test_a_file_that_cannot_be_read_shows_how_it_was_and_is_left_alone(own_desk, example):
-    text = example.read_text(encoding="utf-8")
-    broken = text[: len(text) // 2]
-    example.write_text(broken, encoding="utf-8")
-    expect(own_desk.page.get_by_text("shows how it was before (revision 0)")).to_be_visible()
-    expect(own_desk.box("vehicle")).to_be_visible()
-    assert example.read_text(encoding="utf-8") == broken
-    example.write_text(text, encoding="utf-8")
-    expect(own_desk.page.get_by_text("cannot be read as it is")).to_have_count(0)
-    own_desk.no_problems()
 
 
 def test_by_keys_alone(desk, shared_example):
@@ -179,7 +157,17 @@ def test_by_keys_alone(desk, shared_example):
 
 
 @pytest.mark.slow
-def test_connecting_by_keys_alone(desk, shared_example):
+def test_copying_and_connecting_by_keys_alone(desk, shared_example):
+    before = shared_example.read_bytes()
+    desk.title("bridge").click()
+    desk.keyboard.press("Control+c")
+    expect(desk.said).to_contain_text("Copied bridge")
+    desk.keyboard.press("Control+v")
+    expect(desk.row("bridge_2", "odometry")).to_have_count(1)
+    expect(desk.row("bridge_2", "estimated_pose")).to_have_count(1)
+    desk.keyboard.press("Control+z")
+    expect(desk.box("bridge_2")).to_have_count(0)
+    assert shared_example.read_bytes() == before
     desk.keyboard.press("Control+f")
     desk.keyboard.type("vehicle")
     desk.keyboard.press("Enter")
@@ -199,22 +187,18 @@ def test_connecting_by_keys_alone(desk, shared_example):
 
 
 @pytest.mark.slow
-def test_a_copied_bridge_is_a_bridge_of_its_own(desk, shared_example):
-    before = shared_example.read_bytes()
-    desk.title("bridge").click()
-    desk.keyboard.press("Control+c")
-    expect(desk.said).to_contain_text("Copied bridge")
-    desk.keyboard.press("Control+v")
-    expect(desk.row("bridge_2", "odometry")).to_have_count(1)
-    expect(desk.row("bridge_2", "estimated_pose")).to_have_count(1)
-    desk.keyboard.press("Control+z")
-    expect(desk.box("bridge_2")).to_have_count(0)
-    assert shared_example.read_bytes() == before
-
-
-@pytest.mark.slow
-def test_what_two_programs_changed_is_told_with_both(own_desk, example):
+def test_a_file_that_others_break_or_change_meanwhile_is_told(own_desk, example):
     text = example.read_text(encoding="utf-8")
+    broken = text[: len(text) // 2]
+    example.write_text(broken, encoding="utf-8")
+    expect(own_desk.page.get_by_text("shows how it was before (revision 0)")).to_be_visible()
+    expect(own_desk.box("vehicle")).to_be_visible()
+    assert example.read_text(encoding="utf-8") == broken
+    example.write_text(text, encoding="utf-8")
+    expect(own_desk.page.get_by_text("cannot be read as it is")).to_have_count(0)
+    own_desk.no_problems()
+
+    # What two programs changed is told with both.
     own_desk.rename("logger", "recorder")
     example.write_text(text.replace('name="vehicle"', 'name="rover"'), encoding="utf-8")
     banner = own_desk.page.get_by_role("status").filter(has_text="catvehicle.xmi")
@@ -265,21 +249,17 @@ def test_what_is_dragged_into_a_host_runs_there_and_frames_take_all_along(open_s
 
 
 @pytest.mark.slow
-def test_the_table_tells_the_same(desk):
+def test_the_table_tells_the_same_in_light_and_dark_as_the_system_has_it(desk):
     desk.tab("Table")
     cells = desk.page.get_by_role("cell", name="ReportVelocityState")
     expect(cells.first).to_be_visible()
     desk.page.get_by_role("row").filter(has_text="ReportVelocityState").first.click()
     expect(desk.page.get_by_role("form")).to_be_visible()
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_light_and_dark_as_the_system_has_it(open_shared, scheme):
-    desk = shown(open_shared(color_scheme=scheme))
-    ground = desk.page.evaluate("getComputedStyle(document.body).backgroundColor")
-    levels = [int(match) for match in re.findall(r"\d+", ground)[:3]]
-    assert (max(levels) < 80) == (scheme == "dark"), ground
+    for scheme in ("light", "dark"):
+        desk.page.emulate_media(color_scheme=scheme)
+        ground = desk.page.evaluate("getComputedStyle(document.body).backgroundColor")
+        levels = [int(match) for match in re.findall(r"\d+", ground)[:3]]
+        assert (max(levels) < 80) == (scheme == "dark"), ground
 
 
 @pytest.mark.slow

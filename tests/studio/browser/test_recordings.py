@@ -26,14 +26,8 @@ def studio(tmp_path_factory):
     studio.close()
 
 
-@pytest.fixture
-def page(studio, open_studio):
+def test_one_scrubs_and_reads_why_a_message_was_not_passed_on(studio, open_studio):
     page = open_studio.page_of(studio.address)
-    expect(page.get_by_label("Moment of first.mcap")).to_be_visible()
-    return page
-
-
-def test_one_scrubs_and_reads_why_a_message_was_not_passed_on(page, tmp_path):
     line = page.get_by_label("Moment of first.mcap")
     expect(page.get_by_text("The diagram shows a moment of first.mcap")).to_be_visible()
     drive = page.get_by_role("row", name="/loop_bridge/drive")
@@ -46,8 +40,11 @@ def test_one_scrubs_and_reads_why_a_message_was_not_passed_on(page, tmp_path):
     line.press("PageDown")
     line.press("Home")
     expect(line).to_have_value("0")
+    failed = page.locator("main").get_by_text("× failed").first
+    expect(failed).to_have_count(0)
     line.press("]")
     expect(line).to_have_value("4")
+    expect(failed).to_be_visible()
     expect(drive).to_contain_text("error")
     why = page.get_by_role("region", name="Why drive of /loop_bridge")
     expect(why).to_contain_text("did not pass on 1 message: its counter “out_of_range” rose")
@@ -56,22 +53,13 @@ def test_one_scrubs_and_reads_why_a_message_was_not_passed_on(page, tmp_path):
     page.get_by_role("button", name="Next drop").click()
     expect(line).to_have_value("9")
     expect(why).to_contain_text("controlled by 20.1.1")
-    page.screenshot(path=tmp_path / "wide.png")
     page.keyboard.press("[")
     expect(line).to_have_value("4")
     page.get_by_role("button", name="Play", exact=True).click()
     expect(line).to_have_attribute("aria-valuetext", re.compile(r"5\.\d of"))
     page.get_by_role("button", name="Pause").click()
 
-
-def test_values_of_the_moment_stand_in_the_diagram(page):
-    edge = page.locator("main").get_by_text("× failed").first
-    expect(edge).to_have_count(0)
-    page.keyboard.press("]")
-    expect(edge).to_be_visible()
-
-
-def test_a_damaged_file_says_what_was_read_and_goes_on(page):
+    # Of a damaged file it says what was read, and goes on.
     page.get_by_role("combobox", name="Recording").select_option("cut.mcap")
     note = page.get_by_role("note")
     expect(note).to_contain_text("the file is damaged: it ends in the midst of a record")
@@ -80,7 +68,7 @@ def test_a_damaged_file_says_what_was_read_and_goes_on(page):
     expect(page.get_by_label("Moment of cut.mcap")).to_have_value("4")
 
 
-def test_a_narrow_window_shows_all_of_it(studio, open_studio, tmp_path):
+def test_a_narrow_window_shows_all_of_it(studio, open_studio):
     page = open_studio.page_of(studio.address, viewport={"width": 390, "height": 844})
     line = page.get_by_label("Moment of first.mcap")
     line.press("]")
@@ -91,4 +79,3 @@ def test_a_narrow_window_shows_all_of_it(studio, open_studio, tmp_path):
     width = page.evaluate("document.documentElement.scrollWidth")
     assert width <= 390
     assert (broken(page), misplaced(page)) == ({}, [])
-    page.screenshot(path=tmp_path / "narrow.png")

@@ -63,8 +63,50 @@ def choose(desk, name):
     expect(desk.diagram).to_be_focused()
 
 
-def test_a_name_that_is_typed_before_the_present_one_is_known(slow, shared_example):
+def test_nothing_opens_or_is_removed_that_was_let_go_meanwhile(slow, shared_example):
     desk, line = slow
+    before = shared_example.read_bytes()
+    choose(desk, "logger")
+    line.hold()
+    desk.keyboard.press("c")
+    expect(desk.dialog("Connect to…")).to_be_visible()
+    desk.keyboard.press("Escape")
+    desk.keyboard.press("?")
+    keys = desk.dialog(re.compile("Keys"))
+    expect(keys).to_be_visible()
+    line.release()
+    expect(desk.page.get_by_role("dialog")).to_have_count(1)
+    expect(keys).to_be_visible()
+    desk.keyboard.press("Escape")
+    for key in ("Escape", "Enter"):
+        choose(desk, "vehicle")
+        line.hold()
+        desk.keyboard.press("Delete")
+        expect(desk.dialog(re.compile("Remove"))).to_have_count(1)
+        desk.keyboard.press(key)
+        line.release()
+        if key == "Enter":  # nothing was agreed to that could not be seen
+            expect(desk.dialog(re.compile("Remove"))).to_contain_text("Delete")
+            desk.keyboard.press("Escape")
+        expect(desk.page.get_by_role("dialog")).to_have_count(0)
+    assert shared_example.read_bytes() == before
+
+
+def test_keys_are_for_what_they_opened(slow, shared_example):
+    desk, line = slow
+    form = desk.page.get_by_role("form", name="Properties of")
+    choose(desk, "logger")
+    expect(form).to_be_visible()
+    line.hold()
+    desk.keyboard.press("ArrowLeft")
+    expect(form).to_have_count(0)
+    desk.keyboard.press("Enter")
+    desk.keyboard.press("Delete")
+    expect(desk.page.get_by_role("dialog")).to_have_count(0)
+    line.release()
+    expect(form.locator(":focus")).to_have_count(1)
+
+    # A name is typed before the present one is known.
     choose(desk, "logger")
     line.hold()
     desk.keyboard.press("F2")
@@ -74,9 +116,7 @@ def test_a_name_that_is_typed_before_the_present_one_is_known(slow, shared_examp
     expect(desk.box("recorder")).to_have_count(1)
     assert b'name="recorder"' in shared_example.read_bytes()
 
-
-def test_keys_after_an_end_was_picked_are_for_the_ways_to_connect(slow, shared_example):
-    desk, line = slow
+    # Keys after an end was picked are for the ways to connect.
     choose(desk, "vehicle")
     desk.keyboard.press("c")
     ends = desk.dialog("Connect to…")
@@ -92,52 +132,3 @@ def test_keys_after_an_end_was_picked_are_for_the_ways_to_connect(slow, shared_e
     expect(desk.row("bridge", "dead_reckoning")).to_have_count(1)
     expect(desk.box("vehicle")).to_have_count(1)
     assert before != shared_example.read_bytes()
-
-
-def test_nothing_is_removed_that_was_let_go_while_its_referrers_were_looked_for(
-    slow, shared_example
-):
-    desk, line = slow
-    before = shared_example.read_bytes()
-    for key in ("Escape", "Enter"):
-        choose(desk, "vehicle")
-        line.hold()
-        desk.keyboard.press("Delete")
-        expect(desk.dialog(re.compile("Remove"))).to_have_count(1)
-        desk.keyboard.press(key)
-        line.release()
-        if key == "Enter":  # nothing was agreed to that could not be seen
-            expect(desk.dialog(re.compile("Remove"))).to_contain_text("Delete")
-            desk.keyboard.press("Escape")
-        expect(desk.page.get_by_role("dialog")).to_have_count(0)
-    assert shared_example.read_bytes() == before
-
-
-def test_what_was_closed_does_not_open_over_another_dialog(slow):
-    desk, line = slow
-    choose(desk, "vehicle")
-    line.hold()
-    desk.keyboard.press("c")
-    expect(desk.dialog("Connect to…")).to_be_visible()
-    desk.keyboard.press("Escape")
-    desk.keyboard.press("?")
-    keys = desk.dialog(re.compile("Keys"))
-    expect(keys).to_be_visible()
-    line.release()
-    expect(desk.page.get_by_role("dialog")).to_have_count(1)
-    expect(keys).to_be_visible()
-
-
-def test_the_form_takes_the_keyboard_when_it_is_read(slow):
-    desk, line = slow
-    form = desk.page.get_by_role("form", name="Properties of")
-    choose(desk, "logger")
-    expect(form).to_be_visible()
-    line.hold()
-    desk.keyboard.press("ArrowLeft")
-    expect(form).to_have_count(0)
-    desk.keyboard.press("Enter")
-    desk.keyboard.press("Delete")
-    expect(desk.page.get_by_role("dialog")).to_have_count(0)
-    line.release()
-    expect(form.locator(":focus")).to_have_count(1)

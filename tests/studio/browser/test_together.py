@@ -1,6 +1,7 @@
-"""Beginning with a template, and taking parts to another project."""
+"""Beginning with a template, taking parts to another project, and a diagram to a file."""
 
 import re
+from pathlib import Path
 
 import pytest
 from desktop import Desktop
@@ -63,3 +64,13 @@ def test_what_is_copied_is_text_that_another_project_takes(desk, open_studio, tm
     expect(left).to_contain_text("unknown name 'vehicle'")
     assert "bridge bridge {" in boat.read_text(encoding="utf-8")
     expect(there.page.get_by_text("say what is meant where this was pasted").first).to_be_visible()
+
+
+def test_the_diagram_is_saved(desk):
+    for kind, begins in (("svg", b"<svg"), ("png", b"\x89PNG")):
+        with desk.page.expect_download() as saved:
+            desk.page.get_by_label("Export the diagram").select_option(kind)
+        assert saved.value.suggested_filename == f"system.{kind}"
+        data = Path(saved.value.path()).read_bytes()
+        assert data.startswith(begins)
+        assert len(data) > 10_000

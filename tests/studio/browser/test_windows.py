@@ -9,6 +9,8 @@ from playwright.sync_api import expect
 from running_winch import telling_winch
 from sweeps import sweep
 
+from .conftest import Studio
+
 pytestmark = [
     pytest.mark.slow,
     pytest.mark.needs("chromium", "page"),
@@ -18,7 +20,6 @@ pytestmark = [
 
 PHONE, ZOOMED, SMALL, USUAL = (390, 844), (720, 450), (1024, 700), (1440, 900)
 TABLET, LAPTOP, WIDE = (768, 1024), (1280, 800), (1920, 1080)
-SIZES = [pytest.param(size) for size in (PHONE, ZOOMED, TABLET, SMALL, LAPTOP, USUAL, WIDE)]
 NARROW, DARK, FORCED = (
     {"viewport": {"width": 400, "height": 844}},
     {"color_scheme": "dark"},
@@ -37,12 +38,30 @@ def shown(page):
     return desk
 
 
-@pytest.mark.parametrize("size", sweep([PHONE, ZOOMED, SMALL, USUAL], every=3, rest=0), ids=str)
-def test_the_diagram_is_seen_and_nothing_is_cut(open_shared, size):
-    desk = opened(open_shared, size)
+def look(page, part=None):
+    """Looks at a page; at what has changed alone where the rest was judged."""
+    assert (misplaced(page), broken(page, part)) == ([], {})
+
+
+def panel_of(page, tab):
+    return page.get_by_role("tabpanel", name=re.compile(f"^{tab}"))
+
+
+@pytest.mark.parametrize(
+    ("size", "options"),
+    sweep(
+        [
+            *[(PHONE, DARK), (USUAL, {}), (ZOOMED, {}), (USUAL, FORCED), (TABLET, {})],
+            *[(SMALL, DARK), (LAPTOP, {}), (WIDE, {})],
+        ],
+        every=lambda case: case in [(PHONE, DARK), (USUAL, {})],
+        rest=0,
+    ),
+    ids=str,
+)
+def test_all_is_whole_and_reached_and_breaks_no_rule_of_axe(open_shared, size, options):
+    desk = opened(open_shared, size, **options)
     page = desk.page
-    wide = page.evaluate("document.documentElement.scrollWidth")
-    assert wide <= size[0]
     canvas, tools = desk.diagram.bounding_box(), page.locator(".tools").bounding_box()
     assert canvas["width"] >= min(size[0], 400) * 0.9
     assert canvas["height"] >= 170
@@ -50,93 +69,69 @@ def test_the_diagram_is_seen_and_nothing_is_cut(open_shared, size):
     assert tools["y"] + tools["height"] <= canvas["y"] + 1
     expect(desk.title("vehicle")).to_be_in_viewport()
     desk.title("vehicle").click()
-    for tab in ("Source", "Properties", "Outline", "Generate", "History"):
+    expect(page.get_by_role("form")).to_be_visible()
+    look(page)
+    assert unreached(page) == []
+    for tab in ("Properties", "Outline", "Generate", "Live", "Recording", "History", "Source"):
         desk.tab(tab)
-        panel = page.get_by_role("tabpanel", name=re.compile(f"^{tab}"))
+        panel = panel_of(page, tab)
+        look(page, panel)
         panel.scroll_into_view_if_needed()
         place = panel.bounding_box()
         assert place["x"] >= 0
         assert place["x"] + place["width"] <= size[0] + 1, tab
         assert place["height"] > 100, tab
-        assert page.evaluate("document.documentElement.scrollWidth") <= size[0], tab
-
-
-@pytest.mark.parametrize("size", [PHONE, USUAL], ids=str)
-def test_the_page_breaks_no_rule_of_axe(open_shared, size):
-    desk = opened(open_shared, size)
-    desk.title("vehicle").click()
-    expect(desk.page.get_by_role("form")).to_be_visible()
-    assert broken(desk.page) == {}
-    for tab in ("Outline", "Generate", "Live", "History", "Source", "Table"):
-        desk.tab(tab)
-        assert broken(desk.page) == {}, tab
+    desk.tab("Table")
+    look(page, panel_of(page, "Table"))
     desk.tab("Diagram")
-    dialogs = (("New model…", "New model"), ("Keys", "Keys"))
-    for button, dialog in (*dialogs, ("Connect…", "Connect to…")):
+    for button, title in (
+        ("New model…", "New model"),
+        ("Keys", "Keys"),
+        ("Connect…", "Connect to…"),
+        ("Bridges…", "Which bridge carries what"),
+    ):
         desk.title("vehicle").click()
-        desk.page.get_by_role("button", name=button).click()
-        desk.dialog(dialog)
-        assert broken(desk.page) == {}, dialog
-        assert misplaced(desk.page) == [], dialog
+        page.get_by_role("button", name=button).click()
+        dialog = desk.dialog(title)
+        if button == "Bridges…":
+            expect(dialog.locator("table").first).to_be_visible()
+        look(page, dialog)
         desk.keyboard.press("Escape")
-        expect(desk.page.get_by_role("button", name=button)).to_be_focused()
-    desk.page.get_by_role("button", name="Bridges…").click()
-    bridges = desk.dialog("Which bridge carries what")
-    expect(bridges.locator("table").first).to_be_visible()
-    assert (broken(desk.page), misplaced(desk.page)) == ({}, [])
-
-
-@pytest.mark.parametrize("size", sweep(SIZES, every=6), ids=str)
-def test_every_control_is_whole_and_reached(open_shared, size):
-    desk = opened(open_shared, size)
-    desk.title("vehicle").click()
-    expect(desk.page.get_by_role("form")).to_be_visible()
-    assert misplaced(desk.page) == []
-    assert unreached(desk.page) == []
-    for tab in ("Outline", "Generate", "Live", "Recording", "History", "Source", "Table"):
-        desk.tab(tab)
-        assert misplaced(desk.page) == [], tab
+        expect(page.get_by_role("button", name=button)).to_be_focused()
     desk.view.select_option("map:velocity_state")
-    desk.tab("Diagram")
-    expect(desk.page.locator(".box")).to_have_count(2)
-    assert misplaced(desk.page) == []
+    expect(page.locator(".box")).to_have_count(2)
     desk.tab("All members, and try it")
-    desk.page.get_by_role("button", name="JAUS → ROS").click()
-    expect(desk.page.locator(".trial table").first).to_be_visible()
-    assert misplaced(desk.page) == []
-    assert broken(desk.page) == {}
+    page.get_by_role("button", name="JAUS → ROS").click()
+    expect(page.locator(".trial table").first).to_be_visible()
+    look(page, panel_of(page, "All members"))
+
+
+@pytest.fixture(scope="module")
+def winch(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("winch")
+    studio = Studio(telling_winch(folder), folder / "studio.log")
+    yield studio
+    studio.close()
 
 
 @pytest.mark.parametrize("mode", sweep([{}, FORCED, DARK | NARROW], every=2, rest=0), ids=str)
-def test_a_machine_is_stepped_in_all_colours_and_rows_are_whole(open_studio, tmp_path, mode):
-    desk = Desktop(open_studio(telling_winch(tmp_path), **mode))
-    for view in ("service:Winch", "machine:Winch.ReceiveFSM"):
-        desk.view.select_option(view)
-        expect(desk.page.locator(".view-bar")).to_contain_text("Add to")
-        assert (misplaced(desk.page), broken(desk.page)) == ([], {}), view
+def test_a_machine_is_stepped_in_all_colours_and_rows_are_whole(open_studio, winch, mode):
+    desk = Desktop(open_studio.page_of(winch.address, **mode))
+    page = desk.page
     desk.view.select_option("service:Winch")
     desk.title("Winch").click()
     desk.tab("Properties")
-    expect(desk.page.locator(".property-form .values li").first).to_be_visible()
-    assert (misplaced(desk.page), broken(desk.page)) == ([], {})
+    expect(page.locator(".property-form .values li").first).to_be_visible()
+    look(page)
     desk.view.select_option("machine:Winch.ReceiveFSM")
     desk.tab("Step")
-    desk.page.locator(".stepping .choices button").first.click()
-    expect(desk.page.locator(".stepping ol li")).not_to_have_count(0)
-    assert (misplaced(desk.page), broken(desk.page)) == ([], {})
+    page.locator(".stepping .choices button").first.click()
+    expect(page.locator(".stepping ol li")).not_to_have_count(0)
+    look(page)
 
 
-@pytest.mark.parametrize("mode", sweep([DARK, FORCED], every=2, rest=0), ids=str)
-def test_no_colours_break_a_rule_of_axe(open_shared, mode):
-    desk = opened(open_shared, USUAL, **mode)
-    desk.title("vehicle").click()
-    for tab in ("Properties", "Outline", "Generate", "Live", "Recording", "Source", "Table"):
-        desk.tab(tab)
-        assert broken(desk.page) == {}, tab
-
-
-def test_the_title_of_a_frame_has_one_line_and_what_was_fitted_stays_so(open_studio, tmp_path):
-    desk = Desktop(open_studio(telling_winch(tmp_path)))
+def test_the_title_of_a_frame_has_one_line_and_what_was_fitted_stays_so(open_studio, winch):
+    desk = Desktop(open_studio.page_of(winch.address))
     title = desk.page.locator(".frame.host > .title")
     expect(title).to_be_visible()
     assert title.bounding_box()["height"] < 30
@@ -186,22 +181,16 @@ class Finger:
         self.session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
 
 
-@pytest.fixture
-def phone(open_shared):
-    """A page on a phone, so near that rows are drawn."""
-    desk = opened(open_shared, PHONE, has_touch=True, is_mobile=True)
-    for _ in range(2):
-        desk.page.get_by_role("button", name="Larger").tap()
-    expect(desk.page.locator(".row").first).to_be_attached()
-    return desk
-
-
 def middle(part):
     place = part.bounding_box()
     return [place["x"] + place["width"] / 2, place["y"] + place["height"] / 2]
 
 
-def test_the_first_touch_draws_a_line_and_one_of_a_box_moves_it(phone):
+def test_the_first_touch_draws_a_line_and_all_is_large_enough_for_fingers(open_shared):
+    phone = opened(open_shared, PHONE, has_touch=True, is_mobile=True)
+    for _ in range(2):  # so near that rows are drawn
+        phone.page.get_by_role("button", name="Larger").tap()
+    expect(phone.page.locator(".row").first).to_be_attached()
     node = phone.page.locator(".react-flow__node").filter(has=phone.box("vehicle"))
     end = node.locator(".react-flow__handle-right").first
     expect(end).to_be_attached()
@@ -216,9 +205,6 @@ def test_the_first_touch_draws_a_line_and_one_of_a_box_moves_it(phone):
     Finger(phone.page).drag([x, y], [x, y + 60])
     expect(ways).to_have_count(0)
     assert phone.place("bridge") != before
-
-
-def test_all_is_large_enough_for_fingers(phone):
     phone.title("vehicle").tap()
     expect(phone.page.get_by_role("form")).to_be_visible()
     assert misplaced(phone.page) == []

@@ -68,25 +68,6 @@ def test_an_edit_that_met_another_is_kept_until_it_is_done_or_discarded(page, fo
         page.ask("kept.again", number=kept["number"])
 
 
-@pytest.mark.slow
-def test_an_edit_that_cannot_be_stored_when_it_is_done_again_stays_kept(held, folder):
-    with held.page() as page:
-        ref, base = begin(page, folder)
-        theirs = TEXT.replace("1.1.2", "1.1.55")
-        (folder / FILE).write_text(theirs, encoding="utf-8")
-        with pytest.raises(RefusedError, match="is kept"):
-            page.ask("edit", commands=[addressed(ref, "1.1.77")], label="Set", base=base)
-        (kept,) = page.ask("kept")["edits"]
-        with full_disk(held):
-            with pytest.raises(RefusedError, match="cannot be written"):
-                page.ask("kept.again", number=kept["number"])
-            assert page.ask("kept")["edits"] == [kept]
-            assert (folder / FILE).read_text(encoding="utf-8") == theirs
-        page.ask("kept.again", number=kept["number"])
-        assert (folder / FILE).read_text(encoding="utf-8") == TEXT.replace("1.1.2", "1.1.77")
-        assert page.ask("kept")["edits"] == []
-
-
 @contextmanager
 def full_disk(server: Server) -> Iterator[None]:
     """Lets a studio store nothing as long as the context lasts, as a full disk does."""
@@ -120,10 +101,24 @@ def send(page: Page, view: dict[str, Any], wanted: tuple[str, str]) -> int:
 
 
 @pytest.mark.slow
-def test_two_studios_at_the_same_moment_lose_nothing(held, folder, built):
+def test_a_full_disk_and_two_studios_at_the_same_moment_lose_nothing(held, folder, built):
     with serving(folder, built, start=started) as other, held.page() as one, other.page() as two:
-        begin(one, folder)
+        ref, base = begin(one, folder)
         two.await_told("changed")
+        theirs = TEXT.replace("1.1.2", "1.1.55")
+        (folder / FILE).write_text(theirs, encoding="utf-8")
+        with pytest.raises(RefusedError, match="is kept"):
+            one.ask("edit", commands=[addressed(ref, "1.1.77")], label="Set", base=base)
+        (kept,) = one.ask("kept")["edits"]
+        with full_disk(held):
+            with pytest.raises(RefusedError, match="cannot be written"):
+                one.ask("kept.again", number=kept["number"])
+            assert one.ask("kept")["edits"] == [kept]
+            assert (folder / FILE).read_text(encoding="utf-8") == theirs
+        one.ask("kept.again", number=kept["number"])
+        assert (folder / FILE).read_text(encoding="utf-8") == TEXT.replace("1.1.2", "1.1.77")
+        assert one.ask("kept")["edits"] == []
+
         for turn in range(3):
             seen = [studio.ask("view", file=FILE, view="system") for studio in (one, two)]
             wanted = [("helm", f"1.2.{turn + 1}"), ("winch", f"1.3.{turn + 1}")]

@@ -3,24 +3,25 @@
 from dataclasses import replace
 
 import pytest
-from scope_support import CAR, read
+from scope_support import read
 
 from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.studio.views.planning import diff, execute, out_folder, plan
 from jausml.language.model import Diagnostic, Location, Severity
 
-SKELETON = "vehicle/vehicle/vehicle.py"
-GENERATED = "vehicle/vehicle/vehicle_base.py"
+MODEL = "minimal/minimal.xmi"
+SKELETON = "sensor/sensor/sensor.py"
+GENERATED = "sensor/sensor/sensor_base.py"
 
 
 @pytest.fixture(scope="module")
 def workspace(tmp_path_factory):
     """A generated workspace, which the tests in turn change and fix."""
-    out = tmp_path_factory.mktemp("car") / "src"
-    planned = plan(read(CAR), out)
+    out = tmp_path_factory.mktemp("minimal") / "src"
+    planned = plan(read(MODEL), out)
     assert {file.action for file in planned.files} == {"create"}
     assert not out.exists()
-    done = execute(read(CAR), out, planned.digest)
+    done = execute(read(MODEL), out, planned.digest)
     assert done.written == len(planned.files)
     assert "created" in done.message
     return out
@@ -32,20 +33,20 @@ def actions(planned):
 
 @pytest.mark.slow
 def test_a_second_time_nothing_is_done(workspace):
-    planned = plan(read(CAR), workspace)
+    planned = plan(read(MODEL), workspace)
     found = actions(planned)
     assert set(found.values()) == {"same", "keep"}
     assert found[SKELETON] == "keep"
     assert found[GENERATED] == "same"
-    assert execute(read(CAR), workspace, planned.digest).written == 0
+    assert execute(read(MODEL), workspace, planned.digest).written == 0
 
 
 def test_a_skeleton_that_fell_behind_is_told(workspace):
     path = workspace / SKELETON
     kept = path.read_text()
-    path.write_text(kept.replace("VehicleBase", "OtherBase"))
+    path.write_text(kept.replace("SensorBase", "OtherBase"))
     try:
-        found = plan(read(CAR), workspace).drift
+        found = plan(read(MODEL), workspace).drift
         assert found
         assert found[0].path == SKELETON
     finally:
@@ -57,16 +58,16 @@ def test_what_changed_since_it_was_shown_is_not_done(workspace):
     missing = workspace / GENERATED
     kept = missing.read_text()
     missing.unlink()
-    planned = plan(read(CAR), workspace)
+    planned = plan(read(MODEL), workspace)
     assert actions(planned)[GENERATED] == "create"
-    patch = diff(read(CAR), workspace, GENERATED)
+    patch = diff(read(MODEL), workspace, GENERATED)
     assert "+++ b/" + GENERATED in patch
     missing.write_text(kept)
     with pytest.raises(AnswerError, match="look at the plan again"):
-        execute(read(CAR), workspace, planned.digest)
-    assert diff(read(CAR), workspace, GENERATED) == ""
+        execute(read(MODEL), workspace, planned.digest)
+    assert diff(read(MODEL), workspace, GENERATED) == ""
     with pytest.raises(AnswerError, match="no file of the plan"):
-        diff(read(CAR), workspace, "../secret")
+        diff(read(MODEL), workspace, "../secret")
 
 
 def test_what_was_edited_by_hand_is_refused(workspace):
@@ -74,10 +75,10 @@ def test_what_was_edited_by_hand_is_refused(workspace):
     kept = path.read_text()
     path.write_text(kept + "# mine\n")
     try:
-        planned = plan(read(CAR), workspace)
+        planned = plan(read(MODEL), workspace)
         assert actions(planned)[GENERATED] == "refuse"
         with pytest.raises(AnswerError, match="nothing was written"):
-            execute(read(CAR), workspace, planned.digest)
+            execute(read(MODEL), workspace, planned.digest)
         assert path.read_text().endswith("# mine\n")
     finally:
         path.write_text(kept)
@@ -85,7 +86,7 @@ def test_what_was_edited_by_hand_is_refused(workspace):
 
 def test_errors_come_first(tmp_path):
     error = Diagnostic("JML411", Severity.ERROR, Location("car.xmi", 3, 4), "no such attribute")
-    report = replace(read(CAR), diagnostics=(error, error))
+    report = replace(read(MODEL), diagnostics=(error, error))
     planned = plan(report, tmp_path)
     assert planned.problems.startswith("errors come first: car.xmi:3:4")
     assert planned.problems.endswith("and 1 more")

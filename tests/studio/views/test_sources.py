@@ -1,6 +1,5 @@
 """Where elements stand in their files."""
 
-import pytest
 from for_each import for_each
 from generated import model_of
 from scope_support import CAR, SHIPPED, named, scope_of
@@ -50,8 +49,7 @@ def test_line_ends_and_wide_characters_are_counted_as_browsers_do(tmp_path):
     assert "\r" not in found.text
 
 
-@pytest.mark.slow
-@for_each("name", SHIPPED)
+@for_each("name", SHIPPED, shards=20, slow=True)
 def test_every_element_stands_somewhere(name):
     scope = scope_of(name)
     elements = list(scope.model.elements_of(scope.model.documents[0]))

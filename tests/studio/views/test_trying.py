@@ -236,7 +236,7 @@ def _runtime_of_generated_code():
 
 @pytest.mark.usefixtures("_runtime_of_generated_code")
 @pytest.mark.parametrize(
-    "name", sweep((shipped for shipped in SHIPPED if "mappings" in shipped), every=14)
+    "name", sweep((shipped for shipped in SHIPPED if "mappings" in shipped), every=14, rest=10)
 )
 def test_every_ready_map_can_be_tried(name, monkeypatch):
     monkeypatch.setattr(trying, "_Process", InThisProcess)
