@@ -99,10 +99,11 @@ def test_the_list_has_each_map_and_no_other():
     assert set(ready_maps()) <= set(re.findall(r"`(\w+)`", text))
 
 
-@pytest.mark.parametrize("part", sweep(range(4), every=4, rest=1))
-def test_the_vectors_of_each_file_hold(workspace, part):
-    """The tests that come with the generated bridges check them."""
-    packages = [workspace / f"{stem}_bridge" for stem in [*ready_maps()][part::4]]
+@pytest.mark.parametrize("rest", sweep([False, True], every=2, rest=1))
+def test_the_vectors_of_each_file_hold(workspace, rest):
+    """The tests that come with the generated bridges check them; of every fourth these guard."""
+    stems = [stem for at, stem in enumerate(ready_maps()) if bool(at % 4) is rest]
+    packages = [workspace / f"{stem}_bridge" for stem in stems]
     paths = packages_of(workspace)
     tests = [str(package / "test") for package in packages]
     succeeded(
