@@ -30,7 +30,7 @@ from jausml.language.interfaces.parsing import PARTS, parse_definition
 from jausml.language.validation.engine import check_project
 from jausml_generators.deployment.target import TARGET as DEPLOYMENT
 
-EXAMPLES = int(os.environ.get("JAUSML_EXAMPLES", "8"))
+EXAMPLES = int(os.environ.get("JAUSML_EXAMPLES", "4"))
 FILE_NAMES = (
     "model.xmi",
     "coding:utf-7;m.xmi",

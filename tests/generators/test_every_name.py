@@ -363,7 +363,7 @@ FOUND = ["Number", "self", "EAGAIN", "cls", "data"]
 
 
 @settings(max_examples=1, deadline=None, suppress_health_check=list(HealthCheck))
-@given(drawn=names(12))
+@given(drawn=names(6))
 def test_any_names_may_stand_anywhere(drawn):
     with TemporaryDirectory() as folder:
         generated(Path(folder), with_found(drawn))
@@ -384,7 +384,7 @@ def run_tests(workspace: Path, node: str) -> None:
 
 @pytest.mark.slow
 @settings(max_examples=1, deadline=None, suppress_health_check=list(HealthCheck))
-@given(drawn=names(24 if WHOLE else 12).map(with_found))
+@given(drawn=names(24 if WHOLE else 6).map(with_found))
 def test_any_names_may_stand_in_every_target(drawn):
     needs.ask("compiler")
     with TemporaryDirectory() as folder:

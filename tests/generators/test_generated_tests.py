@@ -261,7 +261,7 @@ def outcomes_of(package, module, damages):
 TRIED = sweep(
     ((name, damage) for name, damages in MODELS.items() for damage in damages),
     every=lambda pair: pair[1] in GUARDING,
-    rest=6,
+    rest=12,
 )
 
 

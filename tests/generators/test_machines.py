@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 import warm
 from codec_support import ROOT
+from for_each import for_each
 from generated import model_of, run_in, texts_of
 from scripts import succeeded
 from sweeps import sweep
@@ -202,7 +203,7 @@ def test_the_diagram_shows_states_and_transitions(texts):
     assert shown.count("```mermaid") == 2
 
 
-@pytest.mark.parametrize("text", ["a", "!a", "a && b || c", "a && (b || !c)", "!(a && b) || d"])
+@for_each("text", ["a", "!a", "a && b || c", "a && (b || !c)", "!(a && b) || d"])
 def test_guard_text_is_read_back_the_same(text):
     guard = parse_guard(text)
     assert parse_guard(guard_text(guard)) == guard

@@ -5,6 +5,7 @@ import json
 from pathlib import Path
 
 import pytest
+from for_each import for_each
 from generated import model_in, model_of
 from workspaces import python_path
 
@@ -158,7 +159,7 @@ def test_a_bridge_that_hears_of_handoffs_is_asked_what_a_person_decides(tmp_path
     assert "HandoffClient" in done.stdout, done.stderr
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("connection", "parts"),
     [
         ("TopicsToReport", set()),
@@ -257,7 +258,7 @@ def test_modules_of_the_runtime_have_all_that_they_import():
         assert module.foreign == {name.partition(".")[0] for name in imports}, module.name
 
 
-@pytest.mark.parametrize(
+@for_each(
     "code",
     [
         f"import os; from {FACE}.virtual import world",
