@@ -4,7 +4,6 @@ import json
 import re
 from pathlib import Path
 
-import emf_check
 import pytest
 import warm
 from sweeps import sweep
@@ -304,17 +303,6 @@ def test_its_name_is_one_that_is_free(ears, jausml, refused):
     jausml("new", "map", "own", *STATE, "--copy", "velocity_state")
     for name, told in (("own", "ears has a map own already"), ("o n", "'o n' is no name")):
         refused(told, model, "new", "map", name, *STATE, "--yes")
-
-
-@pytest.mark.slow
-@pytest.mark.needs("emf")
-def test_eclipse_opens_it(rover, jausml):
-    model = rover("xmi")
-    jausml("new", "bridge", "ears", "odom:nav_msgs/Odometry", "--yes")
-    jausml("new", "map", "own", *COMMAND, "--fill")
-    jausml("new", "map", "lights", *STATE, "--yes")
-    done = emf_check.ask(str(model.relative_to(model.parents[1])), cwd=model.parents[1])
-    assert (done.returncode, done.stdout) == (0, "")
 
 
 @pytest.mark.slow
