@@ -64,8 +64,8 @@ def test_ruff_finds_nothing(workspace):
 
 @pytest.mark.slow
 def test_mypy_finds_nothing(workspace):
-    run_in(workspace, "-m", "mypy", "--strict", "-p", "spot")
-    run_in(workspace, "-m", "mypy", "--strict", "spot/test/test_spot.py")
+    options = ("--strict", "--explicit-package-bases")
+    run_in(workspace, "-m", "mypy", *options, "spot/spot", "spot/test/test_spot.py")
 
 
 def test_generated_tests_drive_the_machines(workspace):

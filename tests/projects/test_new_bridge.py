@@ -233,9 +233,8 @@ def test_what_a_tool_could_have_written_is_no_reason(rover, refused, hold, says)
 
 
 @pytest.mark.slow
-@NOTATION
-def test_a_bridge_gets_further_topics(rover, jausml, notation):
-    model = rover(notation)
+def test_a_bridge_gets_further_topics(rover, jausml):
+    model = rover("text")
     jausml("new", "bridge", "rover", DRIVE, ODOM, "--yes")
     done = jausml("new", "connection", f"{ODOM}:velocity_state", "scan:sensor_msgs/LaserScan")
     assert "odom: ROS -> JAUS, velocity_state: reported as ReportVelocityState" in done.output

@@ -342,9 +342,8 @@ def test_a_yes_on_a_terminal_lets_zeros_stop_a_command(ears):
 
 
 @pytest.mark.slow
-@NOTATION
-def test_only_a_word_of_its_own_lets_zeros_stop_a_command(ears, jausml, notation):
-    model = ears(notation)
+def test_only_a_word_of_its_own_lets_zeros_stop_a_command(ears, jausml):
+    model = ears("text")
     done = jausml("new", "map", "undecided", *COMMAND, "--fill", "--yes")
     assert "state what stops the command: stopRos and stopJaus; all of" in done.output
     undecided = map_in(model, "undecided")

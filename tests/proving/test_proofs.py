@@ -425,16 +425,15 @@ def test_errors_that_nobody_foresees_are_told(tmp_path, monkeypatch):
     assert "JML924" in proofs.rules("small")
 
 
-def test_members_that_are_swapped_are_found(tmp_path):
-    proofs = Proofs(
-        MESSAGE + small(up="Speed -> linear.y : negate Turn -> linear.x : scale(0.5)"), tmp_path
-    )
-    assert "JML923" in proofs.rules("small"), proofs.maps["small"].fields
-
-
 FAULTY = small(
-    up='Speed -> linear.x Turn -> linear.y Wide -> linear.z : expression("0.02 - value")',
+    up="""
+      Speed -> linear.x
+      Turn -> linear.y
+      Wide -> linear.z : expression("0.02 - value")
+      Gear -> angular.x
+    """,
     down="""
+      angular.y -> Gear
       linear.x -> Speed : expression("round(value)") { precision: 0.001 }
       linear.y -> Turn : negate
       linear.z -> Wide : negate
@@ -443,14 +442,14 @@ FAULTY = small(
 
 
 # A wrong factor is found between two bridges, by the rule of signs and offsets.
-@pytest.mark.slow
-def test_signs_offsets_and_rounding_are_found_at_their_assignments(tmp_path):
+def test_signs_offsets_rounding_and_other_members_are_found_at_their_assignments(tmp_path):
     proofs = Proofs(MESSAGE + FAULTY, tmp_path)
     lines = proofs.path.read_text(encoding="utf-8").splitlines()
     for field, rule, message, text in (
         ("Speed", "JML921", "error of up to 0.5", "precision: 0.001"),
         ("Turn", "JML922", "", "linear.y -> Turn"),
         ("Wide", "JML922", "", "linear.z -> Wide"),
+        ("Gear", "JML923", "", "angular.y -> Gear"),
     ):
         (found,) = (
             diagnostic
