@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from codec_support import ROOT
-from generated import model_in, model_of, run_in, text_of
+from generated import STRICT, model_in, model_of, run_in, text_of
 from ports import free_port
 from sweeps import sweep
 from workspaces import kept
@@ -195,7 +195,7 @@ def test_one_service_and_a_long_documentation_are_laid_out(tmp_path):
 @pytest.mark.slow
 def test_mypy_finds_nothing(workspace):
     packages = [argument for package in PACKAGES for argument in ("-p", package)]
-    run_in(workspace, "-m", "mypy", "--strict", *packages)
+    run_in(workspace, "-m", "mypy", *STRICT, *packages)
 
 
 @pytest.mark.parametrize("package", sweep(PACKAGES, every=3))

@@ -7,7 +7,7 @@ import pytest
 import warm
 from codec_support import ROOT
 from for_each import for_each
-from generated import model_of, run_in, texts_of
+from generated import STRICT, model_of, run_in, texts_of
 from scripts import succeeded
 from sweeps import sweep
 from workspaces import kept, packages_of
@@ -64,8 +64,8 @@ def test_ruff_finds_nothing(workspace):
 
 @pytest.mark.slow
 def test_mypy_finds_nothing(workspace):
-    options = ("--strict", "--explicit-package-bases")
-    run_in(workspace, "-m", "mypy", *options, "spot/spot", "spot/test/test_spot.py")
+    modules = ("spot/spot", "spot/test/test_spot.py")
+    run_in(workspace, "-m", "mypy", *STRICT, "--explicit-package-bases", *modules)
 
 
 def test_generated_tests_drive_the_machines(workspace):

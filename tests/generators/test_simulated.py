@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 import warm
-from generated import model_in, run_in, text_of
+from generated import STRICT, model_in, run_in, text_of
 from ports import free_port
 from scripts import succeeded
 from workspaces import python_path
@@ -50,7 +50,7 @@ def test_a_judge_has_every_answer_that_a_robot_should_give(tmp_path):
 @pytest.mark.slow
 def test_its_code_is_clean(workspace):
     base = workspace / "arm" / "arm" / "arm_base.py"
-    run(workspace, "-m", "mypy", "--strict", base)
+    run(workspace, "-m", "mypy", *STRICT, base)
     run(workspace, "-m", "ruff", "check", "--isolated", base)
 
 

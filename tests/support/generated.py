@@ -14,6 +14,9 @@ from jausml.generation.target import Target
 from jausml.language.model import Model, Severity, read_models
 from jausml.language.text.notation import NOTATIONS
 
+STRICT = ("--strict", "--follow-imports=silent", "--python-version=3.10")
+"""How mypy judges generated code: what it knows of one set of options serves all who have it."""
+
 
 def model_of(*paths: Path, **options: Any) -> Model:
     """Returns the model of documents, of which nothing worse is said than an info."""
