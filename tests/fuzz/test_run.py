@@ -101,12 +101,10 @@ def test_an_unknown_target_is_a_usage_error_with_a_suggestion():
     assert "did you mean datagrams?" in done.stderr
 
 
-@pytest.mark.slow
 @pytest.mark.needs("atheris")
 def test_a_run_guided_by_coverage(driver):
-    done = run(HERE, "datagrams", "--runs", "500")
-    assert done.returncode == 0, done.stderr
-    assert "stat::number_of_executed_units: " in done.stderr
+    """Of a target of its own: to instrument the runtime takes seconds, which `make fuzz` does."""
     found = run(driver, "finds", "--runs", "200000")
     assert found.returncode not in (0, 2)
+    assert "stat::number_of_executed_units: " in found.stderr
     assert list(driver.glob("found-*"))
