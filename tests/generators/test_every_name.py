@@ -15,6 +15,7 @@ from typing import Any, get_args, get_origin, get_type_hints
 
 import needs
 import pytest
+from generated import WITHOUT_PLUGINS
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from lupa import lua54
@@ -379,7 +380,7 @@ def run_tests(workspace: Path, node: str) -> None:
     tests = [path for path in workspace.glob("*/test/test_*.py") if node not in path.parts]
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *map(str, tests)]
     path = {"PYTHONPATH": python_path(workspace)}
-    succeeded(command, env=path, cwd=workspace)
+    succeeded(command, env={**WITHOUT_PLUGINS, **path}, cwd=workspace)
 
 
 @pytest.mark.slow

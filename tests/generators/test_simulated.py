@@ -16,6 +16,8 @@ HERE = Path(__file__).parent
 MODEL = HERE / "simulated.ros2jaus"
 SUPPORT = HERE.parent / "support"
 
+PYTEST = ("-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "pytest_timeout")
+
 
 def generated(model: Path, folder: Path) -> Path:
     line = [*warm.command(), "generate", str(model), "--all", "-o", str(folder)]
@@ -35,7 +37,7 @@ def run(workspace: Path, *command: str | Path, **more: str) -> str:
 
 @pytest.mark.slow
 def test_the_component_does_as_it_is_told(workspace):
-    told = run(workspace, "-m", "pytest", "-q", "-p", "no:cacheprovider", HERE / "simulated_arm.py")
+    told = run(workspace, *PYTEST, HERE / "simulated_arm.py")
     assert "8 passed" in told
 
 
@@ -43,7 +45,7 @@ def test_the_component_does_as_it_is_told(workspace):
 @pytest.mark.ports
 def test_a_judge_has_every_answer_that_a_robot_should_give(tmp_path):
     robot = generated(HERE / "judged.ros2jaus", tmp_path)
-    words = ("-m", "pytest", "-q", "-p", "no:cacheprovider", HERE / "judges_messages.py")
+    words = (*PYTEST, HERE / "judges_messages.py")
     assert "1 passed" in run(robot, *words, JUDGED_PORT=str(free_port()))
 
 
