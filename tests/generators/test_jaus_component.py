@@ -203,6 +203,12 @@ def test_generated_tests_pass(workspace, package):
     run_in(workspace, "-m", "pytest", "-q", "-W", "error", "test", cwd=workspace / package)
 
 
+def test_generated_tests_tell_other_ranges_of_the_same_bytes():
+    test = texts()["wrench_driver/test/test_wrench_driver.py"]
+    assert '("ReportTravelSpeed", {"speed": 109.22333333333333})' in test  # a third of 327.67
+    assert "for name in numbers} == pytest.approx(numbers)" in test
+
+
 def test_components_exchange_commands_and_reports(workspace):
     run_in(workspace, HERE / "exchange.py", str(free_port()))
 
