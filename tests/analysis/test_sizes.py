@@ -4,6 +4,7 @@ import functools
 
 import needs
 import pytest
+from for_each import for_each
 
 from jausml.language.metamodel.classes import ros
 from jausml.language.model import library_root, read_models
@@ -106,14 +107,14 @@ TYPES = [
 ]
 
 
-@pytest.mark.parametrize("name", TYPES)
+@for_each("name", TYPES)
 def test_the_least_ros_message_has_the_size_that_the_middleware_makes(name):
     needs.ask("rclpy")
     message = message_class(name)()
     assert len(serialized(message)) == ros_size(ros_types()[name], 0).least
 
 
-@pytest.mark.parametrize("count", [0, 1, 2, 7, 100])
+@for_each("count", [0, 1, 2, 7, 100])
 def test_sequences_are_counted_with_their_alignment(count):
     needs.ask("rclpy")
     from geometry_msgs.msg import PoseStamped

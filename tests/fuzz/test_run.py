@@ -44,21 +44,21 @@ def driver(tmp_path: Path) -> Path:
 
 
 def test_datagrams_raise_nothing_pile_up_nothing_and_are_all_counted():
-    done = run(HERE, "datagrams", "--plain", "--runs", "20000", "--seed", "7")
+    done = run(HERE, "datagrams", "--plain", "--runs", "5000", "--seed", "7")
     assert done.returncode == 0, done.stdout + done.stderr
-    assert done.stdout.startswith("20000 inputs in ")
+    assert done.stdout.startswith("5000 inputs in ")
     for end in ("delivered", "judp.truncated=", "transport.duplicate=", "transport.reassembled="):
         assert end in done.stdout
 
 
 def test_streams_are_read_the_same_however_they_are_cut():
-    done = run(HERE, "streams", "--plain", "--runs", "5000", "--seed", "5")
+    done = run(HERE, "streams", "--plain", "--runs", "2000", "--seed", "5")
     assert done.returncode == 0, done.stdout + done.stderr
 
 
 @pytest.mark.slow
 def test_components_contradict_themselves_in_nothing_and_end_when_they_are_stopped():
-    done = run(HERE, "components", "--plain", "--runs", "2000", "--seed", "3")
+    done = run(HERE, "components", "--plain", "--runs", "500", "--seed", "3")
     assert done.returncode == 0, done.stdout + done.stderr
     for name in ("messages sent", "access_control.timed_out=", "management.clear_ignored="):
         assert name in done.stdout
@@ -67,7 +67,7 @@ def test_components_contradict_themselves_in_nothing_and_end_when_they_are_stopp
 @pytest.mark.slow
 def test_a_run_can_be_repeated():
     reports = [
-        run(HERE, "datagrams", "--plain", "--runs", "2000", "--seed", seed).stdout.splitlines()[1:]
+        run(HERE, "datagrams", "--plain", "--runs", "500", "--seed", seed).stdout.splitlines()[1:]
         for seed in ("3", "3", "4")
     ]
     assert reports[0] == reports[1] != reports[2]
@@ -101,12 +101,10 @@ def test_an_unknown_target_is_a_usage_error_with_a_suggestion():
     assert "did you mean datagrams?" in done.stderr
 
 
-@pytest.mark.slow
 @pytest.mark.needs("atheris")
 def test_a_run_guided_by_coverage(driver):
-    done = run(HERE, "datagrams", "--runs", "500")
-    assert done.returncode == 0, done.stderr
-    assert "stat::number_of_executed_units: " in done.stderr
+    """Of a target of its own: to instrument the runtime takes seconds, which `make fuzz` does."""
     found = run(driver, "finds", "--runs", "200000")
     assert found.returncode not in (0, 2)
+    assert "stat::number_of_executed_units: " in found.stderr
     assert list(driver.glob("found-*"))

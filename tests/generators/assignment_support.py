@@ -3,12 +3,12 @@
 import importlib
 import sys
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from generated import run_in, texts_of
+from generated import run_in
 from workspaces import packages_of
 
 from jausml.generation.rendering import render
@@ -81,11 +81,14 @@ def artifacts_of(text: str, folder: Path, name: str) -> dict[str, Any]:
     assert not refusals, "\n".join(
         f"{refusal.location.line}: {refusal.message}" for refusal in refusals
     )
-    targets = [TARGET, MESSAGES, RUNTIME.for_whole_library()]
-    made = {artifact.path: artifact for artifact in render(result.model, targets)}
-    again = texts_of(result.model, targets)
-    assert {path: artifact.text for path, artifact in made.items()} == again
-    return made
+    made = (*render(result.model, [TARGET, MESSAGES]), *_runtime())
+    return {artifact.path: artifact for artifact in made}
+
+
+@cache
+def _runtime() -> list[Any]:
+    """The whole runtime, which is the same for all models."""
+    return render(None, [RUNTIME.for_whole_library()])
 
 
 def generated(text: str, folder: Path, package: str) -> Generated:

@@ -18,6 +18,7 @@ import mutants
 import needs
 import pytest
 import yaml
+from generated import WITHOUT_PLUGINS
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from workspaces import packages_of, python_path
@@ -30,7 +31,7 @@ from jausml.language.interfaces.parsing import PARTS, parse_definition
 from jausml.language.validation.engine import check_project
 from jausml_generators.deployment.target import TARGET as DEPLOYMENT
 
-EXAMPLES = int(os.environ.get("JAUSML_EXAMPLES", "8"))
+EXAMPLES = int(os.environ.get("JAUSML_EXAMPLES", "4"))
 FILE_NAMES = (
     "model.xmi",
     "coding:utf-7;m.xmi",
@@ -121,7 +122,7 @@ def read_by_python(workspace, *, runs_tests):
     """Imports the packages, and runs their tests where the ROS packages are that they need."""
     needs.ask("rclpy")
     names = [Path(package).name for package in packages_of(workspace)]
-    environment = {**os.environ, "PYTHONPATH": python_path(workspace)}
+    environment = {**os.environ, **WITHOUT_PLUGINS, "PYTHONPATH": python_path(workspace)}
     run = {"env": environment, "capture_output": True, "text": True, "check": False}
     done = subprocess.run([sys.executable, "-c", _IMPORT, *names], timeout=300, **run)
     assert done.returncode == 0, done.stderr

@@ -3,6 +3,7 @@
 import ast
 
 import pytest
+from for_each import for_each
 from generated import model_in, text_of
 
 from jausml.generation.errors import InternalError
@@ -313,7 +314,7 @@ def test_types_that_mirror_jaus_messages_get_their_own_name(tmp_path):
 PATHS = ["pose", "pose.position.x", "pose.position.x", "poses", "covariance[3]", "covariance[30]"]
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("path", "count"),
     [
         ("pose", 3),

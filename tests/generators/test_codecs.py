@@ -192,7 +192,7 @@ def encode_problem(message: Any) -> str:
     return ""
 
 
-@pytest.mark.parametrize("set_name", shipped_sets())
+@for_each("set_name", shipped_sets())
 def test_optional_fields_and_they_alone_default_to_none(set_name):
     """What a query asks for is chosen by it."""
     views, _, module = library(set_name)

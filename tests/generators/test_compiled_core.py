@@ -144,7 +144,7 @@ def test_both_forms_make_the_same(made):
         names = {attribute(made, name): value for name, value in fields.items()}
         data = core_message(made, **names)
         assert by_python(made, "speed_up", data) == (function(made, "speed_up")(data), {})
-    for parts in ({}, {"x": 12.5, "y": -3.0, "z": 9.99, "a": 1e-40, "b": 255.4}):
+    for parts in ({}, {"x": 12.5, "y": -3.0, "z": 9.99, "a": 1e-40, "b": 255.4}, {"b": 2.5}):
         data = twist("odom", **parts)
         assert by_python(made, "speed_down", data) == (function(made, "speed_down")(data), {})
 

@@ -3,6 +3,7 @@
 import math
 
 import pytest
+from for_each import for_each
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -20,7 +21,7 @@ def python(text):
     return python_expression(parse_expression(text), {"x": "source.x", "y": "y"})
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("text", "code"),
     [
         ("x * 2 + y", "source.x * 2.0 + y"),

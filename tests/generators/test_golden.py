@@ -5,6 +5,7 @@ from typing import Any
 import pytest
 from codec_nearness import coded_values
 from codec_support import FieldNames, library, shipped_sets
+from for_each import for_each
 from wire_vectors import close, golden_vectors
 
 from jausml.runtime.wire.codec import scaled
@@ -35,7 +36,7 @@ def problems(names: FieldNames, vector: dict[str, Any]) -> list[str]:
     return found
 
 
-@pytest.mark.parametrize("set_name", shipped_sets())
+@for_each("set_name", shipped_sets())
 def test_every_vector_decodes_to_its_fields_and_back_to_its_bytes(set_name):
     wrong = []
     vectors = [vector for vector in golden_vectors() if vector["set"] == set_name]
@@ -54,7 +55,7 @@ def steps(value: Any) -> tuple[float, float, int]:
     return lower, (upper - lower) / largest, largest
 
 
-@pytest.mark.parametrize("set_name", shipped_sets())
+@for_each("set_name", shipped_sets())
 def test_coded_values_are_the_integers_of_the_other_implementation(set_name):
     checked = 0
     for vector in (

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from codec_support import ROOT
-from generated import model_in, model_of, run_in, text_of
+from generated import STRICT, model_in, model_of, run_in, text_of
 from ports import free_port
 from sweeps import sweep
 from workspaces import kept
@@ -195,12 +195,18 @@ def test_one_service_and_a_long_documentation_are_laid_out(tmp_path):
 @pytest.mark.slow
 def test_mypy_finds_nothing(workspace):
     packages = [argument for package in PACKAGES for argument in ("-p", package)]
-    run_in(workspace, "-m", "mypy", "--strict", *packages)
+    run_in(workspace, "-m", "mypy", *STRICT, *packages)
 
 
 @pytest.mark.parametrize("package", sweep(PACKAGES, every=3))
 def test_generated_tests_pass(workspace, package):
     run_in(workspace, "-m", "pytest", "-q", "-W", "error", "test", cwd=workspace / package)
+
+
+def test_generated_tests_tell_other_ranges_of_the_same_bytes():
+    test = texts()["wrench_driver/test/test_wrench_driver.py"]
+    assert '("ReportTravelSpeed", {"speed": 109.22333333333333})' in test  # a third of 327.67
+    assert "for name in numbers} == pytest.approx(numbers)" in test
 
 
 def test_components_exchange_commands_and_reports(workspace):

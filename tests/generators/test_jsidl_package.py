@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 import warm
 from codec_support import ROOT
-from generated import run_in
+from generated import STRICT, run_in
 from scripts import succeeded
 
 JSIDL = ROOT / "tests" / "importers" / "winch"
@@ -48,7 +48,7 @@ def test_the_package_is_clean(workspace):
     # A skeleton imports what its user will need, and tests assert.
     ignored = ["--ignore", "S101,TC001,TC002,TC003"]
     run_in(workspace, "-m", "ruff", "check", *config, *installed, *ignored, "hoist")
-    run_in(workspace, "-m", "mypy", "--strict", "-p", "hoist")
+    run_in(workspace, "-m", "mypy", *STRICT, "-p", "hoist")
 
 
 @pytest.mark.slow

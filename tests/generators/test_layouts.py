@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 from codec_support import library, load, read_messages, render
+from for_each import for_each
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -42,7 +43,7 @@ def test_both_ends_of_a_range_are_exact(mobility, value, raw):
     assert back.encode() == data
 
 
-@pytest.mark.parametrize("value", [-1, 256, 1.5, None, "1"])
+@for_each("value", [-1, 256, 1.5, None, "1"])
 def test_integers_out_of_range_are_not_sent(value):
     with pytest.raises(EncodeError):
         core.RequestControl(value).encode()

@@ -148,7 +148,7 @@ def test_a_message_that_ends_early_is_refused(name):
             made.kind(name).from_cdr(raw[:length])
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("name", "raw"),
     [
         # Four billion texts, numbers, messages: refused before anything is made of them.
@@ -187,7 +187,7 @@ def test_text_is_utf_8_up_to_its_zero():
 # ------------------------------------------------------------------ values that do not fit
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("name", "field", "value"),
     [
         ("std_msgs/msg/UInt8", "data", 256),
@@ -218,9 +218,7 @@ def test_what_does_not_fit_is_an_error(name, field, value):
         message.to_cdr()
 
 
-@pytest.mark.parametrize(
-    "value", [[1.0, 2.0], (1.0, 2.0), array("f", [1.0, 2.0]), array("d", [1.0, 2.0]), [1, 2]]
-)
+@for_each("value", [[1.0, 2.0], (1.0, 2.0), array("f", [1.0, 2.0]), array("d", [1.0, 2.0]), [1, 2]])
 def test_elements_may_stand_in_any_sequence(value):
     kind = library().kind("std_msgs/msg/Float32MultiArray")
     assert kind(data=value).to_cdr() == kind(data=[1.0, 2.0]).to_cdr()
@@ -336,7 +334,7 @@ class Real:
         return self._fields
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("fields", "found"),
     [
         ({"x": "double", "y": "double", "z": "double"}, []),

@@ -6,7 +6,8 @@ from pathlib import Path
 import pytest
 import warm
 from codec_support import ROOT
-from generated import model_of, run_in, texts_of
+from for_each import for_each
+from generated import STRICT, model_of, run_in, texts_of
 from scripts import succeeded
 from sweeps import sweep
 from workspaces import kept, packages_of
@@ -63,8 +64,8 @@ def test_ruff_finds_nothing(workspace):
 
 @pytest.mark.slow
 def test_mypy_finds_nothing(workspace):
-    run_in(workspace, "-m", "mypy", "--strict", "-p", "spot")
-    run_in(workspace, "-m", "mypy", "--strict", "spot/test/test_spot.py")
+    modules = ("spot/spot", "spot/test/test_spot.py")
+    run_in(workspace, "-m", "mypy", *STRICT, "--explicit-package-bases", *modules)
 
 
 def test_generated_tests_drive_the_machines(workspace):
@@ -202,7 +203,7 @@ def test_the_diagram_shows_states_and_transitions(texts):
     assert shown.count("```mermaid") == 2
 
 
-@pytest.mark.parametrize("text", ["a", "!a", "a && b || c", "a && (b || !c)", "!(a && b) || d"])
+@for_each("text", ["a", "!a", "a && b || c", "a && (b || !c)", "!(a && b) || d"])
 def test_guard_text_is_read_back_the_same(text):
     guard = parse_guard(text)
     assert parse_guard(guard_text(guard)) == guard

@@ -6,7 +6,7 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
-from generated import model_in, model_of, texts_of
+from generated import STRICT, model_in, model_of, texts_of
 from lxml import etree
 from workspaces import python_path, write
 
@@ -119,7 +119,7 @@ def test_the_package_is_clean(namesakes):
             done = run("-m", "ruff", *check, *config, place, cwd=namesakes)
             assert done.returncode == 0, done.stdout
     modules = ("-m", "tower.messages", "-m", "desk.messages", "-m", "nothing.messages")
-    mypy = ("-m", "mypy", "--strict", "--follow-imports", "silent", "--python-version", "3.10")
+    mypy = ("-m", "mypy", *STRICT)
     done = run(*mypy, *modules, MYPYPATH=path)
     assert done.returncode == 0, done.stdout
 

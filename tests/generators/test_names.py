@@ -4,7 +4,7 @@ import builtins
 import keyword
 import sys
 
-import pytest
+from for_each import for_each
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -12,7 +12,7 @@ from jausml.language.semantics.names import LONGEST
 from jausml_generators.python import names
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("name", "expected"),
     [
         ("PropulsiveLinearEffortX", "propulsive_linear_effort_x"),
@@ -39,7 +39,7 @@ def test_snake_case(name, expected):
     assert names.snake_case(name) == expected
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("name", "expected"),
     [
         ("NodeSeq", "NodeSeq"),
@@ -55,7 +55,7 @@ def test_class_name(name, expected):
     assert names.class_name(name) == expected
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("name", "expected"),
     [
         ("Periodic (SC)", "PERIODIC_SC"),
@@ -68,7 +68,7 @@ def test_constant_name(name, expected):
     assert names.constant_name(name) == expected
 
 
-@pytest.mark.parametrize(
+@for_each(
     "name", ["operator", "json", "rclpy", "test", "tomllib", "imp", "class", "main", "messages"]
 )
 def test_a_package_hides_no_module(name):

@@ -10,6 +10,7 @@ from types import SimpleNamespace
 
 import needs
 import pytest
+from for_each import for_each
 from generated import model_of
 from lxml import etree
 
@@ -61,7 +62,7 @@ def check_rep_149(root):
     assert depends == sorted(set(depends))
 
 
-@pytest.mark.parametrize("case", ["features", "hostile", "talk", "hosts", "one_host"])
+@for_each("case", ["features", "hostile", "talk", "hosts", "one_host"])
 def test_package_xml_obeys_rep_149(case):
     files = [
         artifact for path, artifact in artifacts(case).items() if path.endswith("/package.xml")

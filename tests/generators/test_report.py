@@ -14,7 +14,7 @@ from jausml.views.analysis.formats import html, json, text
 from jausml.views.analysis.report import report_of
 from jausml.views.analysis.sizes import Assumptions
 
-EXAMPLES = int(os.environ.get("JAUSML_EXAMPLES", "12"))
+EXAMPLES = int(os.environ.get("JAUSML_EXAMPLES", "6"))
 
 
 @settings(max_examples=EXAMPLES, suppress_health_check=list(HealthCheck), deadline=None)

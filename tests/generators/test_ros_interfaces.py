@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 import warm
+from for_each import for_each
 from generated import model_in, model_of, texts_of
 from scripts import succeeded
 
@@ -279,7 +280,7 @@ def test_integers_that_count_from_a_lower_limit_have_room_for_their_values():
     assert (fields["year"], fields["gear"], fields["years"]) == ("uint16", "int16", "uint16[2]")
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("function", "name", "expected"),
     [
         (field_name, "Velocity_X", "velocity_x"),
@@ -302,7 +303,7 @@ def test_names_of_constants():
     assert constant_name("1st", "x") == "N1ST_X"
 
 
-@pytest.mark.parametrize(
+@for_each(
     "line",
     [
         FieldDefinition("x", FieldType("string"), "a # b"),
@@ -317,7 +318,7 @@ def test_what_no_definition_can_say_is_an_error(line):
         assert code_of(line)
 
 
-@pytest.mark.parametrize(
+@for_each(
     "line",
     [
         FieldDefinition("x", FieldType("float64"), "much"),

@@ -8,7 +8,7 @@ import re
 
 import needs
 import pytest
-from generated import model_of, texts_of
+from generated import WITHOUT_PLUGINS, model_of, texts_of
 
 from jausml.generation.artifact import Kind
 from jausml.generation.contract.finding import FindingKind
@@ -120,14 +120,14 @@ def test_generated_tests_pass_and_can_fail(workspace, tmp_path):
         tmp_path,
     )
     tests = [workspace / name / "test" for name in ("everything", "odometry", "idle")]
-    done = run(*options, *tests, cwd=tmp_path, **ros_environment(workspace))
+    done = run(*options, *tests, cwd=tmp_path, **ros_environment(workspace, **WITHOUT_PLUGINS))
     assert "15 passed" in done.stdout, done.stdout
     broken = tmp_path / "broken"
     write("features", broken)
     base = broken / "everything" / "everything" / "everything_base.py"
     base.write_text(base.read_text().replace('"cmd_vel"', '"cmd"').replace('"/brake"', '"/break"'))
     test = broken / "everything" / "test"
-    done = run(*options, test, cwd=tmp_path, **ros_environment(broken))
+    done = run(*options, test, cwd=tmp_path, **ros_environment(broken, **WITHOUT_PLUGINS))
     assert "test_publishers" in done.stdout
     assert "test_clients" in done.stdout
     assert "2 failed, 5 passed" in done.stdout, done.stdout

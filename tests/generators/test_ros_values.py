@@ -2,6 +2,7 @@
 
 import needs
 import pytest
+from for_each import for_each
 from hypothesis import given
 from hypothesis import strategies as st
 from light_support import library
@@ -56,7 +57,7 @@ WRONG = {
 }
 
 
-@pytest.mark.parametrize("words", WRONG)
+@for_each("words", WRONG)
 def test_a_value_that_does_not_fit_is_an_error_that_names_its_field(words):
     with pytest.raises(EncodeError, match=f"^({words})"):
         sent(WRONG[words])

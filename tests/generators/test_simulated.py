@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 import warm
-from generated import model_in, run_in, text_of
+from generated import STRICT, model_in, run_in, text_of
 from ports import free_port
 from scripts import succeeded
 from workspaces import python_path
@@ -15,6 +15,8 @@ from jausml_generators.jaus_component.target import TARGET
 HERE = Path(__file__).parent
 MODEL = HERE / "simulated.ros2jaus"
 SUPPORT = HERE.parent / "support"
+
+PYTEST = ("-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "pytest_timeout")
 
 
 def generated(model: Path, folder: Path) -> Path:
@@ -35,7 +37,7 @@ def run(workspace: Path, *command: str | Path, **more: str) -> str:
 
 @pytest.mark.slow
 def test_the_component_does_as_it_is_told(workspace):
-    told = run(workspace, "-m", "pytest", "-q", "-p", "no:cacheprovider", HERE / "simulated_arm.py")
+    told = run(workspace, *PYTEST, HERE / "simulated_arm.py")
     assert "8 passed" in told
 
 
@@ -43,14 +45,14 @@ def test_the_component_does_as_it_is_told(workspace):
 @pytest.mark.ports
 def test_a_judge_has_every_answer_that_a_robot_should_give(tmp_path):
     robot = generated(HERE / "judged.ros2jaus", tmp_path)
-    words = ("-m", "pytest", "-q", "-p", "no:cacheprovider", HERE / "judges_messages.py")
+    words = (*PYTEST, HERE / "judges_messages.py")
     assert "1 passed" in run(robot, *words, JUDGED_PORT=str(free_port()))
 
 
 @pytest.mark.slow
 def test_its_code_is_clean(workspace):
     base = workspace / "arm" / "arm" / "arm_base.py"
-    run(workspace, "-m", "mypy", "--strict", base)
+    run(workspace, "-m", "mypy", *STRICT, base)
     run(workspace, "-m", "ruff", "check", "--isolated", base)
 
 

@@ -110,7 +110,7 @@ def test_it_refuses_what_a_generated_one_refuses(index, value):
     assert packed(TimeStamp, tuple(parts)) == packed(ANEW, tuple(parts))
 
 
-@pytest.mark.parametrize(
+@for_each(
     "layout",
     [
         with_group(0, name="Millis"),
@@ -138,7 +138,7 @@ def test_a_stamp_that_is_always_there_is_made_with_its_message():
     assert issubclass(cls, StampedMessage)
 
 
-@pytest.mark.parametrize("set_name", shipped_sets())
+@for_each("set_name", shipped_sets())
 def test_no_message_of_the_library_has_a_class_of_its_own(set_name):
     assert "class TimeStamp" not in library(set_name)[1]
 

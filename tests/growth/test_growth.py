@@ -149,7 +149,7 @@ VERBS = {
     Grown.report: (grown.connections, grown.service_connections, grown.components, grown.nodes),
     Grown.a_letter_in_an_editor: ALL,
 }
-SMALL = 15
+SMALL = 10
 
 
 def assert_growth(cost):
@@ -162,7 +162,7 @@ def assert_growth(cost):
     too_many = {
         function: (few[function], more[function], most[function])
         for function in most
-        if most[function] - more[function] > 2.3 * (more[function] - few[function]) + 100
+        if most[function] - more[function] > 2.3 * (more[function] - few[function]) + 50
     }
     assert too_many == {}
 

@@ -1,6 +1,7 @@
 """State machines of JSIDL, and what of them a model cannot say."""
 
 import pytest
+from for_each import for_each
 from jsidl_support import good, marked, run, service, winch
 
 RECEIVE = '<parameter type="{}" value="msg"/>'
@@ -88,7 +89,7 @@ def test_start_and_initial_state_may_differ():
     marked(text.replace("initial_state", "⟦JML624⟧initial_state"))
 
 
-@pytest.mark.parametrize(
+@for_each(
     "content",
     [
         '<push><end_state state="S"/>⟦JML624⟧<simple/></push>',

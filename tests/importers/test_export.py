@@ -90,7 +90,7 @@ def is_the_same_again(exported):
     return export_jsidl(imported.model, list(found.values())).documents == exported.documents
 
 
-@for_each("path", SETS, shards=4, slow=True)
+@for_each("path", SETS, shards=4, slow=True, rest=0)
 def test_a_set_of_the_library_comes_back(path):
     model = read_models([path]).model
     exported = export_jsidl(model, services(model))

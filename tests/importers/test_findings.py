@@ -1,6 +1,7 @@
 """What is wrong with JSIDL files is said with its place, all of it in one run."""
 
 import pytest
+from for_each import for_each
 from jsidl_support import MARKER, constants, good, marked, record, run, service, type_set
 
 from jausml.language.model.diagnostics import Severity
@@ -16,7 +17,7 @@ def one(fields, *others, types="", references=""):
     return found
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("text", "hint"),
     [
         ("⟦JML604⟧<record name='Empty' optional='false'/>", ""),
@@ -42,7 +43,7 @@ def test_containers(text, hint):
     assert hint in found.hint
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("text", "said"),
     [
         (
@@ -100,7 +101,7 @@ def test_all_findings_of_several_files_come_in_one_run():
     marked(first, second)
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("text", "rule", "place"),
     [
         (b"", "JML003", (1, 1)),

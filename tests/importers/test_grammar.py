@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 
 import pytest
+from for_each import for_each
 from jsidl_support import WINCH, constants, good, marked, record, run, service
 from lxml import etree
 
@@ -62,7 +63,7 @@ def exported(made):
     return re.sub(rb' interpretation="[^"]*"', b"", text)
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@for_each("kind", KINDS)
 def test_a_declared_type_is_what_it_stands_for_and_comes_back(kind):
     named = written(kind, "T", ON_OFF_REF)
     if ON_OFF_REF in named:

@@ -3,6 +3,7 @@
 import pytest
 from codec_strategies import messages
 from codec_support import load, render
+from for_each import for_each
 from hypothesis import HealthCheck, given, settings
 from jsidl_support import constants, good, record, run, service, type_set, winch
 
@@ -77,7 +78,7 @@ def test_types_are_found_through_sets_of_sets():
     assert (field.name, field.type.name) == ("V", "float64")
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("text", "value"),
     [
         ("-8*c.PI", -8 * 3.25),
@@ -219,7 +220,7 @@ def test_xml_1_1_and_processing_instructions_are_read():
     assert good(text).name == "Lamp"
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("urn", "name"),
     [
         ("urn:acme:jaus:Sampler", "acme"),

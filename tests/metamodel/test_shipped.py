@@ -3,7 +3,6 @@
 import re
 from importlib.resources import files
 
-import pytest
 from for_each import for_each
 from pyecore.ecore import EClass, EEnum, EObject, EProxy
 
@@ -109,7 +108,7 @@ def test_class(table):
     assert any(not subtype.abstract for subtype in table.subtypes)
 
 
-@pytest.mark.parametrize("name", sorted({table.package.name for table in CLASSES}))
+@for_each("name", sorted({table.package.name for table in CLASSES}))
 def test_classifier_names_are_unique(name):
     epackage = METAMODELS.package_named(name).epackage
     names = [e_classifier.name for e_classifier in epackage.eClassifiers]

@@ -6,6 +6,7 @@ from pathlib import Path
 from random import Random
 
 import pytest
+from generated import WITHOUT_PLUGINS
 from scripts import ran
 from sweeps import sweep
 
@@ -49,9 +50,9 @@ def ends(machine, *steps):
 def passed_in(path, folder, python_path):
     """Returns whether the tests of a folder pass beside packages, and what pytest says."""
     done = ran(
-        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "no:xdist", path],
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", path],
         cwd=folder,
-        env={**os.environ, "PYTHONPATH": python_path, "PYTEST_ADDOPTS": ""},
+        env={**os.environ, **WITHOUT_PLUGINS, "PYTHONPATH": python_path, "PYTEST_ADDOPTS": ""},
         timeout=200,
     )
     return done.returncode == 0, done.stdout

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
+from generated import WITHOUT_PLUGINS
 from lxml import etree
 from scripts import ran
 from sweeps import sweep
@@ -163,7 +164,8 @@ def results_of(model, examples, folder):
     result = CliRunner().invoke(main, ["generate", str(model), "--all", "-o", str(folder), "-q"])
     assert result.exit_code == 0, result.output
     line = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", str(examples)]
-    done = ran(line, env={**os.environ, "PYTHONPATH": python_path(folder)}, cwd=folder, timeout=100)
+    environment = {**os.environ, **WITHOUT_PLUGINS, "PYTHONPATH": python_path(folder)}
+    done = ran(line, env=environment, cwd=folder, timeout=100)
     return done.stdout.splitlines()[-1]
 
 

@@ -13,7 +13,7 @@ each definition without its comments. It was not read by the importer that made 
 import json
 from pathlib import Path
 
-import pytest
+from for_each import for_each
 
 from jausml.language.metamodel.classes import ros
 from jausml.language.model import library_root, read_models
@@ -44,7 +44,7 @@ def types_of(package: ros.InterfacePackage) -> dict[str, ros.MessageType]:
     return {message.name: message for message in (*package.messages, *parts)}
 
 
-@pytest.mark.parametrize("package", PUBLISHED)
+@for_each("package", PUBLISHED)
 def test_fields_are_the_published_ones(package):
     path = library_root() / "ros" / f"{package}.xmi"
     (root,) = (e for e in read_models([path]).model.roots if e.name == package)

@@ -39,7 +39,7 @@ def test_it_validates(project, notation, origin, jausml):
     assert done.output == "no problems in 1 file\n"
 
 
-@pytest.mark.parametrize("notation", sweep(["text", "xmi"], every=2))
+@pytest.mark.parametrize("notation", sweep(["text", "xmi"], every=2, rest=0))
 def test_it_generates_and_its_ci_is_content(project, notation, monkeypatch, jausml):
     folder = project("--notation", notation)
     monkeypatch.chdir(folder)

@@ -4,7 +4,6 @@ import json
 import re
 from pathlib import Path
 
-import emf_check
 import pytest
 import warm
 from sweeps import sweep
@@ -307,17 +306,6 @@ def test_its_name_is_one_that_is_free(ears, jausml, refused):
 
 
 @pytest.mark.slow
-@pytest.mark.needs("emf")
-def test_eclipse_opens_it(rover, jausml):
-    model = rover("xmi")
-    jausml("new", "bridge", "ears", "odom:nav_msgs/Odometry", "--yes")
-    jausml("new", "map", "own", *COMMAND, "--fill")
-    jausml("new", "map", "lights", *STATE, "--yes")
-    done = emf_check.ask(str(model.relative_to(model.parents[1])), cwd=model.parents[1])
-    assert (done.returncode, done.stdout) == (0, "")
-
-
-@pytest.mark.slow
 def test_it_asks_on_a_terminal(ears):
     model = ears("text")
     command = (*warm.command(), "new", "map", "own", *COMMAND)
@@ -354,9 +342,8 @@ def test_a_yes_on_a_terminal_lets_zeros_stop_a_command(ears):
 
 
 @pytest.mark.slow
-@NOTATION
-def test_only_a_word_of_its_own_lets_zeros_stop_a_command(ears, jausml, notation):
-    model = ears(notation)
+def test_only_a_word_of_its_own_lets_zeros_stop_a_command(ears, jausml):
+    model = ears("text")
     done = jausml("new", "map", "undecided", *COMMAND, "--fill", "--yes")
     assert "state what stops the command: stopRos and stopJaus; all of" in done.output
     undecided = map_in(model, "undecided")

@@ -121,10 +121,16 @@ def test_eclipse_opens_what_grew_and_would_save_it_as_it_is(rover, jausml):
         "new map speed ReportVelocityState std_msgs/Float64 --to-ros data=Velocity_X",
         "new service-connection status:std_srvs/Trigger QueryStatus --side operator",
         "new action-connection follow_waypoints:nav2_msgs/FollowWaypoints",
+        "new map own SetVelocityCommand geometry_msgs/Twist --fill",
+        "new component ocu --uses LocalPoseSensor",
+        "new node planner --publishes goal:geometry_msgs/Pose",
+        "new service Sonar --message SetDepth",
     ):
         jausml(*words.split())
+    others = sorted({*model.parent.rglob("*.xmi")} - {model})
+    assert len(others) > 1
     saved = model.with_name("saved.xmi")
-    done = emf_check.ask("--resave", saved, model)
+    done = emf_check.ask("--resave", saved, *others, model)
     assert (done.returncode, done.stdout) == (0, "")
     assert model.read_text("utf-8") == saved.read_text("utf-8")
 

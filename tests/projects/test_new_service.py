@@ -1,6 +1,5 @@
 """`jausml new service`: services with messages, in both notations."""
 
-import emf_check
 import pytest
 from sweeps import sweep
 
@@ -105,14 +104,6 @@ def test_it_inherits_what_is_said(water, jausml):
     assert found["A"].inherits is None
     assert name_of(found["B"].inherits) == "VelocityStateSensor"
     jausml("validate", model)
-
-
-@pytest.mark.needs("emf")
-def test_eclipse_opens_it(rover, jausml):
-    model = rover("xmi")
-    jausml("new", "service", "Sonar", "--message", "SetDepth")
-    done = emf_check.ask(str(model.relative_to(model.parents[1])), cwd=model.parents[1])
-    assert (done.returncode, done.stdout) == (0, "")
 
 
 @pytest.mark.parametrize(

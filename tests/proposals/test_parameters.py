@@ -1,11 +1,11 @@
 """What parameters of nodes mean for a model."""
 
-import pytest
+from for_each import for_each
 
 from jausml.authoring.proposals.topics import described_joints, frame_role, is_worth_reading, says
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("name", "told"),
     [
         ("odom_frame_id", "name of a frame"),
@@ -23,7 +23,7 @@ def test_names_that_packages_give(name, told):
     assert told in says(name, 1.5)
 
 
-@pytest.mark.parametrize(
+@for_each(
     "name", ["qos_overrides./odom.publisher.depth", "enable_odom_tf", "frames", "timeout_of_tea"]
 )
 def test_others_are_not_read(name):
@@ -41,7 +41,7 @@ def test_frames_by_their_roles():
     assert list(map(frame_role, names)) == ["odom", "base_link", "map", ""]
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("text", "joints"),
     [
         ('<joint name="a" type="revolute"/><joint type="fixed" name="b"/>', ["a"]),

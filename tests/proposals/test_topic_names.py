@@ -3,7 +3,7 @@
 import re
 from collections import defaultdict
 
-import pytest
+from for_each import for_each
 from sources import ROOT
 
 from jausml.authoring.proposals.new_elements import free_name
@@ -32,7 +32,7 @@ def first(name, kind, side="vehicle", **known):
     return next((name_of(crossing.map) for crossing in ways(name, kind, side, **known)), None)
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("name", "kind"),
     [
         ("e_stop/set", "std_msgs/Bool"),
@@ -51,7 +51,7 @@ def test_a_bare_value_whose_name_says_nothing_is_proposed_as_nothing(name, kind)
     assert ways(name, kind, maps=("a map that a person names",))
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("name", "kind", "used"),
     [
         ("headlights", "std_msgs/Bool", "set_headlights"),
@@ -112,7 +112,7 @@ def test_one_message_is_not_that_of_two_topics():
     assert clashes(lamps) == []
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("names", "robots"),
     [
         (["cmd_vel", "odom"], []),

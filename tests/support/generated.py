@@ -14,6 +14,11 @@ from jausml.generation.target import Target
 from jausml.language.model import Model, Severity, read_models
 from jausml.language.text.notation import NOTATIONS
 
+WITHOUT_PLUGINS = {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
+"""Tests of packages need none of pytest's, and those are half of what it takes to begin."""
+STRICT = ("--strict", "--follow-imports=silent", "--python-version=3.10")
+"""How mypy judges generated code: what it knows of one set of options serves all who have it."""
+
 
 def model_of(*paths: Path, **options: Any) -> Model:
     """Returns the model of documents, of which nothing worse is said than an info."""
@@ -47,7 +52,7 @@ def run_in(workspace: Path, *command: str | Path, cwd: Path | None = None, **mor
     done = succeeded(
         [sys.executable, *command],
         cwd=cwd or workspace,
-        env={**os.environ, "PYTHONPATH": path, "MYPYPATH": path, **more},
+        env={**os.environ, **WITHOUT_PLUGINS, "PYTHONPATH": path, "MYPYPATH": path, **more},
         timeout=110,
     )
     return done.stdout + done.stderr

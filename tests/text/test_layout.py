@@ -3,7 +3,7 @@
 import dataclasses
 import re
 
-import pytest
+from for_each import for_each
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -347,9 +347,7 @@ def test_values_that_do_not_fit_go_on_in_the_next_line():
     assert without_spans(parse(text).document) == SyntaxTree([feature])
 
 
-@pytest.mark.parametrize(
-    "text", ["", "a", "a */ b", "*\\/", " a", "a ", "\na", "*", "/", "a\nb", "a\n\n* b"]
-)
+@for_each("text", ["", "a", "a */ b", "*\\/", " a", "a ", "\na", "*", "/", "a\nb", "a\n\n* b"])
 def test_documentation_that_a_comment_holds(text):
     item = Import(Name("x"), documentation=text)
     back = parse(lay_out(SyntaxTree([item]))).document.items[0]

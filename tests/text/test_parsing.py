@@ -7,6 +7,7 @@ import textwrap
 from pathlib import Path
 
 import pytest
+from for_each import for_each
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -96,7 +97,7 @@ def test_spans():
     assert element.name.span == Span(2, 10, 2, 15)
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("text", "fault", "hint"),
     [
         ("m { JAUS->ROS ( speed } }", "expected '->' or ',' behind 'speed', found '}'", ""),
@@ -173,7 +174,7 @@ def test_elements_need_no_block():
     )
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("text", "place", "pair"),
     [
         ("b { provides: A B\n connection a { } }", "1:17", "'A' and 'B'"),
@@ -192,7 +193,7 @@ def test_missing_comma_is_reported_at_its_place_with_the_cure(text, place, pair)
     assert fault.hint == f"write a comma between {pair}"
 
 
-@pytest.mark.parametrize(
+@for_each(
     "text",
     [
         "b { a: x qos { } }",

@@ -3,7 +3,7 @@
 import re
 from pathlib import Path
 
-import pytest
+from for_each import for_each
 
 from jausml.language.text.notation import TEXT_RULES
 from jausml.language.validation.engine import check
@@ -12,7 +12,7 @@ HERE = Path(__file__).parent
 SOURCES = HERE.parents[1] / "jausml" / "language" / "text"
 
 
-@pytest.mark.parametrize("rule", TEXT_RULES)
+@for_each("rule", TEXT_RULES)
 def test_a_rule_says_what_is_bad_and_what_is_good(rule):
     info = TEXT_RULES[rule]
     assert re.fullmatch(r"JML7\d\d", rule)

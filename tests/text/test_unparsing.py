@@ -1,6 +1,7 @@
 """How models read in ros2jaus text."""
 
 import pytest
+from for_each import for_each
 
 from jausml.language.metamodel import load_metamodels
 from jausml.language.model import read_models
@@ -297,7 +298,7 @@ def test_values_that_defaults_hide(text_of):
     assert "host { multicastTtl: 0 }" in text
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("value", "number"),
     [
         (0.0, "0"),

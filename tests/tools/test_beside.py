@@ -4,7 +4,6 @@ import ast
 import re
 from pathlib import Path
 
-import pytest
 from for_each import for_each
 
 HERE = Path(__file__).resolve()
@@ -88,7 +87,7 @@ def test_nothing_else_looks_outside_of_the_checkout(path):
         assert Looking(text, path).outside == []
 
 
-@pytest.mark.parametrize(
+@for_each(
     "line",
     [
         'GOLDEN = Path(__file__).resolve().parents[3] / "golden"',

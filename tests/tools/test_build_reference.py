@@ -5,8 +5,8 @@ from pathlib import Path
 
 import build_reference
 import click
-import pytest
 from click.testing import CliRunner
+from for_each import for_each
 
 from jausml.cli import main
 from jausml.language.metamodel import load_metamodels
@@ -21,7 +21,7 @@ def sections(name: str) -> list[str]:
     return re.findall(r"^## (.+)$", build_reference.MAKERS[name](), re.MULTILINE)
 
 
-@pytest.mark.parametrize("language", build_reference.LANGUAGES)
+@for_each("language", build_reference.LANGUAGES)
 def test_each_class_has_a_section(language):
     package = load_metamodels().package_named(language).epackage
     kinds = [str(classifier.name) for classifier in package.eClassifiers]

@@ -4,6 +4,7 @@ import os
 
 import fresh
 import pytest
+from for_each import for_each
 from fresh import (
     FOLDER,
     SYSTEMS,
@@ -24,7 +25,7 @@ AGAIN = "== 1 failed, 2 passed in 0.52s ==\n"
 SKIPPED = "3 skipped: needs tshark\n1 skipped: needs a JDK\n"
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("log", "reason", "outcome"),
     [
         (SKIPPED + "== 40 passed, 4 skipped in 61.20s (0:01:01) ==\n", "", (40, 0)),

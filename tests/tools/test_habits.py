@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+from for_each import for_each
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 from scripts import ran
@@ -160,7 +161,7 @@ ORDER = re.compile(
 """How a docstring would order what its function is to do. Help of commands does, for users."""
 
 
-@pytest.mark.parametrize("folder", ["jausml", "generators", "tools", "benchmarks"])
+@for_each("folder", ["jausml", "generators", "tools", "benchmarks"])
 def test_docstrings_say_what_functions_do(folder):
     orders = [
         f"{path.relative_to(ROOT)}: {order[0].strip()}"

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import needs
 import pytest
+from for_each import for_each
 from scripts import ran
 from sweeps import sweep
 
@@ -102,7 +103,7 @@ def test_what_stands_beside_is_chosen_and_found(run, tmp_path):
     assert "1 passed, 4 deselected" in done.stdout, done.stdout
 
 
-@pytest.mark.parametrize("name", sorted(needs.NEEDS))
+@for_each("name", sorted(needs.NEEDS))
 def test_each_need_is_met_or_says_how(name):
     cure = needs.missing(name)
     assert not cure or cure.startswith(("apt install ", "pip install ", "make ", "run "))

@@ -10,6 +10,7 @@ from pathlib import Path
 import processor_time
 import pytest
 import warm
+from for_each import for_each
 
 GUARDS = ("CONTRIBUTING.md",)
 
@@ -37,7 +38,7 @@ def test_the_table_of_the_project_names_files_that_are_there():
     assert [file for file in listed if not (ROOT / "tests" / file).is_file()] == []
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("listed", "spent", "found"),
     [
         ({}, {"a.py": 24.0}, []),

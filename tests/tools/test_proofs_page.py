@@ -17,14 +17,14 @@ GUARDS = ("tools/build_proofs.py", "models/library/mappings")
 @pytest.mark.needs("compiler")
 def test_a_ready_map_makes_a_page(tmp_path):
     page = tmp_path / "made" / "proofs.md"
-    (maps,) = (path for path in library_paths("mappings") if path.stem == "odometer")
-    build_proofs.main(["--budget", "0.1", "--page", str(page), str(maps)])
+    (maps,) = (path for path in library_paths("mappings") if path.stem == "cost_map_2d")
+    build_proofs.main(["--jobs", "1", "--page", str(page), str(maps)])
     text = page.read_text(encoding="utf-8")
     model = check_project([str(maps)]).model
     names = [str(attribute_map.name) for attribute_map in model.instances(bridge.AttributeMap)]
     assert re.findall(r"^### (\w+)$", text, re.MULTILINE) == names
     assert text.startswith(build_proofs.HEAD)
-    assert "ReportOdometry and Float64: 2 numbers" in text
+    assert "- left to Python: cost_map_to_ros: " in text
 
 
 def test_what_was_found_of_a_map_is_told():

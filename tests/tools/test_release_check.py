@@ -3,6 +3,7 @@
 from importlib import metadata
 
 import pytest
+from for_each import for_each
 from release_check import PAGES, USED, NotReleasableError, check_page, check_version, lowest
 
 CHANGELOG = "# Changelog\n\n## [Unreleased]\n\n## [1.2.3] - 2026-01-02\n"
@@ -12,7 +13,7 @@ def test_a_version_with_a_day_and_without_a_tag_is_free():
     check_version("1.2.3", CHANGELOG, ["v1.2.2"])
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("version", "tags", "said"),
     [
         ("1.2", [], "not of the form"),

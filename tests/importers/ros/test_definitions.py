@@ -1,6 +1,7 @@
 """What is wrong with a definition is said with its place; what is right is read exactly."""
 
 import pytest
+from for_each import for_each
 
 from jausml.language.interfaces import parse_definition
 from jausml.language.interfaces.definitions import FieldType
@@ -17,7 +18,7 @@ def fault(text, kind="msg"):
     return found
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("line", "kind", "default"),
     [
         ("float64 x", FieldType("float64"), None),
@@ -64,7 +65,7 @@ def test_field(line, kind, default):
     assert (field.name, field.type, field.default) == ("x", kind, default)
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("line", "kind", "name", "value"),
     [
         ("int8 A=-2", "int8", "A", "-2"),
@@ -112,7 +113,7 @@ def test_sections_of_services_and_actions():
     assert names == [["length"], ["success"], ["done"]]
 
 
-@pytest.mark.parametrize("text", ["", "\n\n", "# only a comment", "\ufeff# mark\r\n\r\n"])
+@for_each("text", ["", "\n\n", "# only a comment", "\ufeff# mark\r\n\r\n"])
 def test_message_without_facts(text):
     section = message(text)
     assert not section.fields
@@ -128,7 +129,7 @@ def test_line_ends_and_byte_order_mark(ending):
     assert [c.value for c in section.constants] == ["1"]
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("text", "rule", "line", "column", "hint"),
     [
         ("what?", "JML643", 1, 1, "<type> <name>"),

@@ -4,6 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from for_each import for_each
 
 from jausml.language.importers.ros import import_packages, package_sources
 from jausml.language.interfaces import Installation
@@ -119,7 +120,7 @@ def facts(section, package):
 WHOLE = "module t_msgs { module msg { %s }; };"
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("text", "rule", "column", "said"),
     [
         ("enum Colour { RED };", "JML652", 30, "'enum' declares nothing"),

@@ -1,6 +1,7 @@
 """Packages: nested types, the library, packages imported along, names and what goes wrong."""
 
 import pytest
+from for_each import for_each
 
 from jausml.language.importers.ros import (
     InterfaceFile,
@@ -104,7 +105,7 @@ def test_a_message_and_a_service_of_one_name():
     assert '<services xmi:id="services.Same" name="Same">' in written
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("text", "rule", "place", "hint"),
     [
         ("Rpoe rope", "JML648", "winch_msgs/Winch.msg:1:1", "did you mean 'Rope'?"),
@@ -135,7 +136,7 @@ def test_header_of_the_package_itself_is_no_shorthand():
     assert field.messageType.eContainer().name == "a_msgs"
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("source", "rule"),
     [
         (PackageSource("Winch", [InterfaceFile("Winch/A.msg", b"bool x")]), "JML641"),

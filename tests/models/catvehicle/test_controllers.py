@@ -13,6 +13,7 @@ from catvehicle import (
     VelocityController,
 )
 from catvehicle.velocity import lateral_acceleration, safe_speed
+from for_each import for_each
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -67,7 +68,7 @@ def test_steering_command_stays_within_the_limit(x, y, psi, v):
     assert abs(STEERING.command(Pose(x, y, psi), v)) <= PARAMETERS.steering_limit
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("bound", "degrees", "speed"),
     [
         (2.0, 2, 12.3),

@@ -3,11 +3,12 @@
 import pytest
 from catvehicle import SteeringController, StraightArcStraight, VehicleParameters
 from catvehicle.logic import AngleSignal, SpeedLogic, SpeedReport, SteeringLogic
+from for_each import for_each
 
 PARAMETERS = VehicleParameters()
 
 
-@pytest.mark.parametrize("late", [0.0, 0.001, 0.02, 0.039])
+@for_each("late", [0.0, 0.001, 0.02, 0.039])
 def test_an_angle_is_carried_on_to_the_time_of_the_speed(late):
     logic = SteeringLogic(PARAMETERS)
     for index in range(10):

@@ -5,6 +5,7 @@ import math
 
 import pytest
 from catvehicle import VehicleParameters
+from for_each import for_each
 
 
 def test_every_parameter_has_meaning_unit_and_source():
@@ -58,7 +59,7 @@ def test_a_changed_value_loses_its_source():
     assert rows["wheelbase"].source.startswith("catvehicle")
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("name", "value"),
     [
         ("wheelbase", 0.0),

@@ -4,6 +4,7 @@ import math
 
 import pytest
 from catvehicle import Pose, StraightArcStraight, VehicleParameters, wrap_angle
+from for_each import for_each
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -24,7 +25,7 @@ def test_left_turn_is_its_mirror_image():
         assert (left.x, left.y, left.psi) == pytest.approx((right.x, -right.y, -right.psi))
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("path", "x", "y", "error", "station"),
     [
         (RIGHT, 10.0, 1.0, 1.0, 10.0),
@@ -101,7 +102,7 @@ def test_wrapped_angle_points_the_same_way(angle):
     assert math.sin(wrapped) == pytest.approx(math.sin(angle), abs=1e-9)
 
 
-@pytest.mark.parametrize(
+@for_each(
     "shape",
     [(0.0, 12.0, -1.0, 25.0), (25.0, -12.0, -1.0, 25.0), (25.0, 12.0, 0.0, 25.0), (25, 12, 4, 25)],
 )

@@ -4,6 +4,7 @@ import math
 
 import pytest
 from catvehicle import BicyclePlant, VehicleParameters, VehicleState
+from for_each import for_each
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -116,7 +117,7 @@ def test_state_stays_within_its_limits(commands):
         assert abs(state.delta) <= PARAMETERS.steering_limit
 
 
-@pytest.mark.parametrize("dt", [0.0, 1e-7, 0.0004, 0.001, 0.0015, 0.04, 0.0413, 1.0 / 3.0])
+@for_each("dt", [0.0, 1e-7, 0.0004, 0.001, 0.0015, 0.04, 0.0413, 1.0 / 3.0])
 def test_advance_takes_exactly_the_time_asked_for(dt):
     state = moving(5.0, 0.0).advance(dt)
 

@@ -3,10 +3,10 @@ reports bunch on their way."""
 
 from itertools import pairwise
 
-import pytest
 from catvehicle.parameters import VehicleParameters
 from catvehicle.path import StraightArcStraight
 from catvehicle.progress import REST, STUCK, Progress, is_at_goal
+from for_each import for_each
 
 PATH = StraightArcStraight.right_turn(VehicleParameters())
 END = PATH.at(PATH.length)
@@ -81,7 +81,7 @@ def test_speed_is_that_of_the_reports_times():
     assert all(" 9.0 m/s" in line for line in lines[:2])
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("along", "aside", "is_there"),
     [(0.0, 0.0, True), (-1.9, 0.0, True), (-2.1, 0.0, False), (1.9, 0.0, True), (2.1, 0.0, False),
      (0.0, 4.9, True), (0.0, 5.1, False)],

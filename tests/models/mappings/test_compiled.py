@@ -151,7 +151,7 @@ def view_of(message: Any) -> Any:
     return build_message_map([message])[message]
 
 
-@for_each(("stem", "each"), to_ros, ids=name, shards=32, slow=True, rest=16)
+@for_each(("stem", "each"), to_ros, ids=name, shards=32, slow=True, rest=0)
 @settings(max_examples=15, deadline=None, suppress_health_check=list(HealthCheck))
 @given(data=st.data(), seed=SEEDS)
 def test_to_ros(program, translator, stem, each, data, seed):
@@ -173,7 +173,7 @@ def test_to_ros(program, translator, stem, each, data, seed):
         check(connection, method, function, sent, **joins)
 
 
-@for_each(("stem", "each"), to_jaus, ids=name, shards=32, slow=True, rest=16)
+@for_each(("stem", "each"), to_jaus, ids=name, shards=32, slow=True, rest=0)
 @settings(max_examples=10, deadline=None)
 @given(seed=SEEDS)
 def test_to_jaus(program, translator, stem, each, seed):

@@ -35,15 +35,15 @@ def ears(tmp_path_factory):
     return Bridge(tmp_path_factory.mktemp("ears"))
 
 
-@pytest.fixture(scope="module", params=sweep([4, 1], every=2), ids=["some", "all"])
+@pytest.fixture(scope="module", params=sweep(range(4), every=4))
 def ready_maps(request):
-    """The ready maps of topics, or each so-manieth of them."""
+    """The ready maps of topics, each fourth of them."""
     found = [
         attribute_map
         for attribute_map in library().instances(bridge.AttributeMap)
         if isinstance(attribute_map.type.eContainer(), ros.InterfacePackage)
     ]
-    return found[:: request.param]
+    return found[request.param :: 4]
 
 
 @pytest.fixture(scope="module")
