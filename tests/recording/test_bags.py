@@ -181,7 +181,7 @@ def test_a_message_that_unpacks_to_too_much_is_refused(tmp_path):
         database.commit()
     found, fault = times(path)
     assert found == [0, 1, 2]
-    assert "a message of /talk unpacks to 268,435,457 bytes" in fault
+    assert "a message of /talk unpacks to more than 268,435,456 bytes" in fault
 
 
 def test_a_file_that_unpacks_out_of_proportion_is_refused(tmp_path, monkeypatch):
@@ -190,4 +190,25 @@ def test_a_file_that_unpacks_out_of_proportion_is_refused(tmp_path, monkeypatch)
     packer = zstandard.ZstdCompressor().compressobj()  # without its size in its head
     (path / "run.db3.zstd").write_bytes(packer.compress(bytes(1 << 22)) + packer.flush())
     with pytest.raises(RecordingError, match=r"unpacks to more than 1,048,576 bytes"):
+        list(Bag(str(path)).messages())
+
+
+def test_a_file_of_several_frames_is_read_whole(tmp_path):
+    path = bag(tmp_path / "run", StoragePlugin.SQLITE3, CompressionMode.FILE)
+    file = path / "run.db3.zstd"
+    contents = zstandard.ZstdDecompressor().stream_reader(file.read_bytes()).read()
+    middle = len(contents) // 2  # parallel compressors write a frame for each part
+    parts = (contents[:middle], contents[middle:])
+    file.write_bytes(b"".join(zstandard.compress(part) for part in parts))
+    assert times(path) == (list(range(COUNT)), "")
+
+
+@pytest.mark.parametrize("states_its_size", [True, False])
+def test_a_file_that_ends_in_the_midst_of_a_frame_is_refused(tmp_path, states_its_size):
+    path = bag(tmp_path / "run", StoragePlugin.SQLITE3, CompressionMode.FILE)
+    file = path / "run.db3.zstd"
+    contents = zstandard.ZstdDecompressor().stream_reader(file.read_bytes()).read()
+    packer = zstandard.ZstdCompressor(write_content_size=states_its_size)
+    file.write_bytes(packer.compress(contents)[:-10])
+    with pytest.raises(RecordingError, match="ends in the midst of a frame of zstd"):
         list(Bag(str(path)).messages())

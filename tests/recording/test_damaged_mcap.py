@@ -152,7 +152,7 @@ def bomb(stated, made):
     ("stated", "made", "said"),
     [
         (1 << 30, 1 << 10, "unpacks to 1,073,741,824 bytes; 268,435,456 are read at most"),
-        (1 << 10, 1 << 24, "unpacks to 16,777,216 bytes, and 1,024 are read at most"),
+        (1 << 10, 1 << 24, "unpacks to more than 1,024 bytes"),
         (1 << 10, 1 << 9, "has 512 of 1,024 bytes"),
         (1 << 20, 1 << 20, "holds what is no record"),
         ((1 << 64) - 1, 1 << 10, "unpacks to 18,446,744,073,709,551,615 bytes"),

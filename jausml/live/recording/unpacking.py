@@ -4,80 +4,98 @@ from __future__ import annotations
 
 import io
 from collections.abc import Iterator
-from typing import BinaryIO, cast
+from typing import BinaryIO
 
 MOST_UNPACKED = 256 << 20
 """Bytes that a chunk or a message of a recording may have, unpacked."""
 
 _STEP = 1 << 20
-_LARGEST_HEAD = 18
-"""Bytes of the head of a frame at most (RFC 8878)."""
+_FEED = 1 << 10
+"""Compressed bytes that are unpacked at once: zstd makes 32 MiB of them at most."""
 
 _LARGEST_RATIO = 1000
-"""Bytes that one byte of a compressed file may become: no recording is packed as well."""
+"""Bytes that one byte of a compressed file may become; recordings are compressed less."""
 
 
 class DamageError(Exception):
-    """A part of a recording that cannot be read; the text has the reason and the place."""
+    """A part of a recording that cannot be read.
+
+    The text says what it does or has, e.g. `unpacks to more than 5 bytes`; whoever knows the place
+    puts the place before it.
+    """
 
 
 def unpacked(data: bytes, compression: str, most: int = MOST_UNPACKED) -> bytes:
     """Returns the unpacked bytes.
 
     Args:
-        compression: As MCAP names it: empty, `lz4` or `zstd`.
-        most: How many bytes it may be.
+        data: The bytes as they are recorded.
+        compression: As MCAP names it: `lz4`, `zstd`, or empty for bytes that are returned as they
+            are.
+        most: How many bytes compressed ones may become.
 
     Raises:
-        DamageError: It is more, or is not compressed in this way.
+        DamageError: They become more, end too early, or are not compressed in this way.
+        ImportError: The library of the compression is not installed.
     """
     if not compression:
         return data
-    return b"".join(_pieces(io.BytesIO(data), compression, most))
+    return b"".join(_limited(io.BytesIO(data), compression, most))
 
 
 def unpack_file(source: BinaryIO, target: BinaryIO) -> None:
     """Writes the unpacked contents of a file that zstd compressed.
 
     Raises:
-        DamageError: It is no such file, or becomes out of proportion large.
+        DamageError: It is no such file, ends too early, or becomes out of proportion large.
+        OSError: The file cannot be read, or the target not be written.
     """
     most = max(MOST_UNPACKED, source.seek(0, io.SEEK_END) * _LARGEST_RATIO)
     source.seek(0)
-    for piece in _pieces(source, "zstd", most):
+    for piece in _limited(source, "zstd", most):
         target.write(piece)
 
 
-def _pieces(source: BinaryIO, compression: str, most: int) -> Iterator[bytes]:
-    """Yields the unpacked bytes, piece by piece."""
+def _limited(source: BinaryIO, compression: str, most: int) -> Iterator[bytes]:
+    """Yields the unpacked bytes piece by piece, `most` of them at most."""
+    unpack = _READERS.get(compression)
+    if unpack is None:
+        raise DamageError(f"is compressed by '{compression[:20]}', which is not read")
     left = most
     try:
-        reader, stated = _opened(source, compression)
-        if stated > most:
-            raise DamageError(f"unpacks to {stated:,} bytes, and {most:,} are read at most")
-        while piece := reader.read(min(_STEP, left + 1)):
+        for piece in unpack(source):
             left -= len(piece)
             if left < 0:
                 raise DamageError(f"unpacks to more than {most:,} bytes")
             yield piece
-    except (DamageError, ImportError):
+    except (DamageError, ImportError, OSError):
         raise
     except Exception as error:  # the libraries raise anything on such bytes
         raise DamageError(f"is not compressed by {compression}") from error
-    if 0 <= stated != most - left:
-        raise DamageError(f"unpacks to {most - left:,} of {stated:,} bytes")
 
 
-def _opened(source: BinaryIO, compression: str) -> tuple[BinaryIO, int]:
-    """Returns the reader that unpacks, and the stated size in bytes; -1 for unknown."""
-    if compression == "zstd":
-        import zstandard  # noqa: PLC0415 - an extra
+def _unpack_zstd(source: BinaryIO) -> Iterator[bytes]:
+    """Yields the contents of the frames, one after the other (RFC 8878, 3)."""
+    import zstandard  # noqa: PLC0415 - an extra
 
-        stated = zstandard.frame_content_size(source.read(_LARGEST_HEAD))
-        source.seek(0)
-        return cast("BinaryIO", zstandard.ZstdDecompressor().stream_reader(source)), stated
-    if compression == "lz4":
-        import lz4.frame  # noqa: PLC0415 - an extra
+    frame = zstandard.ZstdDecompressor().decompressobj()
+    data = source.read(_FEED)
+    while data:
+        if frame.eof:
+            frame = zstandard.ZstdDecompressor().decompressobj()
+        yield frame.decompress(data)
+        data = frame.unused_data or source.read(_FEED)
+    # The library checks the size that a frame states, but not all frames state one.
+    if not frame.eof:
+        raise DamageError("ends in the midst of a frame of zstd")
 
-        return cast("BinaryIO", lz4.frame.open(source)), -1
-    raise DamageError(f"is compressed by '{compression[:20]}', which is not read")
+
+def _unpack_lz4(source: BinaryIO) -> Iterator[bytes]:
+    import lz4.frame  # noqa: PLC0415 - an extra
+
+    reader = lz4.frame.open(source)
+    while piece := reader.read(_STEP):
+        yield piece
+
+
+_READERS = {"zstd": _unpack_zstd, "lz4": _unpack_lz4}
