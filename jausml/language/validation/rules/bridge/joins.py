@@ -27,10 +27,10 @@ from jausml.language.validation.rule import Finding, Note, rule
 def joins(_: Subject, attribute_map: bridge.AttributeMap) -> Iterator[Finding]:
     """A join has a unique name, a time after which it is stale, and a topic that feeds it.
 
-    Source paths begin with the name of the join, so it differs from the fields of the main type. A
-    connection from ROS to JAUS has a topic for each join of its map, but for one with `whenStale`
-    leave, whose fields are absent then; and one or more without a join, which the map is for. From
-    JAUS to ROS there is nothing to join.
+    Source paths begin with the name of the join, so it differs from the fields of the main type and
+    from other joins. A connection from ROS to JAUS has a topic for each join of its map, but for
+    one with `whenStale` leave, whose fields are absent then; and one or more without a join, which
+    the map is for. From JAUS to ROS there is nothing to join.
 
     Bad: a map with the join imu, and a connection whose one topic has no join
 
@@ -41,9 +41,8 @@ def joins(_: Subject, attribute_map: bridge.AttributeMap) -> Iterator[Finding]:
         if attribute_map.type is not None
         else set()
     )
-    used = used_joins(attribute_map.toJaus)
-    for join in attribute_map.joins:
-        yield from join_findings(join, "join", "type", fields, used)
+    used = first_names(attribute_map.toJaus)
+    yield from join_findings(attribute_map.joins, "join", "type", fields, used)
 
 
 @joins.also(bridge.Connection)
@@ -53,14 +52,34 @@ def _joins_connection(subject: Subject, connection: bridge.Connection) -> Iterat
 
 
 def join_findings(
-    join: bridge.Join | bridge.ReportJoin, kind: str, main: str, fields: set[str], used: set[str]
+    joins_of_map: Iterable[bridge.Join | bridge.ReportJoin],
+    kind: str,
+    main: str,
+    fields: set[str],
+    used: set[str],
 ) -> Iterator[Finding]:
-    """Yields the findings about a join of topics or of reports.
+    """Yields the findings about the joins of a map, of topics or of reports.
 
     Args:
-        main: Whether the map is for a `message` or a `type`, whose fields have names too.
-        used: What the source paths of the map begin with.
+        joins_of_map: All joins of the kind that the map has.
+        kind: How findings call one: `join` or `report join`.
+        main: How findings call what is not joined: `type` or `message`.
+        fields: The names of its fields.
+        used: The first names of the source paths of the map.
     """
+    first_of_name: dict[str, bridge.Join | bridge.ReportJoin] = {}
+    for join in joins_of_map:
+        yield from _single_join_findings(join, kind, main, fields, used)
+        first = first_of_name.setdefault(str(join.name), join)
+        if first is not join:
+            note = Note(first, "the other one", "name")
+            message = f"two {kind}s are named '{join.name}'"
+            yield Finding(join, message, "name", related=(note,))
+
+
+def _single_join_findings(
+    join: bridge.Join | bridge.ReportJoin, kind: str, main: str, fields: set[str], used: set[str]
+) -> Iterator[Finding]:
     if not SHORTEST_TIME <= join.freshness <= LONGEST_FRESHNESS:
         message = f"freshness {join.freshness:g} of '{join.name}' is not"
         message += f" {SHORTEST_TIME:g} to {LONGEST_FRESHNESS:g} s"
@@ -76,7 +95,6 @@ def join_findings(
 def _topic_findings(connection: bridge.Connection) -> Iterator[Finding]:
     known = list(connection.map.joins)
     is_to_jaus = not is_to_ros(connection)
-    main = [topic for topic in connection.topics if topic.join is None]
     for topic in connection.topics:
         if topic.join is not None and not is_to_jaus:
             message = f"topic '{topic.name}' is published to, it feeds no join"
@@ -87,7 +105,7 @@ def _topic_findings(connection: bridge.Connection) -> Iterator[Finding]:
             yield Finding(topic, message, "join", related=(note,))
     if not is_to_jaus:
         return
-    if connection.topics and not main:
+    if connection.topics and all(topic.join is not None for topic in connection.topics):
         message = f"'{connection.name}' has no topic without a join, which the map is for"
         yield Finding(connection, message, "topics")
     for join in known:
@@ -99,13 +117,13 @@ def _topic_findings(connection: bridge.Connection) -> Iterator[Finding]:
             yield Finding(connection, message, "topics", hint, (note,))
 
 
-def used_joins(assignments: Iterable[bridge.Assignment]) -> set[str]:
-    """Returns the first names of source paths, those in lists included: joins and fields."""
+def first_names(assignments: Iterable[bridge.Assignment]) -> set[str]:
+    """Returns the first names of source paths, those in lists included: of joins and of fields."""
     names: set[str] = set()
     for assignment in assignments:
         names |= {path.lstrip("/").partition(".")[0] for path in source_paths(assignment)}
         if isinstance(assignment, bridge.ListAssignment):
-            names |= used_joins(assignment.assignments)
+            names |= first_names(assignment.assignments)
     return names
 
 

@@ -19,7 +19,7 @@ from jausml.language.semantics.jaus.services import (
 from jausml.language.semantics.subject import Subject
 from jausml.language.validation.findings import provider_name, unprovided
 from jausml.language.validation.rule import Finding, Note, rule
-from jausml.language.validation.rules.bridge.joins import join_findings, used_joins
+from jausml.language.validation.rules.bridge.joins import first_names, join_findings
 
 
 @rule("JML494", "report join used wrongly", kinds=bridge.AttributeMap)
@@ -37,15 +37,8 @@ def report_joins(subject: Subject, attribute_map: bridge.AttributeMap) -> Iterat
     if not attribute_map.reportJoins or not subject.is_intact(attribute_map.message):
         return
     fields = {str(one.name) for one in attributes(attribute_map.message)}
-    names = used_joins(attribute_map.toRos)
-    seen: dict[str, bridge.ReportJoin] = {}
-    for join in attribute_map.reportJoins:
-        yield from join_findings(join, "report join", "message", fields, names)
-        first = seen.setdefault(str(join.name), join)
-        if first is not join:
-            note = Note(first, "the other one", "name")
-            message = f"two report joins are named '{join.name}'"
-            yield Finding(join, message, "name", related=(note,))
+    used = first_names(attribute_map.toRos)
+    yield from join_findings(attribute_map.reportJoins, "report join", "message", fields, used)
 
 
 @report_joins.also(bridge.RosActionConnection)
