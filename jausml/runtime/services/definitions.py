@@ -210,9 +210,8 @@ class Completion:
                 self._on_end()
 
 
-COMMAND_REQUESTS = range(
-    224, 255
-)  # request ids for command events; report events have smaller ones
+# request ids for command events; report events have smaller ones
+COMMAND_REQUESTS = range(224, 255)
 
 _RTSP, _MPEG2_TS, _FTP, _SFTP, _FTP_OVER_SSH, _HTTP, _HTTPS, _SCP = range(8)
 

@@ -73,11 +73,11 @@ def test_a_drop_stands_where_one_dropped_and_a_reload_shows_the_same(own_desk, e
     expect(desk.said).to_contain_text("Set documentation of gps")
 
     # All of it is undone act by act, and what is arranged is seen whole.
-    for _ in range(3):
+    for act in ("Set documentation of gps", "Rename node to gps", "add node"):
         desk.diagram.focus()
         desk.keyboard.press("Control+z")
-        expect(desk.said).to_contain_text("Undone")
-    expect(desk.box("gps")).to_have_count(0)
+        expect(desk.said).to_contain_text(f"Undone: {act}")
+    expect(desk.box("node")).to_have_count(0)
     assert example.read_bytes() == before
     desk.page.get_by_role("button", name="Arrange").click()
     expect(desk.said).to_contain_text("Arranged")

@@ -35,9 +35,8 @@ from ..ports import (
 )
 from .datagrams import DatagramTransport
 
-Receiver = Callable[
-    [int], tuple[bytes, Endpoint]
-]  # receives a datagram up to a size, and its origin
+# receives a datagram up to a size, and its origin
+Receiver = Callable[[int], tuple[bytes, Endpoint]]
 
 # An option of Linux that is not in the socket module: the last of its nine numbers (SK_MEMINFO)
 # counts dropped datagrams.
