@@ -1,4 +1,17 @@
-"""Statements that read and write a ROS message in its serialized form."""
+"""Statements that read and write a ROS message in its serialized form.
+
+Numbers that follow each other are read and written by one `struct`, a run. A message with
+`float64 x` and `string name` is read by
+
+    run = _RUN_1[offset & 7 | order]
+    row1 = run.unpack_from(data, offset)
+    offset += run.size
+    found1, offset = cdr_.text(data, offset, row1[1])
+    return cls(row1[0], found1), offset
+
+where `row1` has x and the length of the name. A run has a layout for each of the eight alignments;
+`order` is 0 for little-endian data and 8 for big-endian ones.
+"""
 
 from __future__ import annotations
 
@@ -30,12 +43,15 @@ class _Reader:
         self._runs = runs
         self._sizes = sizes
         self._items: list[str] = []
-        self._is_used = False
-        self._rows = 1
-        self._offset_count = 0
+        self._is_row_needed = False
+        self._row_number = 1
+        self._found_count = 0
 
     def values(self, message: ros.MessageType) -> list[str]:
-        """The values of the fields, as Python text; those of rows after `flush` only."""
+        """Returns the values of the fields, as Python text.
+
+        Those that stand in a row can be used behind the statements that `flush` adds.
+        """
         fields = fields_of(message)
         if not fields:
             self._items.append("B")  # a message without fields takes a byte
@@ -45,20 +61,20 @@ class _Reader:
         """Adds the statements that read the numbers in a row so far."""
         if not self._items:
             return
-        row = f"row{self._rows} = " if self._is_used else ""
+        row = f"row{self._row_number} = " if self._is_row_needed else ""
         self.lines += [
             f"run = {self._runs.name_of(self._items)}[offset & 7 | order]",
             f"{row}run.unpack_from(data, offset)",
             "offset += run.size",
         ]
         self._items.clear()
-        self._is_used = False
-        self._rows += 1
+        self._is_row_needed = False
+        self._row_number += 1
 
     def _item(self, item: str) -> str:
         self._items.append(item)
-        self._is_used = True
-        return f"row{self._rows}[{len(self._items) - 1}]"
+        self._is_row_needed = True
+        return f"row{self._row_number}[{len(self._items) - 1}]"
 
     def _value(self, field: FieldLayout) -> str:
         if field.is_single:
@@ -99,9 +115,9 @@ class _Reader:
         return self._read(call(function, "data", "offset", count, "order"))
 
     def _read(self, code: str) -> str:
-        self._offset_count += 1
-        self.lines.append(f"found{self._offset_count}, offset = {code}")
-        return f"found{self._offset_count}"
+        self._found_count += 1
+        self.lines.append(f"found{self._found_count}, offset = {code}")
+        return f"found{self._found_count}"
 
 
 _OWN_NAMES = frozenset({"append", "cdr_", "len", "offset", "run", "self"})

@@ -230,7 +230,7 @@ class _Printer(Values):
         element_lines = self._element(step, element, target.type.of)
         # A value of its own, so that a list that an optional holds is complete when it is there.
         fresh = f"{target.text}.emplace()" if target.is_optional else f"{target.text} = {{}}"
-        self._lines += [f"{fresh};"] if step.is_fresh and not target.type.count else []
+        self._lines += [f"{fresh};"] if step.starts_empty and not target.type.count else []
         if not target.type.count:
             self._lines.append(f"{target.value}.reserve({items}.size());")
             put = f"{target.value}.push_back({self._put(element, target.type.of)});"
@@ -258,7 +258,7 @@ class _Printer(Values):
         table, octet = self.name("table"), Local("octet")
         self.claim(octet, INTEGER)
         text = self.text(_of(limit, Place(octet)))
-        is_made = target.is_optional and step.is_fresh
+        is_made = target.is_optional and step.starts_empty
         into = f"{target.text}.emplace()" if is_made else target.value
         self._lines += [
             f"static const auto {table} = jausml::OctetTable::of<{taken}>(",

@@ -205,9 +205,9 @@ class _ListSteps:
                 None if gives(steps, Place(element)) else self._target.new_element,
                 steps,
                 self._target.place,
-                is_fresh=self._target.fresh,
+                starts_empty=self._target.fresh,
                 # A list of ROS is checked when it is assigned: all elements must be there by then.
-                is_replaced=outer.to_ros,
+                is_assigned_at_end=outer.to_ros,
                 octets=self._octets(items),
             )
         )

@@ -48,7 +48,7 @@ class Place:
 
     @property
     def last(self) -> str:
-        """The hint for a variable that takes the value."""
+        """The name that a variable for the value should have."""
         # Only the last name and the indexes behind it make the hint: whole paths are too long.
         words = [str(self.root.hint if isinstance(self.root, Local) else self.root)]
         for step in self.steps:
@@ -61,7 +61,7 @@ class Place:
         return self.root == other.root and self.steps[:count] == other.steps
 
     def named(self, other: Place, local: Local) -> Place:
-        """Returns the same place by the variable that holds a place on the way to it."""
+        """Returns this place as a part of a variable, which holds a place that this one is in."""
         return Place(local, self.steps[len(other.steps) :])
 
 
@@ -237,6 +237,9 @@ def ros_field(message_type: ros.MessageType, path: str, start: RosStart | None =
         message_type: The `ros.MessageType` of the message.
         path: Field names joined by dots; `name[i]` is an element of an array, `.` the start.
         start: Where the path starts; the message `source` when it is not given.
+
+    Raises:
+        PathError: The path does not lead to a field.
     """
     return _end((message_type, path, start or RosStart("source", message_type)))
 
@@ -247,20 +250,23 @@ def _end(asked: tuple[ros.MessageType, str, RosStart]) -> RosField:
     message_type, path, begin = asked
     current, field, is_array = begin.type, begin.field, False
     holder, place = message_type, Place(begin.root)
-    owner, elements = begin.owner, list[tuple[Longer, ros.Field]]()
+    owner = begin.owner
+    elements: list[tuple[Longer, ros.Field]] = []
     conditions: list[Condition] = []
     for step in [] if path == "." else path.split("."):
         match = _STEP.fullmatch(step)
         if current is None or is_array or match is None:
-            raise PathError(f"'{path}' does not lead to a field of {full_name(message_type)}")
+            whole = full_name(begin.type or message_type)
+            raise PathError(f"'{path}' does not lead to a field of {whole}")
         field = fields_by_name(current).get(match["name"])
         if field is None:
             raise PathError(f"{full_name(current)} has no field '{match['name']}' ('{path}')")
         holder, owner, place = current, place, place.at(match["name"])
         if match["index"] is not None:
             if is_sequence(field):
-                elements.append((Longer(place, int(match["index"])), field))
-                conditions.append(elements[-1][0])
+                longer = Longer(place, int(match["index"]))
+                elements.append((longer, field))
+                conditions.append(longer)
             place = place.at(int(match["index"]))
         is_array = field.arrayKind.name != "single" and match["index"] is None
         # Markers that speak of elements ask each element, others ask the field as a whole.
@@ -269,18 +275,18 @@ def _end(asked: tuple[ros.MessageType, str, RosStart]) -> RosField:
         current = field.messageType if isinstance(field, ros.MessageField) else None
     primitive = field if current is None and isinstance(field, ros.PrimitiveField) else None
     return RosField(
-        ".".join(segment for segment in (begin.label, path) if segment not in ("", ".")),
-        primitive.type.name if primitive is not None else full_name(current or message_type),
-        is_array,
-        place,
-        primitive.stringBound if primitive is not None else 0,
-        _counts(field) if is_array and field is not None else None,
-        current,
-        field,
-        named_constants(holder),
-        tuple(elements),
-        tuple(conditions),
-        owner,
+        path=".".join(segment for segment in (begin.label, path) if segment not in ("", ".")),
+        type=primitive.type.name if primitive is not None else full_name(current or message_type),
+        is_array=is_array,
+        place=place,
+        bound=primitive.stringBound if primitive is not None else 0,
+        counts=_counts(field) if is_array and field is not None else None,
+        message_type=current,
+        field=field,
+        constants=named_constants(holder),
+        elements=tuple(elements),
+        conditions=tuple(conditions),
+        owner=owner,
     )
 
 

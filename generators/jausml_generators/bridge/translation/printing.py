@@ -140,8 +140,8 @@ class _Printer:
             return
         items = self.text(step.items)
         item, index = self._claim(step.item), self._claim(step.index)
-        variables = f"{index}, {item}" if step.is_counted else item
-        through = call("enumerate", items) if step.is_counted else items
+        variables = f"{index}, {item}" if step.needs_index else item
+        through = call("enumerate", items) if step.needs_index else items
         place = self.place(step.place)
         element = self._single(step)
         if element is not None:
@@ -191,9 +191,9 @@ class _Printer:
             body.insert(0, Assign(element, self.text(step.new)))
         filled = place
         # A list of ROS is checked when it is assigned, so it is filled under another name.
-        if step.is_fresh and step.is_replaced:
+        if step.starts_empty and step.is_assigned_at_end:
             filled = self._names.claim("elements")
-        if step.is_fresh:
+        if step.starts_empty:
             self._statements.append(Assign(filled, "[]"))
         body.append(Do(call(f"{filled}.append", element)))
         self._statements.append(For(variables, through, tuple(body)))

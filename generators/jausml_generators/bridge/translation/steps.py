@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field, replace
 from typing import TypeAlias
 
@@ -62,7 +62,11 @@ class Require:
 
 @dataclass(frozen=True)
 class Choose:
-    """Steps that are gone where conditions hold."""
+    """Steps that are executed only where conditions hold.
+
+    Attributes:
+        conditions: Alternatives, one of which suffices; all conditions within it must hold.
+    """
 
     conditions: tuple[tuple[Condition, ...], ...]
     steps: tuple[Step, ...]
@@ -70,7 +74,7 @@ class Choose:
 
 @dataclass(frozen=True)
 class WhereKept:
-    """Steps that are gone once a value has been kept in an attribute of the bridge."""
+    """Steps that are executed only if an attribute of the bridge has a kept value."""
 
     name: str
     steps: tuple[Step, ...]
@@ -92,22 +96,28 @@ class Each:
     """The elements of a list, made from those of another.
 
     Attributes:
+        items: The list that is read; `item` is its present element, `index` the number of it.
+        needs_index: Whether a step uses `index`.
+        element: The variable for the element that is made.
         new: An element without values; None where the steps make it.
-        is_fresh: Whether the list is not there, or not empty, in a message as it is made.
-        is_replaced: Whether the list must be complete before it is put in its place.
-        octets: What they are where both sides are octets; None for others.
+        steps: What is executed for each element.
+        place: The list that is made.
+        starts_empty: Whether the list must be made empty before elements are added: a new message
+            has none, or one with elements.
+        is_assigned_at_end: Whether the list must be complete before it is put in its place.
+        octets: How octets are copied where the elements of both lists are octets; None for others.
     """
 
     items: Expression
     item: Local
     index: Local
-    is_counted: bool
+    needs_index: bool
     element: Local
     new: Expression | None
     steps: tuple[Step, ...]
     place: Place
-    is_fresh: bool = False
-    is_replaced: bool = False
+    starts_empty: bool = False
+    is_assigned_at_end: bool = False
     octets: Octets | None = None
 
 
@@ -188,9 +198,12 @@ class Body:
 
     @contextmanager
     def where(self, *alternatives: tuple[Condition, ...]) -> Iterator[None]:
-        """Puts what is added meanwhile under conditions.
+        """Puts the steps that are added meanwhile under conditions.
 
-        Conditions that the step before has too are not said again.
+        Steps under the conditions of the block before become a part of that block.
+
+        Args:
+            alternatives: One of them suffices; all conditions within it must hold.
         """
         outer, known = self.steps, len(self._required)
         last = outer[-1] if outer else None
@@ -208,29 +221,29 @@ class Body:
 
     @contextmanager
     def under(self, requirements: Sequence[Way]) -> Iterator[None]:
-        """Puts what is added meanwhile under the condition that values are there."""
-        wanted = [requirement for requirement in requirements if requirement not in self._required]
-        first = next(
-            (at for at, requirement in enumerate(wanted) if isinstance(requirement, Named)), None
-        )
-        # Conditions before the variable stand around it, those behind it may use the variable.
-        if first is not None:
-            with self.under(wanted[:first]):
-                self._name(wanted[first])
-                with self.under(wanted[first + 1 :]):
-                    yield
-        elif wanted:
-            with self.where(conditions(wanted)):
-                yield
-        else:
+        """Puts the steps that are added meanwhile under the condition that values are there."""
+        pending: list[Condition] = []
+        with ExitStack() as blocks:
+            for requirement in requirements:
+                if requirement in self._required:
+                    continue
+                if not isinstance(requirement, Named):
+                    pending.append(requirement)
+                    continue
+                # Conditions before the variable stand around it, those behind it may use it.
+                if pending:
+                    blocks.enter_context(self.where(tuple(pending)))
+                    pending = []
+                self._name(requirement)
+            if pending:
+                blocks.enter_context(self.where(tuple(pending)))
             yield
 
-    def _name(self, way: Way) -> None:
+    def _name(self, named: Named) -> None:
         """Assigns a found value to a variable in the present block, once."""
-        if isinstance(way, Named):
-            step = Let((way.local,), Read(way.place))
-            if step not in self.steps:
-                self.add(step)
+        step = Let((named.local,), Read(named.place))
+        if step not in self.steps:
+            self.add(step)
 
     def require(self, requirements: Sequence[Way], path: str) -> None:
         """Adds the refusal of messages that lack a field."""

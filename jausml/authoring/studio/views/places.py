@@ -14,19 +14,19 @@ from jausml.language.text.reading.document import TextDocument
 _LINE_END = re.compile(r"\r\n?|\n")
 
 
-def flat(text: str) -> str:
-    """Returns a text in which an end of a line is one character, as pages have it."""
+def with_newlines(text: str) -> str:
+    """Returns a text in which each end of a line is a newline, as in a text area of a browser."""
     return _LINE_END.sub("\n", text)
 
 
-def units(text: str) -> int:
-    """Returns the units of UTF-16 of a text, in which an end of a line is one."""
-    return len(flat(text).encode("utf-16-le", "surrogatepass")) // 2
+def utf16_length(text: str) -> int:
+    """Returns how many units of UTF-16 a browser counts in a text, an end of a line as one."""
+    return len(with_newlines(text).encode("utf-16-le", "surrogatepass")) // 2
 
 
-def character(text: str, offset: int) -> int:
-    """Returns the character of a text at an offset as pages count."""
-    before = flat(text).encode("utf-16-le", "surrogatepass")[: 2 * offset]
+def index_of_utf16(text: str, offset: int) -> int:
+    """Returns the index in a text of what a browser finds at an offset in units of UTF-16."""
+    before = with_newlines(text).encode("utf-16-le", "surrogatepass")[: 2 * offset]
     *lines, last = before.decode("utf-16-le", "replace").split("\n")
     return _line_starts(text)[len(lines)] + len(last)
 
@@ -53,23 +53,33 @@ class TextPlaces:
 
 
 class XmlPlaces:
-    """Where the elements of a document stand. `text`: the document, as it is stored."""
+    """Where the elements of an XMI document stand.
+
+    The document must be readable: bytes are counted by encoding its text again.
+
+    Attributes:
+        text: The text of the document, as it is stored.
+    """
 
     def __init__(self, document: Document) -> None:
         self._data, self._encoding = document.data, document.encoding
         self.text = self._data.decode(self._encoding, "replace")
 
     def element(self, node: Node) -> tuple[int, int]:
-        """Returns the start of an element, and its end behind the end tag."""
-        start, end = (self._character(offset) for offset in (node.offset, self._ends[node.offset]))
-        return start, self.text.index(">", end) + 1 if self.text.startswith("</", end) else end
+        """Returns the start of an element, and its end: behind the end tag, if it has one."""
+        start = self._character(node.offset)
+        end = self._character(self._ends[node.offset])
+        # The end of an element with an end tag is known by the start of that tag.
+        if self.text.startswith("</", end):
+            end = self.text.index(">", end) + 1
+        return start, end
 
     @cached_property
     def _ends(self) -> dict[int, int]:
         return element_ends(self._data)
 
     @cached_property
-    def _line_starts(self) -> tuple[list[int], list[int]]:
+    def _line_offsets(self) -> tuple[list[int], list[int]]:
         """Where lines start, in bytes and in characters."""
         lines = self.text.splitlines(keepends=True)
         sizes = (len(line.encode(self._encoding)) for line in lines)
@@ -77,7 +87,7 @@ class XmlPlaces:
 
     def _character(self, offset: int) -> int:
         """Returns the offset in characters for one in bytes."""
-        in_bytes, in_characters = self._line_starts
+        in_bytes, in_characters = self._line_offsets
         line = bisect_right(in_bytes, offset) - 1
         part = self._data[in_bytes[line] : offset]
         return in_characters[line] + len(part.decode(self._encoding, "replace"))

@@ -7,7 +7,13 @@ from dataclasses import dataclass
 
 from jausml.authoring.proposals.elements import AnswerError, Scope
 from jausml.authoring.proposals.mapping.members import Member, member
-from jausml.authoring.studio.views.places import TextPlaces, XmlPlaces, character, flat, units
+from jausml.authoring.studio.views.places import (
+    TextPlaces,
+    XmlPlaces,
+    index_of_utf16,
+    utf16_length,
+    with_newlines,
+)
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model import Document, Model, refs
@@ -149,7 +155,9 @@ def source(scope: Scope, ref: str) -> Located:
     spans = (places.element(node) for node in _nodes(model, element))
     start, end = next(filter(None, spans), (0, 0))
     text, notation = places.text, TEXT if isinstance(places, TextPlaces) else XMI
-    return Located(file, notation, flat(text), units(text[:start]), units(text[:end]))
+    return Located(
+        file, notation, with_newlines(text), utf16_length(text[:start]), utf16_length(text[:end])
+    )
 
 
 def _places(document: Document) -> TextPlaces | XmlPlaces:
@@ -174,7 +182,7 @@ def element_at(model: Model, offset: int) -> EObject | None:
     if not document.readable:
         return None
     places = _places(document)
-    at = character(places.text, offset)
+    at = index_of_utf16(places.text, offset)
     around: list[tuple[int, EObject]] = []
     waiting = list(reversed(document.root_nodes))
     while waiting:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator, Mapping
-from itertools import groupby
 from typing import Any
 
 from jausml.language.validation.formats.junit import Case, Suite, junit_document
@@ -78,7 +77,7 @@ def summary(report: ConformanceReport) -> str:
 
 
 def render_json(report: ConformanceReport) -> str:
-    """Returns a JSON object with `schema`, `target`, `summary` and `checks`."""
+    """Returns a JSON object, whose `schema` is a number that changes with its meaning."""
     content = {
         "schema": SCHEMA,
         "target": report.target,
@@ -101,7 +100,7 @@ def result_json(result: CheckResult) -> dict[str, Any]:
         "explanation": result.check.explanation,
         "verdict": result.verdict.value,
         "messages": list(result.messages),
-        "begun": result.begun and result.begun.isoformat(timespec="milliseconds"),
+        "begun": None if result.begun is None else result.begun.isoformat(timespec="milliseconds"),
         "seconds": round(result.seconds, 3),
         "evidence": [{**line._asdict(), "time": round(line.time, 4)} for line in result.evidence],
     }
@@ -109,12 +108,13 @@ def result_json(result: CheckResult) -> dict[str, Any]:
 
 def render_junit(report: ConformanceReport) -> str:
     """Returns an XML document that build servers read as test results."""
-    # Checks that are left for the end stand with their group.
-    places = {result.check.group: place for place, result in reversed([*enumerate(report.results)])}
-    results = sorted(report.results, key=lambda result: places[result.check.group])
-    groups = groupby(results, key=lambda result: result.check.group)
+    # Risky checks run last; here they stand with the others of their group.
+    by_group: dict[str, list[CheckResult]] = {}
+    for result in report.results:
+        by_group.setdefault(result.check.group, []).append(result)
     suites = (
-        Suite(group, [_case(group, result) for result in results]) for group, results in groups
+        Suite(group, [_case(group, result) for result in results])
+        for group, results in by_group.items()
     )
     return junit_document(f"JAUS {report.target}", suites)
 

@@ -48,7 +48,7 @@ def members_crossed(_: Subject, direction: scopes.Direction) -> Iterator[Finding
     kinds=scopes.Direction,
 )
 def meanings_known(subject: Subject, direction: scopes.Direction) -> Iterator[Finding]:
-    """What turns a sign or looks up a table has axes or names at both ends, or a test vector.
+    """A change of sign or a table is backed by axes or names at both ends, or by a test vector.
 
     Where rules know neither, a map that is wrong in both directions looks like one that is right.
     A test vector by a person who has looked at the vehicle, or at its manual, says which it is.
@@ -69,21 +69,22 @@ def meanings_known(subject: Subject, direction: scopes.Direction) -> Iterator[Fi
     ]
     unknown = dict(unknown_targets(map_, to_ros=direction.to_ros)) if doubtful else {}
     for placed in doubtful:
-        lacks = [path for path in scopes.target_paths(placed.assignment) if path in unknown]
-        if lacks:
-            does = "turns the sign" if turns_unseen(placed) else "looks up a table"
-            message = f"'{lacks[0]}' {does}, and nothing says whether that is right"
-            hint = f"a test vector of a person; rules lack {unknown[lacks[0]]}"
+        targets = scopes.target_paths(placed.assignment)
+        target = next((path for path in targets if path in unknown), None)
+        if target is not None:
+            change = "is turned in sign" if turns_unseen(placed) else "is looked up in a table"
+            message = f"'{target}' {change}, and nothing says whether that is right"
+            hint = f"a test vector of a person; rules lack {unknown[target]}"
             severity = Severity.ERROR if subject.model.is_library(map_) else None
             yield Finding(placed.assignment, message, "target", hint, severity=severity)
 
 
 @rule("JML518", "vector that its map refutes", severity=Severity.WARNING, kinds=scopes.Direction)
 def vectors_kept(_: Subject, direction: scopes.Direction) -> Iterator[Finding]:
-    """A map makes of what a test vector gives what the vector expects.
+    """For the values that a test vector gives, its map makes the values that the vector expects.
 
-    What goes from one number to another is computed here; a generated test of the bridge tries the
-    rest. A vector is the word of a person, and the map mostly what is wrong.
+    Assignments from one number to one number are computed here; a generated test of the bridge
+    tries the rest. A vector is the word of a person, so the fault is mostly in the map.
 
     Bad: `Rudder -> rudder : negate` with `vector ahead JAUS->ROS ( Rudder = 0.2 => rudder = 0.2 )`
 
@@ -92,18 +93,21 @@ def vectors_kept(_: Subject, direction: scopes.Direction) -> Iterator[Finding]:
     map_ = direction.map
     if direction.owner is not map_:
         return
-    by_target = {placed.assignment.target.strip(): placed for placed in _single(direction)}
+    by_target = {placed.assignment.target.strip(): placed for placed in _computable(direction)}
     for vector in map_.vectors:
+        if is_to_ros(vector) != direction.to_ros:
+            continue
         inputs = {value.path: value.value for value in vector.given}
-        for value in vector.expected if is_to_ros(vector) == direction.to_ros else ():
-            placed = by_target.get(value.path)
-            result = None if placed is None else outcome(placed, inputs, value)
+        for expected in vector.expected:
+            placed = by_target.get(expected.path)
+            result = None if placed is None else outcome(placed, inputs, expected)
             if result is not None:
-                message = f"'{vector.name}' expects {value.value} of '{value.path}', "
-                yield Finding(value, f"{message}the map makes {result:.9g}", "value")
+                message = f"'{vector.name}' expects {expected.value} of '{expected.path}', "
+                yield Finding(expected, f"{message}the map makes {result:.9g}", "value")
 
 
-def _single(direction: scopes.Direction) -> Iterator[scopes.Placed[bridge.FieldAssignment]]:
+def _computable(direction: scopes.Direction) -> Iterator[scopes.Placed[bridge.FieldAssignment]]:
+    """Yields the assignments outside lists from one number to one number."""
     for placed in direction.of_kind(bridge.FieldAssignment):
         ends = placed.source_attributes, placed.target_attributes
         if all(len(end) == 1 for end in ends) and not placed.scope.is_nested:
