@@ -10,15 +10,14 @@ from jausml.model_checking.search import Step
 
 STANDBY, READY, EMERGENCY = "STANDBY", "READY", "EMERGENCY"
 FAILURE, SHUTDOWN = "FAILURE", "SHUTDOWN"
-FINAL = (FAILURE, SHUTDOWN)
-"""States that no message ends."""
+FINAL = (FAILURE, SHUTDOWN)  # states that no message ends
 
-PASSIVE = (EMERGENCY, *FINAL)
-"""States in which nothing is commanded, whoever wants to."""
+PASSIVE = (EMERGENCY, *FINAL)  # states in which nothing is commanded, whoever wants to
 
 
 EMERGENCY_CLIENT = "an emergency client"
 
+# Messages of a client, and what the core services do with them.
 CLIENT_MESSAGES = {
     "RequestControl": "request",
     "Resume": "resume",
@@ -27,7 +26,6 @@ CLIENT_MESSAGES = {
     "Reset": "reset",
     "Shutdown": "shutdown",
 }
-"""Messages of a client, and what the core services do with them."""
 
 
 class Core(NamedTuple):

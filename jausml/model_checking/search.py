@@ -31,8 +31,7 @@ class Step(NamedTuple):
     is_helpful: bool = False
 
 
-TIME = Step("time", "passes", is_tick=True, is_helpful=True)
-"""One step of time."""
+TIME = Step("time", "passes", is_tick=True, is_helpful=True)  # one step of time
 
 
 class Product(Protocol):
@@ -197,9 +196,9 @@ def _late_stop(product: Product, graph: Graph) -> Violation | None:
     return Violation(LATE_STOP, product.late, _late_way(product, graph, lasting))
 
 
+# For each state in which a command stands the transitions in which it goes on to stand, without its
+# source: step, state after it, and whether time passes. None for other states.
 _Lasting = list[list[tuple[int, int, bool]] | None]
-"""For each state in which a command stands the transitions in which it goes on to stand, without
-its source: step, state after it, and whether time passes. None for other states."""
 
 
 def _lasting(product: Product, graph: Graph) -> _Lasting:

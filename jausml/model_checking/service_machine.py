@@ -34,14 +34,12 @@ from jausml.model_checking.search import TIME, Step
 
 _Guarded: TypeAlias = "tuple[jaus.Transition, Guard | None]"
 
-REMEMBERED = 4
-"""Pushes that are followed; the runtime remembers more."""
+REMEMBERED = 4  # pushes that are followed; the runtime remembers more
 
-MOST_CONDITIONS = 8
-"""Conditions of the user that are tried in all combinations; further ones hold."""
+MOST_CONDITIONS = 8  # conditions of the user that are tried in all combinations; further ones hold
 
+# Conditions that the core services know the answer to.
 _OF_THE_CORE = ("isControllingClient", "isControlAvailable", "isIDStored")
-"""Conditions that the core services know the answer to."""
 
 _OUTER = "Receiving.Ready"
 _WITHOUT_CONTROL = {"Events": _OUTER, "Transport": "Receiving"}

@@ -26,18 +26,15 @@ from jausml.model_checking.runtime_machines import CommandConnection, CoreServic
 from jausml.model_checking.search import Product
 from jausml.model_checking.service_machine import MachineProduct
 
-MOST_TICKS = 60
-"""Ticks of the longest time-out; shorter ones are rounded up then."""
+MOST_TICKS = 60  # ticks of the longest time-out; shorter ones are rounded up then
 
 _VERSION_1_1 = (1, 1)
 _TAKES_OVER = "an operator of more authority"
 _ANYBODY = "a client"
-_LAPSE = 5.0
-"""Seconds after which control of a component lapses that says nothing of it."""
-RENEWALS = 4
-"""Renewals of control in the time in which it lapses (`controlled_target.py`)."""
+_LAPSE = 5.0  # seconds after which control of a component lapses that says nothing of it
+RENEWALS = 4  # renewals of control in the time in which it lapses (`controlled_target.py`)
+# Seconds after which a bridge takes control for lost at the latest (`controlled_target.py`).
 _PATIENCE = 4.0
-"""Seconds after which a bridge takes control for lost at the latest (`controlled_target.py`)."""
 
 
 @dataclass(frozen=True)

@@ -38,6 +38,7 @@ from {package} import messages, ros_types
 from {package}.{package} import {class_name}
 '''
 
+# Functions of a test that make its clients.
 CLIENTS = '''
 
 def services(minor):
@@ -53,10 +54,8 @@ def client(transport, address, name):
     return made
 
 '''
-"""Functions of a test that make its clients."""
 
-_LONG = 60.0
-"""Seconds that stand for what has no end."""
+_LONG = 60.0  # seconds that stand for what has no end
 
 _PEER = '''
 class Peer(JausComponent):

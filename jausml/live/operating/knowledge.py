@@ -22,8 +22,7 @@ if TYPE_CHECKING:
     from jausml.live.messages.frozen import FrozenMessages
     from jausml.live.systems.state import DeclaredConnection
 
-LENGTH = struct.Struct("<Q")
-"""The number of bytes, which stands before each value in the pipe."""
+LENGTH = struct.Struct("<Q")  # the number of bytes, which stands before each value in the pipe
 
 _READING = "jausml.live.operating.reading"
 
@@ -38,8 +37,8 @@ class DeclaredStop:
     source: str
 
 
+# The stops of one command to one component, or why a connection declares none.
 Declarations = tuple["DeclaredStop | str", ...]
-"""The stops of one command to one component, or why a connection declares none."""
 
 
 @dataclass(frozen=True)

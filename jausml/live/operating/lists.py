@@ -17,8 +17,8 @@ from jausml.runtime.services.list_elements import ELEMENTS_OF_DRIVERS
 
 MOST_ELEMENTS = 1000
 
+# The fields of the messages that are the elements, in their order.
 Drawn = tuple[dict[str, object], ...]
-"""The fields of the messages that are the elements, in their order."""
 
 
 class Lists:

@@ -33,8 +33,7 @@ from jausml.live.operating.knowledge import LENGTH, Declarations, DeclaredStop, 
 from jausml.live.systems.declarations import components_of, declarations_of
 
 _DEBOUNCE_MS, _STEP_MS = 100, 20
-_NICE = 10
-"""Steps by which others go first: the unit that waits for this one, before all."""
+_NICE = 10  # steps by which others go first: the unit that waits for this one, before all
 
 
 def read(path: Path) -> Knowledge:

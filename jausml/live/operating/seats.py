@@ -30,14 +30,14 @@ LONGEST_NAME = 40
 MOST_POINTS = 2000
 LONGEST_HISTORY = 3600.0
 
+# Requests that are answered in their turn, on a thread that waits for nothing else.
 _QUICK = ("renew", "stick.begin", "stick.move", "stick.end")
-"""Requests that are answered in their turn, on a thread that waits for nothing else."""
 
+# Commands that are refused if a stop comes first; they state how many there were before.
 _NOT_AFTER_A_STOP = ("resume", "send", "clear", "list.set", "list.execute")
-"""Commands that are refused if a stop comes first; they state how many there were before."""
 
+# Requests each second: a stick says 25 words, plots ask for values once in a second.
 _PACE_OF_COMMANDS, _PACE_OF_LOOKS = 200.0, 20.0
-"""Requests each second: a stick says 25 words, plots ask for values once in a second."""
 
 _DECISIONS = {
     "grant": HandoffDecision.GRANTED,

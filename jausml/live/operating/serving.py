@@ -20,17 +20,15 @@ from jausml.live.serving.server import MOST_SOCKETS, TRY_AGAIN_LATER, Site, Sock
 from jausml.live.serving.sockets import PageSocket
 from jausml.live.serving.subscribers import Subscribers
 
+# Where the built page lies; `make studio` builds it.
 PAGE = Path(__file__).resolve().parent / "page"
-"""Where the built page lies; `make studio` builds it."""
 
-KEPT_SOCKETS = 8
-"""Room that pages find before one that only looks is closed."""
+KEPT_SOCKETS = 8  # room that pages find before one that only looks is closed
 
-_SWITCH = 0.001
-"""Seconds for which a thread keeps the interpreter from others that want it."""
+_SWITCH = 0.001  # seconds for which a thread keeps the interpreter from others that want it
 
+# Seconds in which the page that gives way must have taken that it is closed.
 _SECONDS_TO_CLOSE = 0.5
-"""Seconds in which the page that gives way must have taken that it is closed."""
 
 
 class UnitSockets(Sockets):

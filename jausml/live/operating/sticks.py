@@ -21,8 +21,7 @@ from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.standstill import steady
 from jausml.runtime.wire.message import Message
 
-_LOOK = 0.25
-"""Seconds between two looks at the steady clock."""
+_LOOK = 0.25  # seconds between two looks at the steady clock
 
 
 class Lease:
@@ -109,8 +108,8 @@ class Stick:
         self.end(f"the page said nothing for {self._lease.seconds:g} s")
 
 
+# Reasons of an end that a person wants.
 RELEASED, STOPPED, GIVEN_UP = "released", "stop", "control is given up"
-"""Reasons of an end that a person wants."""
 
 
 @dataclass(frozen=True)

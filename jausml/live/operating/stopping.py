@@ -15,8 +15,7 @@ from jausml.runtime import ControlState
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.services.definitions import Status
 
-LONGEST_STOP = 30.0
-"""Seconds of waiting for the acknowledgement of a stop."""
+LONGEST_STOP = 30.0  # seconds of waiting for the acknowledgement of a stop
 
 
 def obeying(operator: Operator) -> list[JausAddress]:

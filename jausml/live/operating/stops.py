@@ -21,17 +21,14 @@ from jausml.runtime.base.address import JausAddress
 from jausml.runtime.messages import SetEmergency, Standby
 from jausml.runtime.wire.message import Message
 
-WORDS = ("standby", "emergency")
-"""Kinds of a stop of everything (AS5710, Management)."""
+WORDS = ("standby", "emergency")  # kinds of a stop of everything (AS5710, Management)
 
+# Seconds that a time-out may have; within shorter ones a busy moment would look like a halt.
 SHORTEST, LONGEST = 0.3, 60.0
-"""Seconds that a time-out may have; within shorter ones a busy moment would look like a halt."""
 
-_EMERGENCY_STOP = 1
-"""Code of the only emergency (AS5710, SetEmergency)."""
+_EMERGENCY_STOP = 1  # code of the only emergency (AS5710, SetEmergency)
 
-TRIES = 5
-"""How often a stop is sent that nobody acknowledges, each time with its repetitions."""
+TRIES = 5  # how often a stop is sent that nobody acknowledges, each time with its repetitions
 
 
 def stop_of(word: str) -> Message:

@@ -32,11 +32,9 @@ from jausml.live.systems.state import SystemState
 from jausml.runtime import HandoffDecision
 from jausml.runtime.base.address import JausAddress
 
-WORD = 0.5
-"""Seconds from one word to pages to the next: who misses one shows nothing as current."""
+WORD = 0.5  # seconds from one word to pages to the next: who misses one shows nothing as current
 
-_COLLECTION = 60.0
-"""Seconds between two collections of garbage while nobody commands."""
+_COLLECTION = 60.0  # seconds between two collections of garbage while nobody commands
 
 
 @dataclass(frozen=True)

@@ -19,20 +19,15 @@ from jausml.runtime import EventSubscription
 from jausml.runtime.base.address import JausAddress
 
 MOST_WATCHED = 32
-MOST_FIELDS = 64
-"""Numbers of one report whose history is kept."""
+MOST_FIELDS = 64  # numbers of one report whose history is kept
 
-MOST_KEPT = 20_000
-"""Values of a number that are kept: 10 minutes of 30 Hz and more."""
+MOST_KEPT = 20_000  # values of a number that are kept: 10 minutes of 30 Hz and more
 
-LONGEST_TEXT = 80
-"""Characters of a value that are shown."""
+LONGEST_TEXT = 80  # characters of a value that are shown
 
-RATE = ""
-"""Path of the rate at which a report comes."""
+RATE = ""  # path of the rate at which a report comes
 
-Point = tuple[float, float]
-"""A time in seconds since 1970, and a value."""
+Point = tuple[float, float]  # a time in seconds since 1970, and a value
 
 
 @dataclass
@@ -219,16 +214,14 @@ def decimated(points: Sequence[Point], most: int) -> list[Point]:
 
 
 MOST_BYTES = 8 * 2**20
-MOST_PIXELS = 40_000_000
-"""Pixels of a picture that a browser unpacks without harm."""
+MOST_PIXELS = 40_000_000  # pixels of a picture that a browser unpacks without harm
 
 _PNG = b"\x89PNG\r\n\x1a\n"
 _JPEG = b"\xff\xd8\xff"
-_HEADERS = 2**18
-"""Bytes of a JPEG within which its size stands."""
+_HEADERS = 2**18  # bytes of a JPEG within which its size stands
 
+# Markers of JPEG that tell the size (ITU-T T.81, table B.1).
 _FRAMES = {*range(0xC0, 0xD0)} - {0xC4, 0xC8, 0xCC}
-"""Markers of JPEG that tell the size (ITU-T T.81, table B.1)."""
 
 
 def picture_url(data: bytes) -> str:

@@ -18,8 +18,8 @@ from jausml.live.systems.state import ConnectionState, Level, SystemState
 
 _TIMEOUT = 2.0
 
+# Seconds after an act of ours for which what gets worse of its component is no alarm.
 _OWN_ACT = 3.0
-"""Seconds after an act of ours for which what gets worse of its component is no alarm."""
 
 
 class WatchedSystem(RunningSystem):

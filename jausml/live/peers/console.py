@@ -86,8 +86,7 @@ def _fields(operator: Operator, target: JausAddress | None, words: list[str]) ->
     return [path for path in paths if not any(word.startswith(path) for word in arguments)]
 
 
-DEFAULT_AUTHORITY = 205
-"""Authority of an operator control unit, as other stacks choose it."""
+DEFAULT_AUTHORITY = 205  # authority of an operator control unit, as other stacks choose it
 
 
 _DECISIONS = (

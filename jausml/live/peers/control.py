@@ -21,13 +21,13 @@ from jausml.runtime.services.definitions import Status
 
 HELD = (ControlState.CONTROLLED, ControlState.READY)
 
+# The news in a state, by whether control was held before.
 _CHANGES = {
     (True, ControlState.READY): "is READY again",
     (True, ControlState.CONTROLLED): "is READY no more",
     (False, ControlState.READY): "is controlled again, and READY",
     (False, ControlState.CONTROLLED): "is controlled again, and not READY",
 }
-"""The news in a state, by whether control was held before."""
 
 
 class Hold:
@@ -133,8 +133,8 @@ class Hold:
             self._on_change(self.last_change)
 
 
+# Seconds without a word after which a component that lets us wait is taken for lost.
 PATIENCE = 20.0
-"""Seconds without a word after which a component that lets us wait is taken for lost."""
 
 _WAITS = (HandoffAnswer.QUEUED, HandoffAnswer.DEFERRED)
 

@@ -25,14 +25,11 @@ from jausml.runtime.messages import (
 )
 from jausml.runtime.services.definitions import ServiceIdentity
 
-Services = dict[JausAddress, tuple[ServiceIdentity, ...]]
-"""The services of components."""
+Services = dict[JausAddress, tuple[ServiceIdentity, ...]]  # the services of components
 
-ROUND = 0.5
-"""Seconds between two rounds of questions; a datagram may be lost."""
+ROUND = 0.5  # seconds between two rounds of questions; a datagram may be lost
 
-POLL = 0.01
-"""Seconds from one look for an answer to the next."""
+POLL = 0.01  # seconds from one look for an answer to the next
 
 T = TypeVar("T")
 

@@ -26,6 +26,7 @@ from jausml.runtime.wire.message import DecodeError, EncodeError, Message
 
 _EVERYTHING = {"NodeRec": {"NodeID": 255}, "ComponentList": [{"ComponentID": 255}]}
 
+# Fields with which the core queries are answered with more than an empty report (AS5710).
 _TELLING_FIELDS: dict[str, dict[str, Any]] = {
     "QueryIdentification": {"QueryIdentificationRec": {"QueryType": 4}},
     "QueryConfiguration": {"QueryConfigurationRec": {"QueryType": 3}},
@@ -35,7 +36,6 @@ _TELLING_FIELDS: dict[str, dict[str, Any]] = {
     },
     "QueryEvents": {"QueryEventsVar": {"_tag": 3, "AllEventsRec": {"AllEvents": 0}}},
 }
-"""Fields with which the core queries are answered with more than an empty report (AS5710)."""
 
 
 class EntryMessage(Message):

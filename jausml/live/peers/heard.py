@@ -21,6 +21,7 @@ from jausml.runtime.wire.message import DecodeError, Message, read_code
 
 _MOST_COMPONENTS = 1024
 _MOST_MESSAGES = 64
+# Counters of the runtime for datagrams that came and are of no use.
 _UNUSABLE = (
     "judp.version_1",
     "judp.reference_architecture",
@@ -32,7 +33,6 @@ _UNUSABLE = (
     "transport.bad_source",
     "transport.own_source",
 )
-"""Counters of the runtime for datagrams that came and are of no use."""
 
 
 class Heard:
@@ -173,8 +173,7 @@ class Heard:
         return entries[0].name if entries else f"message 0x{code:04X}"
 
 
-ATTEMPTS = 3
-"""Fewest times that a question is asked; of long times for an answer, once each second."""
+ATTEMPTS = 3  # fewest times that a question is asked; of long times for an answer, once each second
 
 
 class Question:

@@ -35,20 +35,18 @@ from jausml.runtime.wire.message import Message
 
 _STAMP = ("Milliseconds", "Seconds", "Minutes", "Hour", "Day")
 
-_MOST_REPORTS = 100_000
-"""Reports that are kept of one stream; the first ones tell as much."""
+_MOST_REPORTS = 100_000  # reports that are kept of one stream; the first ones tell as much
 
+# Questions of the core services by name, and their answers; the shortest first.
+#
+# No service is in every component: Liveness has the heartbeat, Discovery the identification,
+# Management the status, Access Control the control.
 QUESTIONS: dict[str, tuple[Message, type[Message]]] = {
     "heartbeat": (QueryHeartbeatPulse(), ReportHeartbeatPulse),
     "identification": (QueryIdentification(query_type=Scope.COMPONENT), ReportIdentification),
     "status": (QueryStatus(), ReportStatus),
     "control": (QueryControl(), ReportControl),
 }
-"""Questions of the core services by name, and their answers; the shortest first.
-
-No service is in every component: Liveness has the heartbeat, Discovery the identification,
-Management the status, Access Control the control.
-"""
 
 
 @dataclass(frozen=True)

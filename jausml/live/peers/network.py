@@ -24,16 +24,15 @@ from jausml.runtime.base.settings import (
 )
 from jausml.runtime.transports.ports import manager_folder, who_holds
 
-TRANSPORTS = tuple(kind.value for kind in TransportKind)
-"""How messages may travel."""
+TRANSPORTS = tuple(kind.value for kind in TransportKind)  # how messages may travel
 
 DEFAULT_INTERFACE = "127.0.0.1"
 DEFAULT_PORT = JUDP_PORT
 DEFAULT_GROUP = JUDP_GROUP
 
 
+# Subsystem of our tools. No byte of their ids is 0xFF, which Junior takes for a wildcard.
 SUBSYSTEM = 65000
-"""Subsystem of our tools. No byte of their ids is 0xFF, which Junior takes for a wildcard."""
 
 _LAST = 254
 _NOWHERE = logging.NullHandler()

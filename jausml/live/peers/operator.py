@@ -34,17 +34,14 @@ from jausml.runtime.transports.packets.packet import Priority
 from jausml.runtime.transports.transport import Transport
 from jausml.runtime.wire.message import Message
 
-OCU_TYPE = 20001
-"""Type of an operator control unit (AS5710, ReportIdentification)."""
+OCU_TYPE = 20001  # type of an operator control unit (AS5710, ReportIdentification)
 
-_WATCH = 0.5
-"""Seconds between two looks at a component that we control."""
+_WATCH = 0.5  # seconds between two looks at a component that we control
 
-_STOP = 1
-"""Code of the only emergency (AS5710, SetEmergency)."""
+_STOP = 1  # code of the only emergency (AS5710, SetEmergency)
 
+# Commands by which a component leaves Ready (AS5710, Management).
 _LEAVING_READY = ("Reset", "Shutdown", "Standby")
-"""Commands by which a component leaves Ready (AS5710, Management)."""
 
 _ACCESS_CONTROL = f"{CORE}AccessControl"
 

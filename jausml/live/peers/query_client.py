@@ -30,17 +30,13 @@ from jausml.runtime.wire.message import EncodeError, Message
 
 M = TypeVar("M", bound="Message")
 
-_GRACE = 0.5
-"""Seconds for the second of two questions, when the first is answered."""
+_GRACE = 0.5  # seconds for the second of two questions, when the first is answered
 
-_SHORT_GRACE = 0.1
-"""The same, for a component that left the second one unanswered before."""
+_SHORT_GRACE = 0.1  # the same, for a component that left the second one unanswered before
 
-_MEETINGS = 3
-"""Questions with acknowledgement, of which some may be lost."""
+_MEETINGS = 3  # questions with acknowledgement, of which some may be lost
 
-_LAST_LOOK = 1.0
-"""Seconds in which a silent component may answer what nearly all of them answer."""
+_LAST_LOOK = 1.0  # seconds in which a silent component may answer what nearly all of them answer
 
 
 class NoAnswer(Exception):  # noqa: N818 - an outcome of the network, not a fault of ours

@@ -19,8 +19,8 @@ from jausml.runtime.base.address import JausAddress
 from jausml.runtime.messages import ReportControl
 from jausml.runtime.services.definitions import ServiceIdentity, Status
 
+# Bits of a TimeStamp (AS5710, ReportTime; AS6009).
 _CLOCK = {"Hour", "Minutes", "Seconds", "Milliseconds"}
-"""Bits of a TimeStamp (AS5710, ReportTime; AS6009)."""
 
 
 def shown_fields(entry: MessageEntry, fields: dict[str, Any]) -> str:
@@ -29,8 +29,7 @@ def shown_fields(entry: MessageEntry, fields: dict[str, Any]) -> str:
     return "  ".join(f"{path}={text}" for path, text in pairs) or "(no fields)"
 
 
-Leaf = tuple[str, wire.Kind, Any]
-"""The path of a value, its kind, and the value."""
+Leaf = tuple[str, wire.Kind, Any]  # the path of a value, its kind, and the value
 
 
 def leaves(kind: wire.Kind, value: Any, path: str = "") -> Iterator[Leaf]:

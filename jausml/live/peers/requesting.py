@@ -92,6 +92,7 @@ def outcome(name: str, hold: Hold) -> str:
     return text
 
 
+# States in which the commands of Management end (AS5710).
 _STATES: dict[str, Collection[str]] = {
     "ClearEmergency": ("STANDBY", "READY"),
     "Resume": ("READY",),
@@ -99,13 +100,10 @@ _STATES: dict[str, Collection[str]] = {
     "Shutdown": ("SHUTDOWN",),
     "Standby": ("STANDBY",),
 }
-"""States in which the commands of Management end (AS5710)."""
 
-_PAUSE = 0.05
-"""Seconds between two looks at what a command has set."""
+_PAUSE = 0.05  # seconds between two looks at what a command has set
 
-Outcome = tuple["MessageEntry", dict[str, Any]]
-"""A message that came back, and its fields."""
+Outcome = tuple["MessageEntry", dict[str, Any]]  # a message that came back, and its fields
 
 
 def request(

@@ -25,8 +25,7 @@ from jausml.runtime.services.definitions import Guard
 from jausml.runtime.transports.packets.packet import Priority
 from jausml.runtime.wire.message import Message
 
-_LATE_REPORTS = 3
-"""Periodic reports that may be missing before it is told."""
+_LATE_REPORTS = 3  # periodic reports that may be missing before it is told
 
 
 class WatchingClient(QueryClient):
@@ -122,8 +121,7 @@ class WatchingClient(QueryClient):
         raise self.unanswered(target, "CreateEvent")
 
 
-Reply = tuple[str, dict[str, Any]]
-"""A message by its name, and its fields."""
+Reply = tuple[str, dict[str, Any]]  # a message by its name, and its fields
 
 
 class AnsweringClient(QueryClient):
@@ -171,11 +169,9 @@ class AnsweringClient(QueryClient):
         )
 
 
-_JAUS_MESSAGE = 0
-"""Format of an element that is a message (AS5710, SetElement)."""
+_JAUS_MESSAGE = 0  # format of an element that is a message (AS5710, SetElement)
 
-_LONGEST = 5.0
-"""Seconds that one request may take, with its repetitions."""
+_LONGEST = 5.0  # seconds that one request may take, with its repetitions
 
 
 class ListingClient(QueryClient):

@@ -39,8 +39,7 @@ class RosMessage:
     definition: RecordedDefinition = UNDEFINED
 
 
-_Encoded = tuple[str, RosMessage]
-"""A message of any kind, with the name of its encoding."""
+_Encoded = tuple[str, RosMessage]  # a message of any kind, with the name of its encoding
 
 
 def is_bag(path: str) -> bool:

@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from jausml.live.messages import MessageEntry
     from jausml.live.traffic.frames import Datagram
 
+# A message with its channel, and the schema of that.
 Found: TypeAlias = "tuple[Schema | None, Channel, Message]"
-"""A message with its channel, and the schema of that."""
 
 T = TypeVar("T")
 
@@ -87,24 +87,19 @@ class TimeSpan:
         return left if self.duration is None else min(left, self.duration)
 
 
-WHOLE = TimeSpan()
-"""All of a recording."""
+WHOLE = TimeSpan()  # all of a recording
 
 
+# Profile of files in which all channels are of ROS (MCAP, well-known profiles).
 ROS_PROFILE = "ros2"
-"""Profile of files in which all channels are of ROS (MCAP, well-known profiles)."""
 
-LIBRARY = "jausml "
-"""How the name begins of who wrote a file, before the version."""
+LIBRARY = "jausml "  # how the name begins of who wrote a file, before the version
 
-COMPRESSIONS = ("zstd", "lz4", "none")
-"""How chunks may be compressed, the usual one first."""
+COMPRESSIONS = ("zstd", "lz4", "none")  # how chunks may be compressed, the usual one first
 
-NANO = 10**9
-"""Nanoseconds of a second."""
+NANO = 10**9  # nanoseconds of a second
 
-CDR = "cdr"
-"""Encoding of messages of ROS."""
+CDR = "cdr"  # encoding of messages of ROS
 
 
 class RecordingError(Exception):

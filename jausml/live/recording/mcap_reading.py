@@ -30,23 +30,20 @@ if TYPE_CHECKING:
     _Begun = list[tuple[int, int, Found, Iterator[Found]]]
     """Of chunks that are being read: time of the next message, place, the message, and the rest."""
 
-_MESSAGE = struct.Struct("<HIQQ")
-"""Channel, number, and the times of recording and publishing."""
+_MESSAGE = struct.Struct("<HIQQ")  # channel, number, and the times of recording and publishing
 
-_TIME_OFFSET = HEAD.size + 6
-"""Where the time of a message stands in its record."""
+_TIME_OFFSET = HEAD.size + 6  # where the time of a message stands in its record
 
+# Messages that a small file may have, and those for each byte of a larger one: messages of
+# different times cannot be packed so well, and each takes time to read.
 _MOST_SMALL, _MOST_PER_BYTE = 1 << 18, 64
-"""Messages that a small file may have, and those for each byte of a larger one: messages of
-different times cannot be packed so well, and each takes time to read."""
 
 _STEP = 1 << 20
 _MOST_NAMED = 3
 
 
 _READ = frozenset({Opcode.HEADER, Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE, Opcode.CHUNK})
-_Record = tuple[int, int, bytes]
-"""Opcode, place in the file, and content."""
+_Record = tuple[int, int, bytes]  # opcode, place in the file, and content
 
 
 @dataclass(frozen=True)
@@ -61,8 +58,7 @@ class RecordedDefinition:
     text: str = ""
 
 
-UNDEFINED = RecordedDefinition()
-"""Nothing says what a message is but the name of its type."""
+UNDEFINED = RecordedDefinition()  # nothing says what a message is but the name of its type
 
 
 def definition_in(schema: Schema) -> RecordedDefinition:

@@ -24,15 +24,14 @@ class Opcode(IntEnum):
     DATA_END = 0x0F
 
 
-MAGIC = b"\x89MCAP0\r\n"
-"""How files begin and end."""
+MAGIC = b"\x89MCAP0\r\n"  # how files begin and end
 
-HEAD = struct.Struct("<BQ")
-"""Opcode of a record, and the length of what follows."""
+HEAD = struct.Struct("<BQ")  # opcode of a record, and the length of what follows
 
+# Where summary and summary offsets begin, and the checksum of the summary.
 FOOTER = struct.Struct("<QQI")
-"""Where summary and summary offsets begin, and the checksum of the summary."""
 
+# The end of a file without a summary.
 END = (
     HEAD.pack(Opcode.DATA_END, 4)
     + bytes(4)
@@ -40,7 +39,6 @@ END = (
     + FOOTER.pack(0, 0, 0)
     + MAGIC
 )
-"""The end of a file without a summary."""
 
 _CHUNK = struct.Struct("<QQQI")
 

@@ -17,8 +17,7 @@ if TYPE_CHECKING:
     from jausml.live.recording.mcap_files import Found
 
 
-JAUS_TOPICS = "/jaus/"
-"""How the topics of JAUS messages begin (`jausml record`)."""
+JAUS_TOPICS = "/jaus/"  # how the topics of JAUS messages begin (`jausml record`)
 
 
 class PlayedRecording:

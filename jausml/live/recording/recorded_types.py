@@ -15,8 +15,7 @@ from jausml.live.recording.mcap_reading import RecordedDefinition
 from jausml.live.recording.ros_values import defined_fields, defined_parts
 from jausml.live.recording.schemas import full_name, modelled_definition
 
-_OCTETS = frozenset({"byte", "char"})
-"""Other names of uint8."""
+_OCTETS = frozenset({"byte", "char"})  # other names of uint8
 
 _MOST_SHOWN = 400
 

@@ -25,11 +25,9 @@ from jausml.live.recording.schemas import installed_definition, modelled_definit
 from jausml.live.traffic.captures import CapturedFrame
 from jausml.live.traffic.frames import Datagram, PcapWriter
 
-CAPTURE = ".pcap"
-"""Ending of the capture that stands beside an MCAP file."""
+CAPTURE = ".pcap"  # ending of the capture that stands beside an MCAP file
 
-_MOST_DIGITS = 4
-"""Of the number of a file in a row; a date has more."""
+_MOST_DIGITS = 4  # of the number of a file in a row; a date has more
 
 
 @dataclass(frozen=True)
@@ -180,18 +178,19 @@ class RecordingFiles:
         ]
 
 
+# The ending of the topic of the calls of a service, where it is introspected.
 CALLS = "/_service_event"
-"""The ending of the topic of the calls of a service, where it is introspected."""
 
+# Where bridges tell how they are, with the accounts of connections and peers.
 DIAGNOSTICS = "/diagnostics"
-"""Where bridges tell how they are, with the accounts of connections and peers."""
 
+# The ending of the topic of the goals of an action, where it is introspected.
 GOALS = f"/_action/send_goal{CALLS}"
-"""The ending of the topic of the goals of an action, where it is introspected."""
 
-RESULTS = f"/_action/get_result{CALLS}"
-"""The same of its results."""
+RESULTS = f"/_action/get_result{CALLS}"  # the same of its results
 
+# What follows the name of an action in the topics on which others see what it does; the last ones
+# where it is introspected.
 ACTION_TOPICS = (
     "/_action/feedback",
     "/_action/status",
@@ -199,8 +198,6 @@ ACTION_TOPICS = (
     RESULTS,
     f"/_action/cancel_goal{CALLS}",
 )
-"""What follows the name of an action in the topics on which others see what it does; the last ones
-where it is introspected."""
 
 
 def topics_of(model: Model) -> dict[str, ros.MessageType | None]:

@@ -19,17 +19,17 @@ if TYPE_CHECKING:
     Take = Callable[[str, str, bytes, int, int], None]
     """Takes topic, type, message, and when it was heard and published, in nanoseconds."""
 
-_LOOK = 0.1
-"""Seconds from one look for publishers to the next."""
+_LOOK = 0.1  # seconds from one look for publishers to the next
 
+# Seconds after which a node knows who publishes, after which publishers know a subscription, and
+# for which both is waited at most. Where multicast does not pass, a participant of DDS hears of
+# others only when they announce themselves again, every 3 seconds.
 _KNOWN, _MATCHED, _PATIENCE = 3.2, 0.5, 6.0
-"""Seconds after which a node knows who publishes, after which publishers know a subscription, and
-for which both is waited at most. Where multicast does not pass, a participant of DDS hears of
-others only when they announce themselves again, every 3 seconds."""
 
 _DEPTH = 1000
 
 
+# A quality of service as rosbag2 writes it, since version 9 of its metadata.
 _PROFILE = """\
 - history: {history}
   depth: {depth}
@@ -47,7 +47,6 @@ _PROFILE = """\
     nsec: {liveliness_lease_duration[1]}
   avoid_ros_namespace_conventions: {avoid_ros_namespace_conventions}
 """
-"""A quality of service as rosbag2 writes it, since version 9 of its metadata."""
 
 _POLICIES = ("history", "reliability", "durability", "liveliness")
 _DURATIONS = ("deadline", "lifespan", "liveliness_lease_duration")

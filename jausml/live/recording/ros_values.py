@@ -21,11 +21,11 @@ from jausml.live.recording.mcap_files import RecordingError
 Read: TypeAlias = "Callable[['_Bytes'], Any]"
 
 _PART = re.compile(r"^=+\nMSG: (\S+)\n", re.MULTILINE)
+# A type that ROS makes of a service or action, such as `std_srvs/SetBool_Request`.
 _PART_OF_CALL = re.compile(r"^(?:MSG: )?\w+/[A-Z][A-Za-z0-9]*(?:_[A-Z][A-Za-z0-9]*)+", re.MULTILINE)
-"""A type that ROS makes of a service or action, such as `std_srvs/SetBool_Request`."""
 
+# The member in the definition that ROS makes of a type without fields.
 _NO_MEMBER = "structure_needs_at_least_one_member"
-"""The member in the definition that ROS makes of a type without fields."""
 
 _HEAD = 4
 _ORDERS = {0: ">", 1: "<"}

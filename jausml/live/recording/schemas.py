@@ -90,12 +90,14 @@ def _described(field: wire.Field) -> Schema:
 
 _LINE = "=" * 80
 
+# The field that rosidl gives a type without fields, on the wire too.
 _NO_FIELD = "uint8 structure_needs_at_least_one_member"
-"""The field that rosidl gives a type without fields, on the wire too."""
 
 _GOAL_ID = "unique_identifier_msgs/UUID goal_id"
 _CALL = "service_msgs/ServiceEventInfo info\n{0}_Request[<=1] request\n{0}_Response[<=1] response"
 
+# Types of topics of services and actions, and those in them: each has fields, or a section of the
+# file (REP 2012, rosidl action type support).
 _ROLES: dict[tuple[str, str], dict[str, str | int]] = {
     ("srv", "Event"): {"Event": _CALL, "Request": 0, "Response": 1},
     ("action", "FeedbackMessage"): {
@@ -115,11 +117,9 @@ _ROLES: dict[tuple[str, str], dict[str, str | int]] = {
         "Result": 1,
     },
 }
-"""Types of topics of services and actions, and those in them: each has fields, or a section of the
-file (REP 2012, rosidl action type support)."""
 
+# The text of a definition, and the types in it, e.g. `std_msgs/Header`.
 Part = tuple[str, list[str]]
-"""The text of a definition, and the types in it, e.g. `std_msgs/Header`."""
 
 
 def full_name(kind: ros.MessageType) -> str:

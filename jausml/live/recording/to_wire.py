@@ -23,8 +23,7 @@ from jausml.live.workers.worker import Worker, WorkerError, bridge_code
 from jausml_generators.bridge.views import bridge_views
 from jausml_generators.common.components import own_bridges
 
-_TURN = 0.05
-"""Seconds after which a pause begins or ends at the latest."""
+_TURN = 0.05  # seconds after which a pause begins or ends at the latest
 
 _WORKER = Path(__file__).with_name("wire_worker.py")
 _SECONDS = 60.0

@@ -182,8 +182,7 @@ def _plan_of_join(translated: TranslatedJoin) -> dict[str, Any]:
     }
 
 
-Addresses = frozenset[str]
-"""JAUS ids; none means that of anybody."""
+Addresses = frozenset[str]  # JAUS ids; none means that of anybody
 
 
 @dataclass(frozen=True)

@@ -18,8 +18,7 @@ from jausml_runtime.conversions import Time
 
 _NANO = 10**9
 
-Answer = typing.Any
-"""Hexadecimal digits of what was made; or kind and text of what is wrong."""
+Answer = typing.Any  # hexadecimal digits of what was made; or kind and text of what is wrong
 
 
 class RecordingClock:

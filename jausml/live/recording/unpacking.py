@@ -6,15 +6,13 @@ import io
 from collections.abc import Iterator
 from typing import BinaryIO, cast
 
-MOST_UNPACKED = 256 << 20
-"""Bytes that a chunk or a message of a recording may have, unpacked."""
+MOST_UNPACKED = 256 << 20  # bytes that a chunk or a message of a recording may have, unpacked
 
 _STEP = 1 << 20
-_LARGEST_HEAD = 18
-"""Bytes of the head of a frame at most (RFC 8878)."""
+_LARGEST_HEAD = 18  # bytes of the head of a frame at most (RFC 8878)
 
+# Bytes that one byte of a compressed file may become: no recording is packed as well.
 _LARGEST_RATIO = 1000
-"""Bytes that one byte of a compressed file may become: no recording is packed as well."""
 
 
 class DamageError(Exception):

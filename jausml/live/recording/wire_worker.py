@@ -21,8 +21,7 @@ from jausml_runtime.bridge.messages.limits import RosTypeError
 from jausml_runtime.component.process import running_transport
 from jausml_runtime.virtual import Link, RosGraph, VirtualRosNode
 
-_OFFERED = Qos(durability="transient_local", depth=1)
-"""The quality that meets any subscription."""
+_OFFERED = Qos(durability="transient_local", depth=1)  # the quality that meets any subscription
 
 
 class OpenBridges:

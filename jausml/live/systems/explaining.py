@@ -11,6 +11,7 @@ from jausml.live.systems.recorded_facts import BRIDGE
 from jausml.live.systems.state import ComponentState, ConnectionState, SystemState
 from jausml.live.systems.tables import shown_name, state_text
 
+# Why a message was not passed on, by its counter. The page of the counters is made of them.
 MEANINGS: Mapping[str, str] = {
     "aborted": "whoever executed the goal or the list gave it up",
     "absent_field": "a field that the map needs was absent",
@@ -54,7 +55,6 @@ MEANINGS: Mapping[str, str] = {
     "out of order": "it arrived after a newer one",
     "too old": "it waited in the queue for too long",
 }
-"""Why a message was not passed on, by its counter. The page of the counters is made of them."""
 
 
 @dataclass(frozen=True)

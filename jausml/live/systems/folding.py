@@ -37,9 +37,9 @@ _OF_A_BRIDGE = (
 )
 _LATENCY = re.compile(r"((?:source to bridge|in the bridge) (?:p50|p99|max)) \(us\)")
 _OF_A_PEER = "account of "
+# How counts of messages begin that were not passed on, those of calls, and those of messages that
+# did not come as far as their connection.
 _FAILURES = ("dropped: ", "failed: ", "not taken: ")
-"""How counts of messages begin that were not passed on, those of calls, and those of messages that
-did not come as far as their connection."""
 
 _LOSSES = (
     "dropped by the kernel",
@@ -55,11 +55,9 @@ _COUNT = re.compile(r"\d{1,18}")
 _PEERS = ("peer", "search")
 _OF_A_CONNECTION = {_DECLARED, "translation"}
 
-MOST_VALUES = 256
-"""Values of one status that are kept."""
+MOST_VALUES = 256  # values of one status that are kept
 
-LONGEST_TEXT = 500
-"""Characters of one text that are kept."""
+LONGEST_TEXT = 500  # characters of one text that are kept
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,14 +136,12 @@ def _latency(values: Iterable[tuple[str, str]]) -> dict[str, float]:
     return latencies
 
 
-MOST_CONNECTIONS = 4096
-"""Connections that are kept; more are counted as ignored."""
+MOST_CONNECTIONS = 4096  # connections that are kept; more are counted as ignored
 
-MOST_COMPONENTS = 1024
-"""Components that are kept; more are counted as ignored."""
+MOST_COMPONENTS = 1024  # components that are kept; more are counted as ignored
 
+# Seconds after which a component that answers no more, and that no model has, is history.
 FORGOTTEN = 60.0
-"""Seconds after which a component that answers no more, and that no model has, is history."""
 
 _PERIODS = 3
 _TOLD = (

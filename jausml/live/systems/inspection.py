@@ -19,11 +19,9 @@ if TYPE_CHECKING:
     from jausml.live.systems.ros_diagnostics import RosDiagnostics
     from jausml.live.systems.state import ConnectionState, DeclaredConnection, TopicName
 
-PAUSE = 1.0
-"""Seconds from one question for a report to the next."""
+PAUSE = 1.0  # seconds from one question for a report to the next
 
-MOST_LINES = 60
-"""Lines of a message that are shown."""
+MOST_LINES = 60  # lines of a message that are shown
 
 _NO_MODEL = "which it is says the model: jausml top MODEL"
 

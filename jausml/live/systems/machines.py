@@ -6,8 +6,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
-MOST_MACHINES = 64
-"""Machines of one component that are kept."""
+MOST_MACHINES = 64  # machines of one component that are kept
 
 
 @dataclass(frozen=True, slots=True)

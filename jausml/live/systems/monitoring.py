@@ -41,17 +41,13 @@ from jausml.runtime.messages.machine_states import (
     ReportMachineStates,
 )
 
-ROUND = 1.0
-"""Seconds from one round of questions to the next; no component is asked twice in one."""
+ROUND = 1.0  # seconds from one round of questions to the next; no component is asked twice in one
 
-DISCOVERY = 10
-"""Rounds from one question to everybody to the next."""
+DISCOVERY = 10  # rounds from one question to everybody to the next
 
-MOST_ASKED = 64
-"""Components that are asked in one round; more take turns."""
+MOST_ASKED = 64  # components that are asked in one round; more take turns
 
-_SELDOM = 10
-"""Rounds from one question to the next for a component that does not answer."""
+_SELDOM = 10  # rounds from one question to the next for a component that does not answer
 
 _UNANSWERED = 3
 

@@ -22,17 +22,14 @@ from jausml.live.systems.folding import fold_model, fold_source, fold_time
 from jausml.live.systems.recorded_facts import Fact, Listener, fold_fact
 from jausml.live.systems.state import ComponentState, ConnectionState, SystemState
 
-BLOCK = 16
-"""Facts from one state that is kept to the next."""
+BLOCK = 16  # facts from one state that is kept to the next
 
-MOST_STATES = 256
-"""States that are kept at most; of more, every second one is let go."""
+MOST_STATES = 256  # states that are kept at most; of more, every second one is let go
 
-MOST_MARKS = 20_000
-"""Changes of a recording that are listed."""
+MOST_MARKS = 20_000  # changes of a recording that are listed
 
+# Statuses of bridges of what each peer sent: what was dropped is told of connections too.
 OF_PEERS = "account of "
-"""Statuses of bridges of what each peer sent: what was dropped is told of connections too."""
 
 NO_ROS = "the recording has no /diagnostics"
 NO_JAUS = "the recording has no JAUS messages"
@@ -156,8 +153,7 @@ class RecordedSystem:
                 self.unlisted += 1
 
 
-AT_ONCE = 1000
-"""Messages that are read between two looks at how much was read."""
+AT_ONCE = 1000  # messages that are read between two looks at how much was read
 
 
 def indexed(path: str) -> RecordedSystem:

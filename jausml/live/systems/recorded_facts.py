@@ -32,11 +32,9 @@ from jausml.runtime.messages import (
 from jausml.runtime.messages.machine_states import ReportMachineStates
 from jausml.runtime.wire.message import DecodeError
 
-BRIDGE = "jaus state"
-"""The status in which a bridge tells its own state and controller."""
+BRIDGE = "jaus state"  # the status in which a bridge tells its own state and controller
 
-_ACCEPTED, _RELEASED = 0, 0
-"""Response codes of ConfirmControl and RejectControl (AS5710)."""
+_ACCEPTED, _RELEASED = 0, 0  # response codes of ConfirmControl and RejectControl (AS5710)
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,6 +65,7 @@ def _rejected(report: RejectControl, _: str) -> dict[str, Any]:
     return {"controller": ""} if report.response_code == _RELEASED else {}
 
 
+# The functions that read the facts in each message about its sender, by its name.
 _TELLING: dict[str, tuple[Any, Callable[[Any, str], dict[str, Any]]]] = {
     "ReportStatus": (ReportStatus, state_in),
     "ReportControl": (ReportControl, control_in),
@@ -76,7 +75,6 @@ _TELLING: dict[str, tuple[Any, Callable[[Any, str], dict[str, Any]]]] = {
     "RejectControl": (RejectControl, _rejected),
     "ReportMachineStates": (ReportMachineStates, machines_in),
 }
-"""The functions that read the facts in each message about its sender, by its name."""
 
 _ASKING = (QueryStatus.NAME, QueryControl.NAME)
 

@@ -12,11 +12,9 @@ from jausml.live.systems.state import TopicName
 
 _DEPTH = 50
 
-MOST_ELEMENTS = 8
-"""Elements of an array that are shown."""
+MOST_ELEMENTS = 8  # elements of an array that are shown
 
-LONGEST_VALUE = 200
-"""Characters of a text that are shown."""
+LONGEST_VALUE = 200  # characters of a text that are shown
 
 
 class RosDiagnostics:

@@ -16,11 +16,9 @@ from jausml.live.systems.monitoring import Monitor, listening, polling
 from jausml.live.systems.ros_diagnostics import RosDiagnostics
 from jausml.live.systems.state import DeclaredConnection
 
-PERIOD = 0.25
-"""Seconds from one look at the state to the next."""
+PERIOD = 0.25  # seconds from one look at the state to the next
 
-LONGEST = 1.0
-"""Seconds after which a state is told that has not changed: its ages have."""
+LONGEST = 1.0  # seconds after which a state is told that has not changed: its ages have
 
 _REMEDY = "End it, or let it share the port"
 

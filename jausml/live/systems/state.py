@@ -9,14 +9,11 @@ from typing import Any
 
 from jausml.live.systems.machines import MachineState, machines_as_json
 
-HISTORY = 120
-"""Latest rates of a connection that are kept."""
+HISTORY = 120  # latest rates of a connection that are kept
 
-SILENCE = 5.0
-"""Seconds of silence after which a part counts as gone, unless its period is longer."""
+SILENCE = 5.0  # seconds of silence after which a part counts as gone, unless its period is longer
 
-HEALTH = ("ok", "warning", "error")
-"""Words for the weights of a state."""
+HEALTH = ("ok", "warning", "error")  # words for the weights of a state
 
 
 class Level(Enum):

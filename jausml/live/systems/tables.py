@@ -12,11 +12,10 @@ from jausml.live.systems.machines import MachineState
 from jausml.live.systems.state import ComponentState, ConnectionState, SystemState
 
 _BARS = "▁▂▃▄▅▆▇█"
-LONGEST_CELL = 48
-"""Characters of a cell."""
+LONGEST_CELL = 48  # characters of a cell
 
+# States of a machine whose shares of time are in the table; those with the most time.
 _MOST_SHARES = 4
-"""States of a machine whose shares of time are in the table; those with the most time."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,6 +80,7 @@ def _peers(connection: ConnectionState) -> str:
     )
 
 
+# The columns of the table of connections.
 COLUMNS = (
     Column("state", state_text, lambda connection: -connection.level.weight),
     Column("connection", shown_name, shown_name),
@@ -119,14 +119,13 @@ COLUMNS = (
         "reason", lambda connection: connection.reason, lambda connection: connection.reason or None
     ),
 )
-"""The columns of the table of connections."""
 
+# The columns of the table of components.
 COMPONENT_TITLES = ("state", "component", "name", "management", "controlled by", "ms", "reason")
-"""The columns of the table of components."""
 
 
+# The columns of the table of state machines.
 MACHINE_TITLES = ("component", "service", "machine", "state", "s in it", "entries", "share of time")
-"""The columns of the table of state machines."""
 
 
 def arranged(

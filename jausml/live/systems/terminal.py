@@ -46,8 +46,7 @@ _STYLES = {
 }
 _PARTS = ("told", "ros", "jaus")
 
-_BEFORE_HISTORY = 3
-"""Index of the column after which the history of the rate stands."""
+_BEFORE_HISTORY = 3  # index of the column after which the history of the rate stands
 
 
 def told_of(connection: ConnectionState) -> Text:

@@ -10,19 +10,18 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import BinaryIO, cast
 
-RAW_IP = 101
-"""LINKTYPE_RAW: a frame begins with its IP header."""
+RAW_IP = 101  # LINKTYPE_RAW: a frame begins with its IP header
 
 _LARGEST_PART = 1 << 27
 _NANO = 10**9
 
+# Byte order and ticks each second, by what the file begins with.
 _PCAP = {
     b"\xd4\xc3\xb2\xa1": ("<", 10**6),
     b"\xa1\xb2\xc3\xd4": (">", 10**6),
     b"\x4d\x3c\xb2\xa1": ("<", 10**9),
     b"\xa1\xb2\x3c\x4d": (">", 10**9),
 }
-"""Byte order and ticks each second, by what the file begins with."""
 
 _GZIP = b"\x1f\x8b"
 _MCAP = b"\x89MCA"

@@ -50,8 +50,8 @@ class Task:
     is_unasked: bool = False
 
 
+# Makes a part of a task by the name of that, with the source of it.
 PartOf = Callable[[str, str], Part]
-"""Makes a part of a task by the name of that, with the source of it."""
 
 
 def part(

@@ -36,15 +36,16 @@ from jausml.runtime.messages import ReportServices
 
 RULES = "IGVC, IOP Challenge, as quoted by teams"
 
+# Services of the component for platform management.
 PLATFORM = ("Transport", "Events", "AccessControl", "Liveness", "Discovery")
-"""Services of the component for platform management."""
 
+# Services of the component for navigation and reporting.
 REPORTING = (
     *("Transport", "Events", "AccessControl", "Management", "Liveness"),
     *("LocalWaypointDriver", DRIVER, "VelocityStateSensor", "LocalPoseSensor", "PrimitiveDriver"),
 )
-"""Services of the component for navigation and reporting."""
 
+# Checks of conformance of the services that both parts of the challenge build on.
 _CHECKS = (
     *("liveness.pulse", "liveness.event"),
     *("events.create-periodic", "events.report", "events.update", "events.cancel"),
@@ -52,7 +53,6 @@ _CHECKS = (
     *("management.resume", "management.standby-command", "management.resume-by-other"),
     *("management.emergency", "management.clear"),
 )
-"""Checks of conformance of the services that both parts of the challenge build on."""
 
 _QUERIES = (
     ("VelocityStateSensor", "QueryVelocityState"),
@@ -142,8 +142,8 @@ def _let_go(session: Session) -> None:
 
 CONFORMANCE = "conformance"
 
+# Id of the judge by competition, where the rules fix it.
 ID = {"igvc-jaus": "42.1.1", "igvc-iop": "42.1.1"}
-"""Id of the judge by competition, where the rules fix it."""
 
 
 class ConformanceJudge(Judge):

@@ -112,8 +112,7 @@ def _seconds(report: dict[str, Any]) -> float:
 
 
 T = TypeVar("T")
-Place: TypeAlias = tuple[float, float]
-"""x and y in metres."""
+Place: TypeAlias = tuple[float, float]  # x and y in metres
 
 DRIVER = "LocalWaypointListDriver"
 ACTIVE = Topic(DRIVER, "ActiveElement")
@@ -121,11 +120,9 @@ SPEED = Topic(DRIVER, "TravelSpeed")
 WAYPOINT = Topic(DRIVER, "LocalWaypoint", presence=0)
 POSE = Topic("LocalPoseSensor", "LocalPose", presence=3)
 
-RADIUS = 0.5
-"""Metres within which a waypoint counts as reached; the published rules name none."""
+RADIUS = 0.5  # metres within which a waypoint counts as reached; the published rules name none
 
-TRAVEL_SPEED = 1.0
-"""Speed in m/s of ExecuteList, as the rules have it."""
+TRAVEL_SPEED = 1.0  # speed in m/s of ExecuteList, as the rules have it
 
 _PERIOD = 0.2
 _PATIENCE = 3.0

@@ -45,11 +45,9 @@ from jausml.runtime.clients.discovery_client import query_services
 
 RULES = "IGVC 2011, JAUS Challenge"
 
-INTERVAL = 5.0
-"""Seconds between two questions of an entry that is not answered."""
+INTERVAL = 5.0  # seconds between two questions of an entry that is not answered
 
-PATIENCE = 30.0
-"""Seconds in which an entry must begin to ask; it may just be starting."""
+PATIENCE = 30.0  # seconds in which an entry must begin to ask; it may just be starting
 
 _LENIENCE = 1.0
 _FASTEST = 5.0
@@ -65,11 +63,11 @@ VELOCITY = Topic("VelocityStateSensor", "VelocityState", presence=0x0140)
 VELOCITY_IN_WORDS = Topic("VelocityStateSensor", "VelocityState", presence=0x0141)
 POSE = Topic("LocalPoseSensor", "LocalPose", presence=0x0103)
 
+# The services that the tasks need.
 SERVICES = (
     *("Discovery", "AccessControl", "Management"),
     *("VelocityStateSensor", "LocalPoseSensor", DRIVER),
 )
-"""The services that the tasks need."""
 
 
 class Handshake:

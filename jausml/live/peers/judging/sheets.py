@@ -15,8 +15,7 @@ from jausml.live.peers.judging.competition import Score, Sheet, Task
 from jausml.live.peers.rendering import printable
 from jausml.views.pages import page_head
 
-SCHEMA = 1
-"""Version of the layout of JSON."""
+SCHEMA = 1  # version of the layout of JSON
 
 _ID_WIDTH = 36
 

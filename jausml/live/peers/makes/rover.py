@@ -91,10 +91,8 @@ class JausPlusPlus:
             self._unicast.sendto(datagram, self._book[client.packed])
 
 
-FULL_SPEED = 2.0
-"""Metres per second at an effort of 100 percent."""
-FULL_TURN = 1.0
-"""Radians per second at a rotational effort of 100 percent."""
+FULL_SPEED = 2.0  # metres per second at an effort of 100 percent
+FULL_TURN = 1.0  # radians per second at a rotational effort of 100 percent
 
 
 class Rover:
@@ -141,5 +139,5 @@ def _jaus_plus_plus(address: JausAddress, rover: Rover, place: Place) -> JausPlu
 
 
 MAKES: dict[str, Callable[[JausAddress, Rover, Place], JuniorVehicle | JtsComponent | JausPlusPlus]]
+# The functions that start a rover of each make. It runs on threads of its own until ``close``.
 MAKES = {"junior": _junior, "jts": _tool_set, "jaus++": _jaus_plus_plus}
-"""The functions that start a rover of each make. It runs on threads of its own until ``close``."""
