@@ -1,4 +1,4 @@
-"""Compressed parts of recordings, unpacked step by step, so that none fills the memory."""
+"""Unpacking of compressed parts of recordings in bounded memory."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ class DamageError(Exception):
 
 
 def unpacked(data: bytes, compression: str, most: int = MOST_UNPACKED) -> bytes:
-    """Returns the unpacked bytes.
+    """Returns data without its compression.
 
     Args:
-        compression: As MCAP names it: empty, `lz4` or `zstd`.
-        most: How many bytes it may be.
+        compression: Its name in MCAP: empty, `lz4` or `zstd`.
+        most: Greatest number of unpacked bytes.
 
     Raises:
-        DamageError: It is more, or is not compressed in this way.
+        DamageError: There are more bytes, or the compression is another.
     """
     if not compression:
         return data
@@ -35,10 +35,10 @@ def unpacked(data: bytes, compression: str, most: int = MOST_UNPACKED) -> bytes:
 
 
 def unpack_file(source: BinaryIO, target: BinaryIO) -> None:
-    """Writes the unpacked contents of a file that zstd compressed.
+    """Writes the unpacked contents of a zstd file.
 
     Raises:
-        DamageError: It is no such file, or becomes out of proportion large.
+        DamageError: It is no such file, or unpacks to too many bytes.
     """
     most = max(MOST_UNPACKED, source.seek(0, io.SEEK_END) * _LARGEST_RATIO)
     source.seek(0)
@@ -67,7 +67,7 @@ def _pieces(source: BinaryIO, compression: str, most: int) -> Iterator[bytes]:
 
 
 def _opened(source: BinaryIO, compression: str) -> tuple[BinaryIO, int]:
-    """Returns the reader that unpacks, and the stated size in bytes; -1 for unknown."""
+    """Returns a reader of the unpacked bytes, and their stated number, -1 for unknown."""
     if compression == "zstd":
         import zstandard  # noqa: PLC0415 - an extra
 
