@@ -1,4 +1,4 @@
-"""A counter-example as a test in virtual time, beside the packages that are generated."""
+"""A counter-example as a test in virtual time, which uses the generated packages."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ world.run_for({tick!r})
 
 
 def virtual_test(model: Model, subject: Subject, example: CounterExample) -> str | None:
-    """Returns a test module; None for what no module can be made of: machines, and lists."""
+    """Returns a test module; None for counter-examples of machines and lists."""
     product, connection = subject.product, subject.element
     if not isinstance(product, (ObeyingProduct, CommandingProduct)):
         return None
