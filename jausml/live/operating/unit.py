@@ -88,14 +88,16 @@ class OperatorUnit:
         self.values = Values()
         self.journal = Journal(notify)
         self._notify = notify
-        self._system = WatchedSystem(knowledge, network, self.journal, self._tell, self._leave_all)
+        self._system = WatchedSystem(
+            knowledge, network, self.journal, self._send_state, self._leave_all
+        )
         stops = powers.stops if powers is not None else ()
         parsed_stops = [parse_stop(stop, self._system.catalogue) for stop in stops]
         self.sticks = Sticks(self._system, self.journal, Stops(knowledge.stops, parsed_stops))
         self.lists = Lists(self._system, self.journal)
-        self._told_last: tuple[float, dict[str, Any]] | None = None
-        self._told_components: list[dict[str, Any]] = []
-        self._collected = time.monotonic()
+        self._last_sent: tuple[float, dict[str, Any]] | None = None
+        self._sent_components: list[dict[str, Any]] = []
+        self._last_collection = time.monotonic()
         self._guardian: UnitGuardian | None = None
         self._commander: Commander | None = None
         self.gate = Gate()
@@ -190,23 +192,23 @@ class OperatorUnit:
             "alarms": self.journal.alarms,
         }  # fmt: skip
 
-    def _tell(self, state: SystemState) -> None:
+    def _send_state(self, state: SystemState) -> None:
         """Sends the state to pages when it has changed, and once in `HEARTBEAT`.
 
         By the heartbeat pages know that this process works.
         """
         content, components, now = self.content(), _components(state), time.monotonic()
-        if components != self._told_components:
-            self._told_components = components
+        if components != self._sent_components:
+            self._sent_components = components
             self._notify("operate.components", {"components": components})
-        last = self._told_last
+        last = self._last_sent
         if last is None or content != last[1] or now - last[0] >= HEARTBEAT:
-            self._told_last = now, content
+            self._last_sent = now, content
             self._notify("operate.state", {**content, "ages": _ages(state)})
         # The automatic collector is off, as it would delay a stop.
         is_idle = self._commander is None and self._is_settled.is_set()
-        if is_idle and now - self._collected > _COLLECTION:
-            self._collected = now
+        if is_idle and now - self._last_collection > _COLLECTION:
+            self._last_collection = now
             gc.collect()
 
     # ---- commands ---------------------------------------------------------------------------
@@ -248,7 +250,7 @@ class OperatorUnit:
             if not self._is_settled.is_set():
                 raise Refused("what the page before commanded is being stopped; try again")
             if self._commander is None:
-                lease = Lease(powers.lease, lambda: self._silent(page))
+                lease = Lease(powers.lease, lambda: self._lose_silent(page))
                 self._commander = Commander(page, name, lease)
         self.require_commander(page)
         if operator.controls(target):
@@ -350,7 +352,7 @@ class OperatorUnit:
         """Notes that a person stops or releases a component, which then raises no alarm."""
         self._system.act(target)
 
-    def _silent(self, page: int) -> None:
+    def _lose_silent(self, page: int) -> None:
         commander = self._commander
         if commander is not None and commander.page == page:
             self._lose(commander, f"said nothing for {commander.lease.seconds:g} s")
