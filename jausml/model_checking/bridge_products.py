@@ -26,7 +26,7 @@ class Obeying(NamedTuple):
     """State of the product.
 
     Attributes:
-        stands: Whose command is in effect at the other side; empty for nobody's.
+        stands: Source of the command in effect at the other side; empty without one.
     """
 
     core: Core
@@ -39,7 +39,7 @@ class ObeyingProduct:
     """A bridge, its two clients of different authority, and a client that sets emergencies.
 
     Attributes:
-        clients: Who commands; the first one is a peer of the connection.
+        clients: Names of commanding clients; the first one is a peer of the connection.
         has_stop: Whether a stop is sent, or the last command stands for a reason.
         demanded: Ticks in which it is demanded, whatever the model says; 0 where nothing is.
     """
@@ -93,34 +93,34 @@ class ObeyingProduct:
         state = self._changed(state, self.services.tick(state.core))
         return self._with(state, state.core, self.connection.tick(state.connection_state))
 
-    # ------------------------------------------------------------------ what must hold
+    # ------------------------------------------------------------------ properties
 
     @property
     def bound(self) -> int:
         """Ticks after the loss of the source in which the stop is due; 0 for never."""
         if self.demanded or self.connection.silence:
             return self.demanded or self.connection.silence
-        # Without control nothing lapses: silence alone can stop the command.
+        # Without control, only silence can stop the command.
         return self.services.timeout if self.connection.guard != "ANY" else 0
 
     @property
     def late(self) -> str:
-        """The fault when it does not come by then."""
+        """The fault when the stop does not come in time."""
         if not self.bound:
             return f"nothing stops {self.command} when its source is lost"
         return f"{self.command} still stands {{bound}} after its source was lost"
 
     def source(self, state: Obeying) -> str:
-        """Returns whose command is in effect, and could be lost."""
+        """Returns the source of the command in effect, which could be lost."""
         return state.stands if self.has_stop else ""
 
     def is_over(self, state: Obeying) -> bool:
-        """Tells whether the component has come to an end that no message leads out of."""
+        """Returns whether the component is in a final state, which no message ends."""
         # The end of an emergency leads back to the state that it interrupted.
         return state.core.status in FINAL or state.core.interrupted[0] in FINAL
 
     def place(self, _state: Obeying) -> str:
-        """Returns nothing: there is no machine."""
+        """Returns an empty text, as there is no machine."""
         return ""
 
     def fault(self, state: Obeying, step: Step, after: Obeying) -> str:
@@ -174,7 +174,7 @@ class Commanding(NamedTuple):
     """State of the product.
 
     Attributes:
-        believed: State in which the bridge takes the peer to be that it controls; empty for none.
+        believed: State of the controlled peer as the bridge knows it; empty without control.
         lost_in: Ticks until the bridge takes control for lost, of which nothing is confirmed.
         watched_in: Ticks until the peer itself minds the silence; 0 where it does not.
     """
@@ -194,7 +194,7 @@ class CommandingProduct:
     """A bridge and its peer.
 
     Attributes:
-        patience: Ticks after which the bridge takes control for lost.
+        patience: Ticks without confirmation after which control counts as lost.
         watch: Ticks of silence after which the peer stops by itself, as its model says; 0 is never.
         rival: Who else may control the peer; empty for nobody.
     """
@@ -243,7 +243,7 @@ class CommandingProduct:
         obeying = (READY,) if self.connection.guard == "READY" else (STANDBY, READY)
         return state.believed in obeying
 
-    # ------------------------------------------------------------------ what others do
+    # ------------------------------------------------------------------ steps of others
 
     def _of_others(self, state: Commanding) -> Iterator[tuple[Step, Commanding]]:
         services, peer = self.services, state.peer
@@ -278,7 +278,7 @@ class CommandingProduct:
         return self._informed(state) if state.is_linked else state
 
     def _informed(self, state: Commanding) -> Commanding:
-        """The bridge learns by events and rejections how the peer is."""
+        """Returns the state after the bridge learns that of the peer, by events and rejections."""
         holds = state.believed and state.peer.controller == self.bridge
         return state._replace(believed=state.peer.status if holds else "")
 
@@ -287,7 +287,7 @@ class CommandingProduct:
         state = self._stop_sent(state._replace(own=own, connection_state=connection_state))
         if self._may_command(state):
             return state
-        # It lets go of the peer, which learns of it if it can be reached.
+        # The bridge releases the peer, which learns of it if it can be reached.
         state = state._replace(believed="", lost_in=0)
         if not state.is_linked:
             return state
@@ -326,7 +326,7 @@ class CommandingProduct:
         return state._replace(believed="", lost_in=0)
 
     def _stop_sent(self, state: Commanding) -> Commanding:
-        """A stop that stands is sent until it has arrived, while the peer would obey."""
+        """Returns the state after a due stop is sent, which arrives if the peer obeys."""
         is_due = state.connection_state.is_stopped and self.has_stop and state.is_linked
         is_obeyed = self.services.allows(state.peer, self.connection.guard, self.bridge)
         return self._standing(state) if is_due and is_obeyed and self._obeys(state) else state
@@ -334,13 +334,13 @@ class CommandingProduct:
     def _standing(self, state: Commanding) -> Commanding:
         return state._replace(is_moving=False, watched_in=0)
 
-    # ------------------------------------------------------------------ what must hold
+    # ------------------------------------------------------------------ properties
 
     @property
     def bound(self) -> int:
         """Ticks after the loss of the source in which the stop is due; 0 for never.
 
-        Where the radio is lost too, the peer stops when control lapses, or by its own watch.
+        If the radio is lost, too, the peer stops when control lapses, or by its own time-out.
         """
         if self.demanded:
             return self.demanded
@@ -350,15 +350,15 @@ class CommandingProduct:
 
     @property
     def late(self) -> str:
-        """The fault when it does not come by then."""
+        """The fault when the stop does not come in time."""
         if not self.bound:
             return f"nothing stops {self.command} at {self.peer} when the radio is lost"
         return f"{self.command} still stands at {self.peer} {{bound}} after its source was lost"
 
     def source(self, state: Commanding) -> str:
-        """Returns whose command is in effect, and could be lost.
+        """Returns the source of the command in effect, which could be lost.
 
-        Where its silence says nothing, the way to the peer alone can be lost.
+        Where silence of the source does not count, only the radio can be lost.
         """
         if not state.is_moving or not self.has_stop:
             return ""
@@ -367,12 +367,12 @@ class CommandingProduct:
         return "" if state.is_linked else RADIO
 
     def is_over(self, state: Commanding) -> bool:
-        """Tells whether the bridge or the peer has come to a final state."""
+        """Returns whether the bridge or the peer is in a final state."""
         ends = (state.peer, state.own)
         return any(end.status in FINAL or end.interrupted[0] in FINAL for end in ends)
 
     def place(self, _state: Commanding) -> str:
-        """Returns nothing: there is no machine."""
+        """Returns an empty text, as there is no machine."""
         return ""
 
     def fault(self, state: Commanding, step: Step, after: Commanding) -> str:

@@ -1,4 +1,4 @@
-"""Checks a system, and says what was found: for people, for programs, and for code scanning."""
+"""Checks of a system, with results as text, as JSON, and as SARIF for code scanning."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Moment:
     """A step of a counter-example.
 
     Attributes:
-        seconds: When it happens, at the earliest, after the start.
+        seconds: Earliest time after the start.
     """
 
     seconds: float
@@ -36,7 +36,7 @@ class Moment:
 
 @dataclass(frozen=True)
 class CounterExample:
-    """How a property comes not to hold (`repeats`: how many moments at the end go on for ever)."""
+    """A path to a violation of a property (`repeats`: number of last moments that repeat)."""
 
     rule: str
     message: str
@@ -46,7 +46,7 @@ class CounterExample:
 
 @dataclass(frozen=True)
 class Outcome:
-    """The outcome for one subject."""
+    """The outcome of one subject (`states`: number of searched states)."""
 
     subject: Subject
     states: int
@@ -63,13 +63,13 @@ class Outcome:
 def check_system(
     system_: system.System, states: int, is_over: Callable[[], bool], demanded: float = 0.0
 ) -> list[Outcome]:
-    """Checks all that there is to check of a system."""
+    """Checks all subjects of a system; returns their outcomes."""
     bounds = Bounds(states, is_over)
     return [check_subject(subject, bounds) for subject in subjects_of(system_, demanded)]
 
 
 def without_allowed(outcomes: Iterable[Outcome], model: Model) -> list[Outcome]:
-    """Returns outcomes in which what an `@allow` of the model is about does not count."""
+    """Returns outcomes without the findings that an `@allow` of the model permits."""
     settled_outcomes = []
     for outcome in outcomes:
         examples_by_diagnostic = {
@@ -86,7 +86,7 @@ def without_allowed(outcomes: Iterable[Outcome], model: Model) -> list[Outcome]:
 
 
 def diagnostic_of(subject: Subject, example: CounterExample, model: Model) -> Diagnostic:
-    """Returns a counterexample as a finding at its element."""
+    """Returns a counter-example as a diagnostic at its element."""
     steps = "; ".join(
         f"{moment.seconds:g} s {moment.step.actor}: {moment.step.what}"
         for moment in example.moments
@@ -102,7 +102,7 @@ def diagnostic_of(subject: Subject, example: CounterExample, model: Model) -> Di
 
 
 def check_subject(subject: Subject, bounds: Bounds) -> Outcome:
-    """Searches a product and judges it."""
+    """Searches the product of a subject; returns the violations of its properties."""
     graph = explore(subject.product, bounds)
     counterexamples = [
         _counter_example(subject, graph, violation)
@@ -128,7 +128,7 @@ def _counter_example(subject: Subject, graph: Graph, violation: Violation) -> Co
 
 
 def _json(outcomes: Sequence[Outcome], model: Model) -> str:
-    """Returns an object with all products and their counter-examples."""
+    """Returns the text of a JSON object with all products and their counter-examples."""
     products = [_product(outcome, model) for outcome in outcomes]
     return json.dumps({"digests": digests(model), "products": products}, indent=2) + "\n"
 
@@ -168,7 +168,7 @@ def _as_data(example: CounterExample) -> dict[str, Any]:
 
 
 def sequence_diagram(subject: Subject, example: CounterExample) -> SequenceDiagram:
-    """Returns the steps of a counterexample; steps of time without anything else are one."""
+    """Returns the events of a counter-example; consecutive steps of time are one event."""
     events: list[Event] = []
     first = len(example.moments) - example.repeats
     for number, moment in enumerate(example.moments):
@@ -244,7 +244,7 @@ def _told_in_line(moment: Moment) -> str:
 
 
 def _sarif(outcomes: Sequence[Outcome], model: Model) -> str:
-    """Returns a SARIF log of one run."""
+    """Returns the text of a SARIF log of one run."""
     files = tuple(document.display for document in model.documents if document.is_input)
     diagnostics = [
         diagnostic_of(outcome.subject, one, model) for outcome in outcomes for one in outcome.found

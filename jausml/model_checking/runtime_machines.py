@@ -10,15 +10,14 @@ from jausml.model_checking.search import Step
 
 STANDBY, READY, EMERGENCY = "STANDBY", "READY", "EMERGENCY"
 FAILURE, SHUTDOWN = "FAILURE", "SHUTDOWN"
-FINAL = (FAILURE, SHUTDOWN)
-"""States that no message ends."""
+FINAL = (FAILURE, SHUTDOWN)  # states that no message ends
 
-PASSIVE = (EMERGENCY, *FINAL)
-"""States in which nothing is commanded, whoever wants to."""
+PASSIVE = (EMERGENCY, *FINAL)  # states in which nothing is commanded, whoever wants to
 
 
 EMERGENCY_CLIENT = "an emergency client"
 
+# Messages of a client, and their effects in the core services.
 CLIENT_MESSAGES = {
     "RequestControl": "request",
     "Resume": "resume",
@@ -27,15 +26,14 @@ CLIENT_MESSAGES = {
     "Reset": "reset",
     "Shutdown": "shutdown",
 }
-"""Messages of a client, and what the core services do with them."""
 
 
 class Core(NamedTuple):
     """State of the core services of a component.
 
     Attributes:
-        lapses_in: Ticks until control lapses; 0 where it does not.
-        emergencies: Who has set an emergency that is not cleared.
+        lapses_in: Ticks until control lapses; 0 for never.
+        emergencies: Clients whose emergency is not cleared.
         interrupted: State and controller to which the end of the emergency leads back.
         is_active: Whether the component offers control; a bridge can be deactivated.
     """
@@ -68,7 +66,7 @@ class CoreServices:
     is_1_0: bool = False
 
     def allows(self, core: Core, guard: str, sender: str) -> bool:
-        """Tells whether a message is obeyed under a guard."""
+        """Returns whether a message of a client is obeyed under a guard."""
         if guard == "ANY":
             return True
         if sender != core.controller or core.status not in (STANDBY, READY):
@@ -83,7 +81,7 @@ class CoreServices:
         if not core.is_available or code < self.default_authority:
             return core
         held = core.controller and core.controller != sender
-        # Equal authority is not enough to take control over.
+        # Equal authority does not suffice to take over control.
         if held and code <= self.authorities[core.controller]:
             return core
         return core._replace(controller=sender, lapses_in=self.timeout)
@@ -129,7 +127,7 @@ class CoreServices:
         """Takes Reset."""
         if not self._may_end(core, sender) or (self.is_1_0 and core.status == STANDBY):
             return core
-        # Behind the emergency stands a final state, out of which a reset must not lead.
+        # The interrupted state may be final, and a reset must not end it.
         if core.status == EMERGENCY and core.interrupted[0] in FINAL:
             return core
         return Core(is_active=core.is_active)
@@ -147,13 +145,13 @@ class CoreServices:
         return self.drop(core._replace(status=EMERGENCY, interrupted=interrupted))
 
     def clear_emergency(self, core: Core, sender: str) -> Core:
-        """Takes ClearEmergency; v1.0 goes on where it was interrupted."""
+        """Takes ClearEmergency; v1.0 returns to the interrupted state."""
         core = core._replace(emergencies=core.emergencies - {sender})
         if core.status != EMERGENCY or core.emergencies:
             return core
         status, controller = core.interrupted
         core = core._replace(interrupted=("", ""))
-        # What was final before the emergency is so behind it.
+        # A final state before the emergency is final after it.
         if status in FINAL:
             return core._replace(status=status)
         if not self.is_1_0:
@@ -166,7 +164,7 @@ class CoreServices:
         return self.drop(core._replace(status=FAILURE, interrupted=("", "")))
 
     def deactivate(self, core: Core) -> Core:
-        """Offers no control any more."""
+        """Stops offering control."""
         status = STANDBY if core.status == READY else core.status
         return self.drop(core._replace(status=status, is_active=False))
 
@@ -206,9 +204,9 @@ class ConnectionState(NamedTuple):
     """State of a connection.
 
     Attributes:
-        is_stopped: Whether no message of the source stands, but the stop.
-        is_halted: Whether nothing passes, whatever the source says.
-        silent_in: Ticks until the source counts as silent; 0 where nobody minds.
+        is_stopped: Whether the stop is in effect, instead of a message of the source.
+        is_halted: Whether no message of the source passes.
+        silent_in: Ticks until the source counts as silent; 0 for never.
     """
 
     is_stopped: bool = True
@@ -218,11 +216,11 @@ class ConnectionState(NamedTuple):
 
 @dataclass(frozen=True)
 class CommandConnection:
-    """How a connection minds its source.
+    """The behaviour of a connection towards its source.
 
     Attributes:
-        guard: Whom the bridge obeys: ANY, CONTROLLED or READY.
-        silence: Ticks of silence after which it stops; 0 is never.
+        guard: Condition for commands: ANY, CONTROLLED or READY.
+        silence: Ticks of silence after which it stops; 0 for never.
         to_ros: Whether the commands come from JAUS.
     """
 
@@ -245,11 +243,11 @@ class CommandConnection:
         return state._replace(silent_in=left) if left else self.stop(state)
 
     def stop(self, state: ConnectionState) -> ConnectionState:
-        """Sends the stop, after which no message of the source stands."""
+        """Sends the stop, which replaces the message of the source."""
         return state._replace(is_stopped=True, silent_in=0)
 
     def follow(self, state: ConnectionState, former: Core, core: Core) -> ConnectionState:
-        """Stops what must not go on as the bridge stands now."""
+        """Stops commands that the present state of the bridge does not allow."""
         if not core.is_active or not self.to_ros:
             return self._halt(state, is_halted=halts(core))
         state = self._halt(state, is_halted=self.guard == "ANY" and halts(core))
@@ -261,13 +259,13 @@ class CommandConnection:
 
 
 def halts(core: Core) -> bool:
-    """Tells whether a bridge sends no commands of its own (`Standing.halt`)."""
+    """Returns whether a bridge sends no commands of its own (`Standing.halt`)."""
     stands_by = core.status == STANDBY and bool(core.controller)
     return not core.is_active or core.status in PASSIVE or stands_by
 
 
 def loses(former: Core, core: Core) -> bool:
-    """Tells whether commands of the former controller must not stand (`lost_since`)."""
+    """Returns whether commands of the former controller must end (`lost_since`)."""
     if former.is_active and not core.is_active:
         return True
     if core.status != former.status and core.status in PASSIVE:

@@ -1,4 +1,4 @@
-"""Explicit search of a product, nearest states first, and the properties that it must have.
+"""Explicit search of a product, breadth first, and the properties that it must have.
 
 These are safety, stops in time, no deadlock, no livelock.
 """
@@ -15,11 +15,11 @@ class Step(NamedTuple):
     """A step between two states.
 
     Attributes:
-        receiver: To whom; empty where it concerns the actor alone.
+        receiver: Receiver of the message; empty without one.
         is_tick: Whether it is one step of time.
-        passes: Whose command takes effect by it.
-        on_to: Where the receiver sends it on.
-        is_helpful: Whether it goes on in a world in which nobody hinders anything.
+        passes: Source of the command that takes effect by it; empty without one.
+        on_to: Name of the next receiver, to which the message is passed on.
+        is_helpful: Whether it is also possible if no other client interferes.
     """
 
     actor: str
@@ -31,8 +31,7 @@ class Step(NamedTuple):
     is_helpful: bool = False
 
 
-TIME = Step("time", "passes", is_tick=True, is_helpful=True)
-"""One step of time."""
+TIME = Step("time", "passes", is_tick=True, is_helpful=True)  # one step of time
 
 
 class Product(Protocol):
@@ -50,13 +49,13 @@ class Product(Protocol):
 
     @property
     def late(self) -> str:
-        """The fault when it does not come by then."""
+        """The fault when the stop does not come in time."""
 
     def source(self, state: Any) -> str:
-        """Returns whose command is in effect, and could be lost; empty for nobody's."""
+        """Returns the source of the command in effect, which could be lost; empty without one."""
 
     def is_over(self, state: Any) -> bool:
-        """Tells whether there is no step to wait for."""
+        """Returns whether the state is final, so that no further step is required."""
 
     def place(self, state: Any) -> str:
         """Returns the state of the machine; empty for a product without machine."""
@@ -66,7 +65,7 @@ class Product(Protocol):
 
 
 class Bounds(NamedTuple):
-    """How far a search goes."""
+    """Limits of a search: number of states, and a function that ends it, such as at a time."""
 
     states: int
     is_over: Callable[[], bool]
@@ -74,7 +73,7 @@ class Bounds(NamedTuple):
 
 @dataclass
 class Graph:
-    """The states that were reached.
+    """The reached states, by number; 0 is the initial one.
 
     Attributes:
         edges: For each state the numbers of steps and of the states after them.
@@ -107,7 +106,7 @@ _LOOKS_AT_CLOCK_EVERY = 1024
 
 
 def explore(product: Product, bounds: Bounds) -> Graph:
-    """Returns the reachable states, as far as the bounds allow."""
+    """Returns the reachable states within the bounds."""
     graph = Graph()
     numbers: dict[Any, int] = {}
     steps: dict[Step, int] = {}
@@ -139,7 +138,7 @@ def explore(product: Product, bounds: Bounds) -> Graph:
             if number is not None and (number != at or step.is_tick or step.passes):
                 edges.append((label, number))
         graph.edges.append(tuple(edges))
-    # States beyond the bounds were reached, and not searched.
+    # Reached states beyond the bounds have no edges.
     graph.edges += [()] * (len(graph.states) - len(graph.edges))
     graph.steps = list(steps)
     return graph
@@ -154,7 +153,7 @@ class Violation:
 
     Attributes:
         way: Numbers of steps and of the states after them, from the start.
-        repeats: How many steps at the end of the way go on for ever.
+        repeats: Number of last steps of the way that repeat for ever.
     """
 
     rule: str
@@ -164,7 +163,7 @@ class Violation:
 
 
 def violations(product: Product, graph: Graph) -> list[Violation]:
-    """Returns a shortest counter-example to each property that does not hold.
+    """Returns a shortest violation of each property that does not hold.
 
     What is not to be reached in what was not searched to its end is not judged.
     """
@@ -187,7 +186,7 @@ def _unsafe(product: Product, graph: Graph) -> Violation | None:
 
 
 def _late_stop(product: Product, graph: Graph) -> Violation | None:
-    """Finds a command that stands too long after its source is lost."""
+    """Returns a violation by a command that is in effect too long after its source is lost."""
     lasting = _lasting(product, graph)
     still = {state for state, edges in enumerate(lasting) if edges is not None}
     for _ in range(max(product.bound, 1)):
@@ -197,9 +196,9 @@ def _late_stop(product: Product, graph: Graph) -> Violation | None:
     return Violation(LATE_STOP, product.late, _late_way(product, graph, lasting))
 
 
+# For each state with a command in effect, the transitions without its source that keep it so:
+# step, next state, and whether time passes. None for other states.
 _Lasting = list[list[tuple[int, int, bool]] | None]
-"""For each state in which a command stands the transitions in which it goes on to stand, without
-its source: step, state after it, and whether time passes. None for other states."""
 
 
 def _lasting(product: Product, graph: Graph) -> _Lasting:
@@ -215,7 +214,7 @@ def _lasting(product: Product, graph: Graph) -> _Lasting:
 
 
 def _after_tick(lasting: _Lasting, states: set[int]) -> set[int]:
-    """Returns the states in which a command still stands after one tick."""
+    """Returns the states in which a command is still in effect after one tick."""
     pending, seen, later_states = list(states), set(states), set()
     while pending:
         for _, after, is_tick in lasting[pending.pop()] or ():
@@ -228,7 +227,7 @@ def _after_tick(lasting: _Lasting, states: set[int]) -> set[int]:
 
 
 def _late_way(product: Product, graph: Graph, lasting: _Lasting) -> tuple[tuple[int, int], ...]:
-    """Returns a shortest way on which a command stands too long."""
+    """Returns a shortest way on which a command is in effect too long."""
     starts = ((state, 0) for state, edges in enumerate(lasting) if edges is not None)
     before: dict[tuple[int, int], tuple[tuple[int, int], int] | None] = dict.fromkeys(starts)
     # Breadth first from all of them, so that the first hit is a shortest way.
@@ -260,7 +259,7 @@ def _traced(
 
 
 def _deadlock(product: Product, graph: Graph) -> Violation | None:
-    """Finds a state from which nothing that is asked for can happen any more."""
+    """Returns a violation by a state from which no command can take effect any more."""
     stuck = _stuck(product, graph, lambda _: True)
     if stuck is None:
         return None
@@ -268,10 +267,10 @@ def _deadlock(product: Product, graph: Graph) -> Violation | None:
 
 
 def _trap(product: Product, graph: Graph) -> Violation | None:
-    """Finds the nearest state from which the machine does not come back to where it was before.
+    """Returns a violation by the nearest state from which the machine cannot return.
 
-    A state that is left at the start and never entered is none to come back to, unless there is
-    one state alone to go to instead.
+    A state that is left at the start and never entered need not be reached again, unless only one
+    other state can be reached instead.
     """
     places = [product.place(state) for state in graph.states]
     edges = [(state, after) for state, _, after in graph.transitions()]
@@ -294,7 +293,7 @@ def _trap(product: Product, graph: Graph) -> Violation | None:
 
 
 def _leading(origins: list[list[int]], pending: list[int]) -> set[int]:
-    """Returns the states from which some states can be reached, these included."""
+    """Returns the states from which given states can be reached, including these."""
     predecessors = set(pending)
     while pending:
         fresh = [state for state in origins[pending.pop()] if state not in predecessors]
@@ -304,7 +303,7 @@ def _leading(origins: list[list[int]], pending: list[int]) -> set[int]:
 
 
 def _livelock(product: Product, graph: Graph) -> Violation | None:
-    """Finds a state in which no request has an effect, though no other client hinders it."""
+    """Returns a violation by a state without effect of any request, though no client interferes."""
     stuck = _stuck(product, graph, lambda step: step.is_helpful)
     if stuck is None:
         return None
@@ -314,7 +313,7 @@ def _livelock(product: Product, graph: Graph) -> Violation | None:
 
 
 def _stuck(product: Product, graph: Graph, counts: Callable[[Step], bool]) -> int | None:
-    """Returns the nearest state from which no command takes effect by steps that count."""
+    """Returns the nearest state from which no command takes effect by the counted steps."""
     counted = [counts(step) for step in graph.steps]
     origins: list[list[int]] = [[] for _ in graph.states]
     pending: list[int] = []
@@ -331,10 +330,10 @@ def _stuck(product: Product, graph: Graph, counts: Callable[[Step], bool]) -> in
 
 
 def _cycle(graph: Graph, state: int) -> list[tuple[int, int]]:
-    """Returns the steps of time from a state on, until they come back to where they were."""
+    """Returns the steps of time from a state on, until a state repeats."""
     way: list[tuple[int, int]] = []
     seen = {state: 0}
-    # Time can pass in each state, and there is an end of states: one comes back.
+    # Time can pass in each state, and the states are finite, so one repeats.
     while True:
         ticks = (edge for edge in graph.edges[state] if graph.steps[edge[0]].is_tick)
         step, state = next(ticks)

@@ -34,14 +34,12 @@ from jausml.model_checking.search import TIME, Step
 
 _Guarded: TypeAlias = "tuple[jaus.Transition, Guard | None]"
 
-REMEMBERED = 4
-"""Pushes that are followed; the runtime remembers more."""
+REMEMBERED = 4  # pushes that are followed; the runtime remembers more
 
-MOST_CONDITIONS = 8
-"""Conditions of the user that are tried in all combinations; further ones hold."""
+MOST_CONDITIONS = 8  # conditions of the user that are tried in all combinations; further ones hold
 
+# Conditions that the core services decide.
 _OF_THE_CORE = ("isControllingClient", "isControlAvailable", "isIDStored")
-"""Conditions that the core services know the answer to."""
 
 _OUTER = "Receiving.Ready"
 _WITHOUT_CONTROL = {"Events": _OUTER, "Transport": "Receiving"}
@@ -49,7 +47,7 @@ _LEAVES = {EMERGENCY: "Emergency", "FAILURE": "Failure", "SHUTDOWN": "Shutdown"}
 
 
 def core_path(core: Core, of: str) -> str:
-    """Returns the path of the state of ReceiveFSM in which a core service is."""
+    """Returns the path of the state of ReceiveFSM for a state of the core services."""
     outer = "Controlled" if core.controller else "NotControlled"
     if of == "AccessControl":
         return f"{_OUTER}.{outer}.{'Available' if core.is_available else 'NotAvailable'}"
@@ -65,7 +63,7 @@ class Behaving(NamedTuple):
 
     Attributes:
         remembered: States to which pops lead back.
-        commanded_by: Whose command has led here, and is to end with its control.
+        commanded_by: Client whose command led here, which ends with its control.
     """
 
     core: Core
@@ -79,7 +77,7 @@ class MachineProduct:
     """A component with a machine, and its two clients of different authority.
 
     Attributes:
-        obeyed: Whom the component obeys a message from before the machine is asked, by name.
+        obeyed: Guards of messages by name, which the component checks before the machine.
     """
 
     component: str
@@ -126,7 +124,7 @@ class MachineProduct:
 
     @cached_property
     def _sources(self) -> Mapping[jaus.Transition, str]:
-        """The paths of the states that have the transitions."""
+        """The paths of the states with transitions."""
         return {transition: path for path, transition in self.machine.transitions()}
 
     def messages(self) -> list[str]:
@@ -139,7 +137,7 @@ class MachineProduct:
         return [name for name in triggers if name]
 
     def events(self) -> list[str]:
-        """Returns the names of the internal events that it takes."""
+        """Returns the names of the internal events that the machine takes."""
         triggers = {
             _trigger(transition): None for transition in self._sources if transition.message is None
         }
@@ -186,13 +184,13 @@ class MachineProduct:
             yield own, self.chosen(state, trigger, sender, said)
 
     def is_obeyed(self, state: Behaving, trigger: str, sender: str) -> bool:
-        """Tells whether a message comes as far as the machine; an internal event always does."""
+        """Returns whether a trigger reaches the machine, as internal events always do."""
         return not sender or self.services.allows(state.core, self.obeyed[trigger], sender)
 
     def chosen(
         self, state: Behaving, trigger: str, sender: str, said: Mapping[str, bool]
     ) -> jaus.Transition | None:
-        """Returns the transition that an obeyed trigger takes, when conditions of the user say so.
+        """Returns the transition of an obeyed trigger, for given values of the user's conditions.
 
         A condition of which nothing is said does not hold.
         """
@@ -201,7 +199,7 @@ class MachineProduct:
             "isControlAvailable": state.core.is_available,
             "isIDStored": sender in state.core.emergencies,
         }
-        # What the core services know holds, whatever is said.
+        # Conditions that the core services decide have their present values.
         facts = {**said, **known}
         candidates = self._candidates(state.path, trigger)
         holding = (transition for transition, guard in candidates if _holds(guard, facts))
@@ -243,7 +241,7 @@ class MachineProduct:
     def _entered(self, state: Behaving, target: str) -> Behaving:
         if not self._follows or _lies_in(target, self._path(state.core)):
             return state._replace(path=target)
-        # The core services must follow first; where they may not, they say where it goes.
+        # The core services change first; if they may not, the machine follows them.
         core = self._requested(state.core, target)
         path = target if _lies_in(target, self._path(core)) else self._path(core)
         return state._replace(core=core, path=self.machine.innermost(path))
@@ -265,7 +263,7 @@ class MachineProduct:
         return core
 
     def followed(self, state: Behaving, core: Core) -> Behaving:
-        """Goes where the core services have gone."""
+        """Returns the state after the machine follows the core services."""
         state = state._replace(core=core)
         if not self._follows or _lies_in(state.path, self._path(core)):
             return state
@@ -280,7 +278,7 @@ class MachineProduct:
 
     @property
     def late(self) -> str:
-        """The fault when it does not come by then."""
+        """The fault when the stop does not come in time."""
         if not self.bound:
             return f"{self.component} stays as it was commanded when its client is lost"
         return f"{self.component} is still as it was commanded {{bound}} after its client was lost"
@@ -290,11 +288,11 @@ class MachineProduct:
         return state.commanded_by if self._follows else ""
 
     def is_over(self, state: Behaving) -> bool:
-        """Tells whether the component has come to an end that no message leads out of."""
+        """Returns whether the component is in a final state, which no message ends."""
         return state.core.status in FINAL or state.core.interrupted[0] in FINAL
 
     def place(self, state: Behaving) -> str:
-        """Returns in which state of the machine it is."""
+        """Returns the path of the state of the machine."""
         return state.path
 
     def fault(self, state: Behaving, step: Step, after: Behaving) -> str:

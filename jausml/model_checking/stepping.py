@@ -1,4 +1,4 @@
-"""One machine, stepped by hand: what can happen in a state, and a path as a test."""
+"""One machine, stepped by hand: the possible steps in a state, and a path as a test."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ Kind = Literal["message", "event", "core", "time"]
 
 @dataclass(frozen=True)
 class Chosen:
-    """A step that somebody has chosen.
+    """A step that a user has chosen.
 
     Attributes:
-        said: What conditions of the user say of it; one that is left out does not hold.
+        said: Values of the user's conditions; missing ones are False.
     """
 
     actor: str
@@ -42,8 +42,8 @@ class Choice:
 
     Attributes:
         after: The state after it.
-        transition: What the machine takes; None where the core services alone act.
-        why_not: Why nothing happens, empty when something does.
+        transition: The transition of the machine; None if only the core services act.
+        why_not: Why the step has no effect; empty if it has one.
     """
 
     kind: Kind
@@ -56,7 +56,7 @@ class Choice:
 
 @dataclass(frozen=True)
 class SteppedMachine:
-    """A machine with the component whose it is.
+    """A machine with its component.
 
     Attributes:
         tick: Seconds of one step of time.
@@ -70,7 +70,7 @@ class SteppedMachine:
 
 
 class SteppingError(Exception):
-    """A path cannot be gone; the message says at which step, counted from 1."""
+    """A path that is not possible; the message has the wrong step, counted from 1."""
 
 
 def stepped_machine(model: Model, element: jaus.StateMachine) -> SteppedMachine | None:
@@ -123,7 +123,7 @@ def choices(product: MachineProduct, state: Behaving, said: Mapping[str, bool]) 
     """Yields all possible steps in a state, also those without an effect.
 
     Args:
-        said: What conditions of the user say.
+        said: Values of the user's conditions.
     """
     for event in product.events():
         yield _of_the_machine(product, state, ("event", product.component, event), said)
@@ -192,7 +192,7 @@ _CONDITION = """
 
 
 def stepped_test(model: Model, subject: SteppedMachine, path: Sequence[Chosen]) -> str:
-    """Returns a test module that takes a path and holds each state to that of the model.
+    """Returns a test module that takes a path and compares each state with that of the model.
 
     Raises:
         SteppingError: The path cannot be gone, no component of the model has the machine, or
@@ -250,7 +250,7 @@ def _body(subject: SteppedMachine, view: ComponentView, path: Sequence[_Taken]) 
     yield f"world.run_for({subject.tick!r})"
     for kind, group in groupby(path, key=lambda pair: pair[1].kind):
         taken = list(group)
-        # Steps of time one after another are one run of the world.
+        # Consecutive steps of time are one run of the world.
         if kind == "time":
             yield f"world.run_for({round(len(taken) * subject.tick, 3)!r})"
             yield _expected(view, product, taken[-1][1])

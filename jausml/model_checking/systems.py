@@ -26,29 +26,26 @@ from jausml.model_checking.runtime_machines import CommandConnection, CoreServic
 from jausml.model_checking.search import Product
 from jausml.model_checking.service_machine import MachineProduct
 
-MOST_TICKS = 60
-"""Ticks of the longest time-out; shorter ones are rounded up then."""
+MOST_TICKS = 60  # ticks of the longest time-out; shorter ones are rounded up then
 
 _VERSION_1_1 = (1, 1)
 _TAKES_OVER = "an operator of more authority"
 _ANYBODY = "a client"
-_LAPSE = 5.0
-"""Seconds after which control of a component lapses that says nothing of it."""
-RENEWALS = 4
-"""Renewals of control in the time in which it lapses (`controlled_target.py`)."""
+_LAPSE = 5.0  # seconds after which control of a component lapses that says nothing of it
+RENEWALS = 4  # renewals of control in the time in which it lapses (`controlled_target.py`)
+# Greatest seconds after which control counts as lost for a bridge (`controlled_target.py`).
 _PATIENCE = 4.0
-"""Seconds after which a bridge takes control for lost at the latest (`controlled_target.py`)."""
 
 
 @dataclass(frozen=True)
 class Subject:
-    """A part of a system that is checked by itself.
+    """A part of a system that is checked separately.
 
     Attributes:
-        element: What it is about in the model, at which findings point.
+        element: Its element in the model, for the place of findings.
         tick: Seconds of one step of time.
-        held: Why the last command may stand when its source is lost; empty where a stop is sent.
-        stop: What that stop sends, in words.
+        held: Why the last command may stay when its source is lost; empty if a stop is sent.
+        stop: The contents of that stop, in words.
     """
 
     name: str
@@ -60,7 +57,7 @@ class Subject:
 
 
 def subjects_of(system_: system.System, demanded: float = 0.0) -> Iterator[Subject]:
-    """Yields the parts of a system that are checked."""
+    """Yields the subjects of a system."""
     for owner in system_.bridges:
         for connection in () if owner.external else owner.bridgeConnections:
             if not stops.carries_commands(connection):
@@ -73,7 +70,7 @@ def subjects_of(system_: system.System, demanded: float = 0.0) -> Iterator[Subje
         for action in () if owner.external else owner.actionConnections:
             driver = driver_messages(action.driver)
             if driver is not None and is_to_ros(action):
-                # The goal is canceled when control is lost; a list has no other end than its own.
+                # A lost control cancels the goal, and a list ends by itself only.
                 yield _obeying(owner, action, driver.execute, demanded)
 
     for component in system_.components:
@@ -126,7 +123,7 @@ def _behaving(
 def _obeyed(
     provided: Sequence[jaus.Service], machine: Machine, services: Sequence[jaus.Service]
 ) -> dict[str, Guard]:
-    """Returns whom a component obeys before it asks the machine, by the name of the message.
+    """Returns the guards that a component checks before its machine, by message name.
 
     Where the core services are extended, the guards of the machine say who is obeyed.
     """
@@ -151,7 +148,7 @@ def _commanding(
     """Returns the product with one peer; a searched one has the defaults of components."""
     silence, watch = stops.silence_timeout(connection), _watch_of(peer, connection)
     lapse = _LAPSE if peer is None else float(peer.controlTimeout)
-    # Control is renewed several times before it lapses, so steps must not be longer than that.
+    # Control is renewed several times before it lapses, which bounds the steps.
     clock = _Clock([silence, watch, lapse / RENEWALS, demanded, lapse])
     message = connection.map.message
     guard = guard_of_receivers(message, connection.peers, connection.search)
@@ -184,7 +181,7 @@ def _commanding(
 
 
 def _watch_of(peer: jaus.Component | None, connection: bridge.Connection) -> float:
-    """Returns after which silence a peer stops by itself, as far as the model says; 0 is never."""
+    """Returns the silence after which a peer stops by itself, by the model; 0 for never."""
     if not isinstance(peer, bridge.Bridge):
         return 0.0
     taken = (
@@ -247,7 +244,7 @@ def _authorities(
 def core_services_of(
     component: jaus.Component, clock: _Clock, authorities: dict[str, int]
 ) -> CoreServices:
-    """Returns the core services of a component as the runtime runs them."""
+    """Returns the core services of a component, as in the runtime."""
     version = service_versions(component).get(f"{CORE}Management", _VERSION_1_1)
     return CoreServices(
         authorities,
@@ -269,7 +266,7 @@ class _Clock:
         self.tick = step / 1000
 
     def ticks(self, seconds: float) -> int:
-        """Returns how many steps a time-out takes; 0 for one that never comes."""
+        """Returns the steps of a time-out; 0 for never."""
         step = round(self.tick * 1000)
         # Rounded up: no time-out may come earlier than that of the runtime.
         return -(-round(seconds * 1000) // step) if seconds > 0 else 0

@@ -1,4 +1,4 @@
-"""A counter-example as a test in virtual time, beside the packages that are generated."""
+"""A counter-example as a test in virtual time, which uses the generated packages."""
 
 from __future__ import annotations
 
@@ -38,6 +38,7 @@ from {package} import messages, ros_types
 from {package}.{package} import {class_name}
 '''
 
+# Functions of a test that make its clients.
 CLIENTS = '''
 
 def services(minor):
@@ -53,10 +54,8 @@ def client(transport, address, name):
     return made
 
 '''
-"""Functions of a test that make its clients."""
 
-_LONG = 60.0
-"""Seconds that stand for what has no end."""
+_LONG = 60.0  # seconds that stand for what has no end
 
 _PEER = '''
 class Peer(JausComponent):
@@ -94,7 +93,7 @@ world.run_for({tick!r})
 
 
 def virtual_test(model: Model, subject: Subject, example: CounterExample) -> str | None:
-    """Returns a test module; None for what no module can be made of: machines, and lists."""
+    """Returns a test module; None for counter-examples of machines and lists."""
     product, connection = subject.product, subject.element
     if not isinstance(product, (ObeyingProduct, CommandingProduct)):
         return None

@@ -13,7 +13,7 @@ from jausml.generation.native import compiler
 from jausml.live.messages import load_catalogue
 from jausml.live.operating.journal import Journal
 from jausml.live.operating.sticks import Lease, Stick, Sticks
-from jausml.live.operating.stops import Stops, told_stop
+from jausml.live.operating.stops import Stops, parse_stop
 from jausml.live.peers.query_client import Refused
 from jausml.runtime import JausAddress
 from jausml.runtime.base.standstill import steady
@@ -102,7 +102,7 @@ class Unit:
         self.running = self.operator = self
         self.is_in_control = True
         self.sent, self.stops = [], []
-        stop = told_stop("SetWrenchEffort 60 PropulsiveLinearEffortX=0", load_catalogue())
+        stop = parse_stop("SetWrenchEffort 60 PropulsiveLinearEffortX=0", load_catalogue())
         self.journal = Journal(lambda *_: None)
         self.sticks = Sticks(self, self.journal, Stops({}, [stop]))
 

@@ -8,7 +8,7 @@ from jausml.cli.shared import options
 from jausml.language.project import read_project
 from jausml.live.messages import MessageError, load_catalogue
 from jausml.live.operating.reading import stops_of
-from jausml.live.operating.stops import WORDS, Stops, told_stop
+from jausml.live.operating.stops import STOP_KINDS, Stops, parse_stop
 from jausml.live.peers.query_client import Refused
 
 MODELS = Path(__file__).parents[2] / "models"
@@ -30,7 +30,7 @@ def of_model(path):
 
 
 def test_what_the_command_line_offers_is_what_there_is():
-    assert WORDS == options.STOP_WORDS
+    assert STOP_KINDS == options.STOP_WORDS
 
 
 def test_the_stop_of_a_connection_is_that_of_its_receiver(set_wrench):
@@ -80,8 +80,8 @@ def test_a_command_that_holds_has_none(tmp_path, set_velocity):
 
 
 def test_a_stop_of_the_command_line_comes_first(set_wrench):
-    told = told_stop("SetWrenchEffort 0.3 PropulsiveLinearEffortX=0", load_catalogue())
-    stops = Stops(stops_of(read_project([CATVEHICLE]).model), [told])
+    stop = parse_stop("SetWrenchEffort 0.3 PropulsiveLinearEffortX=0", load_catalogue())
+    stops = Stops(stops_of(read_project([CATVEHICLE]).model), [stop])
     assert stops.of("100.1.1", set_wrench).timeout == 0.3
     assert stops.of("7.7.7", set_wrench).source == "the command line"
 
@@ -103,4 +103,4 @@ def test_a_stop_of_the_command_line_comes_first(set_wrench):
 )
 def test_what_is_no_stop_is_refused(text):
     with pytest.raises((ValueError, MessageError)):
-        told_stop(text, load_catalogue())
+        parse_stop(text, load_catalogue())

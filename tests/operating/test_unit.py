@@ -17,7 +17,7 @@ from starlette.websockets import WebSocket
 from jausml import Component
 from jausml.cli.live.operate import _opened
 from jausml.live.messages import load_catalogue
-from jausml.live.operating.guarding import Guarding
+from jausml.live.operating.guarding import UnitGuardian
 from jausml.live.operating.reading import read
 from jausml.live.operating.seats import Seat
 from jausml.live.operating.serving import KEPT_SOCKETS, UnitSockets
@@ -60,8 +60,8 @@ def take_in(unit: OperatorUnit) -> Hold:
 
 
 def guarded(unit: OperatorUnit) -> list[JausAddress]:
-    assert unit.sticks.guarding is not None
-    return list(unit.sticks.guarding._controlled)
+    assert unit.sticks.guardian is not None
+    return list(unit.sticks.guardian._controlled)
 
 
 @pytest.mark.usefixtures("vehicle")
@@ -130,11 +130,11 @@ def test_a_page_that_gives_way_does_not_hold_up_the_next_one(unit, is_closed):
 def test_the_guardian_says_whom_it_could_not_stop(port):
     network = make_network(None, "127.0.0.1", port, DEFAULT_GROUP, ())
     with running_operator(network, load_catalogue()) as operator:
-        guarding = Guarding(operator, 2.0, "standby", lambda: None)
-        assert guarding.failure == ""
-        guarding.control([JausAddress(100, 1, 99)])  # of which nothing was heard
-        assert guarding.failure == "has no datagram for 100.1.99"
-        guarding.close()
+        guardian = UnitGuardian(operator, 2.0, "standby", lambda: None)
+        assert guardian.failure == ""
+        guardian.control([JausAddress(100, 1, 99)])  # of which nothing was heard
+        assert guardian.failure == "has no datagram for 100.1.99"
+        guardian.close()
 
 
 def test_commands_that_a_bridge_does_not_take_are_not_offered(unit, port, tmp_path):

@@ -1,1 +1,1 @@
-"""The operator unit: who may command, what stops, and what comes back."""
+"""The operator unit of `jausml operate`: who may command, what is stopped, and the answers."""

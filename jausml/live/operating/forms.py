@@ -1,4 +1,4 @@
-"""Messages of a component, and forms of messages: units, ranges, choices, no values."""
+"""Messages of a component, and forms for their fields: kinds, units, ranges and choices."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from jausml.runtime.base.address import JausAddress
 
 
 def offers_of(system: WatchedSystem, sticks: Sticks, target: JausAddress) -> dict[str, Any]:
-    """Returns the services of a component, the commands that it takes, the reports it gives."""
+    """Returns the services, commands and reports of a component, as JSON values."""
     operator = system.operator
     provided = operator.services(target)
     labels = set(map(label_of, provided))
@@ -45,7 +45,7 @@ def offers_of(system: WatchedSystem, sticks: Sticks, target: JausAddress) -> dic
 
 
 def _stick(sticks: Sticks, target: JausAddress, entry: MessageEntry) -> dict[str, Any]:
-    """Returns the stop of a command that is sent again and again, or why it has none."""
+    """Returns the stop of a command that is repeated (see `sticks`), or why it has none."""
     try:
         stop = sticks.stop_of(target, entry)
     except (Refused, MessageError) as error:
@@ -55,7 +55,7 @@ def _stick(sticks: Sticks, target: JausAddress, entry: MessageEntry) -> dict[str
 
 
 def form_of(entry: MessageEntry) -> list[dict[str, Any]]:
-    """Returns the fields of a message, from the outermost inwards."""
+    """Returns the fields of a message as JSON values, each with its inner fields."""
     return [_field(member) for member in entry.record.members]
 
 

@@ -1,4 +1,4 @@
-"""The guardian of the unit, which says the stops when this process is dead or stands still."""
+"""The guardian of the unit: a process that sends the stops if this one ends or stands still."""
 
 from __future__ import annotations
 
@@ -14,29 +14,28 @@ from jausml.runtime.transports.packets.packet import Priority
 from jausml.runtime.wire.message import Message
 
 
-class Guarding:
+class UnitGuardian:
     """The guardian, from the first control of a component to `close`.
 
-    It is the process that stands beside bridges too: it was handed what it says before that is
-    needed, as octets. Behind a node manager or TCP there is nothing that it could send, which
-    `failure` says.
+    It is the guardian process of bridges, too: it has the datagrams of the stops in advance. Behind
+    a node manager or over TCP it cannot send any, which `failure` reports.
     """
 
     def __init__(
-        self, operator: Operator, lease: float, word: str, spoke: Callable[[], None]
+        self, operator: Operator, lease: float, kind: str, spoke: Callable[[], None]
     ) -> None:
         """Starts the guardian, without a moving component.
 
         Args:
-            lease: Seconds without this process after which all that is controlled is stopped.
-            word: What the stop of everything is, one of `stops.WORDS`.
-            spoke: Is told, on the loop, that it has spoken.
+            lease: Seconds without this process after which all controlled components are stopped.
+            kind: The kind of the stop of everything, one of `stops.STOP_KINDS`.
+            spoke: Is called on the loop after it has sent stops.
         """
         self._operator = operator
         transport = operator.transport
         self._lock = transport.loop.lock
         self._lease = lease
-        self._stop = stop_of(word)
+        self._stop = stop_of(kind)
         self._stick: tuple[JausAddress, Message, float] | None = None
         self._controlled: Sequence[JausAddress] = ()
         self._unreached: list[str] = []
@@ -46,21 +45,21 @@ class Guarding:
             self._of_controlled = self._ward.guard(self._controlled_stops)
 
     def hold(self, target: JausAddress, stopping: Message, seconds: float) -> None:
-        """Arms the stop of a stick that moves a component, whose word holds for some seconds."""
+        """Arms the stop of a stick, which is due some seconds after its last command."""
         with self._lock:
             self._stick = target, stopping, seconds
             if self._of_stick is not None:
                 self._of_stick.arm(True)  # noqa: FBT003
 
     def let_go(self) -> None:
-        """Disarms the stop of the stick, which was sent."""
+        """Disarms the stop of the stick, after it was sent."""
         with self._lock:
             if self._of_stick is not None:
                 self._of_stick.arm(False)  # noqa: FBT003
             self._stick = None
 
     def control(self, targets: Sequence[JausAddress]) -> None:
-        """Takes which components are controlled now."""
+        """Sets the components that are controlled now."""
         with self._lock:
             self._controlled = targets
             if self._of_controlled is not None:
@@ -68,7 +67,7 @@ class Guarding:
 
     @property
     def failure(self) -> str:
-        """The failure of the guardian, to be shown; empty while all is well."""
+        """The failure of the guardian, in words for people; empty while there is none."""
         with self._lock:
             missing = f"has no datagram for {', '.join(self._unreached)}" if self._unreached else ""
             return ", ".join(filter(None, (self._ward.failure, missing)))
@@ -86,13 +85,13 @@ class Guarding:
         return _stops(seconds, [self._datagram(target, message)])
 
     def _controlled_stops(self) -> dict[str, Any]:
-        # The stick is of one of them.
+        # The component of the stick is one of them.
         reached = {target: self._datagram(target, self._stop) for target in self._controlled}
         self._unreached = [str(target) for target, datagram in reached.items() if datagram is None]
         return _stops(self._lease, reached.values())
 
     def _datagram(self, target: JausAddress, message: Message) -> dict[str, Any] | None:
-        """Returns the datagram for a component; None where none could reach it."""
+        """Returns the datagram of a message to a component; None where none could reach it."""
         transport, own = self._operator.transport, self._operator.own
         datagram = transport.datagram(own, target, message.encode(), Priority.SAFETY_CRITICAL)
         if datagram is None:
@@ -106,6 +105,6 @@ class Guarding:
 
 
 def _stops(seconds: float, datagrams: Iterable[dict[str, Any] | None]) -> dict[str, Any]:
-    # Its looks at the beat, and the beats, are that far apart: it speaks so much sooner.
+    # The guardian checks the beats of this process once in `PERIOD`, so it may be that much late.
     known = [datagram for datagram in datagrams if datagram is not None]
     return {"patience": seconds - PERIOD, "topics": [], "datagrams": known}

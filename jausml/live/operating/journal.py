@@ -1,4 +1,4 @@
-"""Journal of commands, who gave them and what came of them, and alarms until somebody acts."""
+"""Journal of commands with their senders and outcomes, and alarms until a person silences them."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _MOST_ALARMS = 200
 
 @dataclass(frozen=True)
 class JournalEntry:
-    """A deed or an event (`time`: seconds since 1970)."""
+    """An act of a person or an event (`time`: seconds since 1970)."""
 
     number: int
     time: float
@@ -27,12 +27,14 @@ class JournalEntry:
 
 @dataclass
 class Alarm:
-    """An event that nobody should overlook.
+    """An event that sounds on all pages until it is silenced.
 
     Attributes:
-        cause: The name of its cause: alarms of one cause stand together.
-        subject: Its subject: an alarm with the same text is not raised again while it sounds.
-        back: Time when the subject was well again; 0 before.
+        time: Seconds since 1970.
+        cause: The name of its cause, by which pages group alarms.
+        subject: The connection or component; while an alarm sounds, it is not raised again with the
+            same subject and text.
+        back: Time at which the subject worked again; 0 before.
         silenced: The person who silenced it and the reason; empty while it sounds.
     """
 
@@ -46,10 +48,10 @@ class Alarm:
 
 
 class Journal:
-    """The latest entries and alarms; any thread may add."""
+    """The latest entries and alarms; any thread may call it."""
 
     def __init__(self, notify: Callable[[str, object], None]) -> None:
-        """Begins empty (`notify`: takes the name of a notification and its parameters)."""
+        """Creates an empty journal (`notify`: sends a notification with its parameters)."""
         self._notify = notify
         self._entries: deque[JournalEntry] = deque(maxlen=_MOST)
         self._alarms: dict[int, Alarm] = {}
@@ -58,26 +60,26 @@ class Journal:
 
     @property
     def entries(self) -> list[dict[str, Any]]:
-        """The entries, the latest last."""
+        """The entries as JSON values, the latest last."""
         with self._lock:
             return [asdict(entry) for entry in self._entries]
 
     @property
     def alarms(self) -> list[dict[str, Any]]:
-        """The alarms that sound, the latest first."""
+        """The alarms that sound as JSON values, the latest first."""
         with self._lock:
             alarms = reversed(self._alarms.values())
             return [asdict(alarm) for alarm in alarms if not alarm.silenced]
 
     def note(self, who: str, text: str) -> None:
-        """Adds an entry, also to the log of the process."""
+        """Adds an entry, also to the log of the process (`who`: a person, a component, `unit`)."""
         with self._lock:
             entry = self._entry(who, text)
         _LOG.info("%s: %s", who, text)
         self._notify("operate.journal", {"entry": asdict(entry)})
 
     def alarm(self, cause: str, text: str, subject: str = "") -> None:
-        """Raises an alarm (`subject`: by default the cause)."""
+        """Raises an alarm, unless it sounds already (`subject`: by default the cause)."""
         about = subject or cause
         with self._lock:
             for alarm in self._alarms.values():
@@ -91,7 +93,7 @@ class Journal:
         self.note("alarm", f"{about}: {text}")
 
     def returned(self, subject: str) -> None:
-        """Marks the alarms of a subject that is well again; they sound on."""
+        """Marks the alarms of a subject that works again; they still sound."""
         with self._lock:
             alarms = self._alarms.values()
             lost = [alarm for alarm in alarms if alarm.subject == subject and not alarm.back]
@@ -101,7 +103,7 @@ class Journal:
             self.note("unit", f"{subject} is back")
 
     def silence(self, numbers: Sequence[int], who: str, reason: str) -> bool:
-        """Silences alarms for a reason; returns False when none of them sounds."""
+        """Silences alarms by their numbers; returns False when none of them sounds."""
         with self._lock:
             known = (self._alarms.get(number) for number in numbers)
             alarms = [alarm for alarm in known if alarm is not None and not alarm.silenced]

@@ -1,7 +1,7 @@
-"""The contents of models, as plain values for the unit, and the process that reads them.
+"""Knowledge of models as plain values for the unit, and the child process that reads them.
 
-Models are read by a child process, again whenever a file of theirs changes. This one holds no
-machinery of models: it would stand still for as long as that works.
+The child reads the models again whenever a file changes. This process does not import the language
+modules: it would stand still while they work.
 """
 
 from __future__ import annotations
@@ -22,15 +22,20 @@ if TYPE_CHECKING:
     from jausml.live.messages.frozen import FrozenMessages
     from jausml.live.systems.state import DeclaredConnection
 
-LENGTH = struct.Struct("<Q")
-"""The number of bytes, which stands before each value in the pipe."""
+LENGTH = struct.Struct("<Q")  # the head of each value in the pipe: its number of bytes
 
 _READING = "jausml.live.operating.reading"
 
 
 @dataclass(frozen=True)
 class DeclaredStop:
-    """The stop of a command that is sent again and again (`source`: who has declared it)."""
+    """The stop of a repeated command.
+
+    Attributes:
+        message: Name of the message; empty for that of the command.
+        timeout: Seconds after the last command at which the stop is due.
+        source: The connection or the command line, in words.
+    """
 
     message: str
     fields: dict[str, Any]
@@ -38,23 +43,22 @@ class DeclaredStop:
     source: str
 
 
+# The stops that connections declare for a command to a component, or the reasons for none.
 Declarations = tuple["DeclaredStop | str", ...]
-"""The stops of one command to one component, or why a connection declares none."""
 
 
 @dataclass(frozen=True)
 class Knowledge:
-    """The contents of models, for one system.
+    """The contents of the models of one system.
 
     Attributes:
-        messages: Their messages and those of the library.
-        declarations: The connections that are looked for.
+        messages: Messages of the models and of the library.
+        declarations: The connections of bridges.
         components: Names of components by JAUS id.
-        stops: What is declared, by JAUS id of the receiver and name of the message.
-        untaken: Names of commands that bridges do not take though their services define them, by
-            JAUS id.
-        fault: Why the system cannot be read; empty where it was.
-        left_out: Which files of messages are left out, and why.
+        stops: Declared stops, by JAUS id of the receiver and name of the message.
+        untaken: Names of commands of its services that a bridge does not take, by JAUS id.
+        fault: Why the system cannot be read; empty when it was read.
+        left_out: Files of messages that are left out, and why; empty when there is none.
     """
 
     messages: FrozenMessages
@@ -67,33 +71,33 @@ class Knowledge:
 
 
 class ReadingError(Exception):
-    """The process that reads models has ended."""
+    """The child process that reads models has ended."""
 
 
 class Learning:
-    """The child process, from the first reading to `close`."""
+    """The child process that reads models, until `close`."""
 
     def __init__(self, path: Path) -> None:
-        """Begins to read a file, or the first system below a folder."""
+        """Starts it for a file, or for the first system below a folder."""
         line = [sys.executable, "-m", _READING, str(path)]
         self._is_closed = False
-        # At the end of its input it ends: so it does when this process is killed.
+        # The child ends at the end of its input, so also when this process is killed.
         self._process = subprocess.Popen(  # noqa: S603 - itself
             line, stdin=subprocess.PIPE, stdout=subprocess.PIPE, start_new_session=True
         )
 
     def first(self) -> Knowledge:
-        """Waits for the first knowledge (`ReadingError`: there is none)."""
+        """Waits for the first knowledge and returns it (`ReadingError`: there is none)."""
         knowledge = self._next()
         if knowledge is None:
             raise ReadingError(f"{_READING} ended with code {self._process.wait()}")
         return knowledge
 
     def follow(self, learnt: Callable[[Knowledge], None], ended: Callable[[], None]) -> None:
-        """Reports the knowledge whenever files have changed, on a thread of its own.
+        """Calls `learnt` with the knowledge after each change of files, on another thread.
 
         Args:
-            ended: Is called when no more will be told.
+            ended: Is called when the child ends before `close`.
         """
 
         def run() -> None:

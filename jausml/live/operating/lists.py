@@ -1,4 +1,4 @@
-"""Lists that a person has drawn: set as they are drawn, executed as they were set, and ended."""
+"""Lists of elements, such as waypoints, that a person draws on a map and a component executes."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ from jausml.runtime.services.list_elements import ELEMENTS_OF_DRIVERS
 
 MOST_ELEMENTS = 1000
 
-Drawn = tuple[dict[str, object], ...]
-"""The fields of the messages that are the elements, in their order."""
+# The fields of each element, in the order of the list.
+Elements = tuple[dict[str, object], ...]
 
 
 class Lists:
-    """The lists of the components that the unit controls; any thread may ask."""
+    """The lists of the components that the unit controls; any thread may call it."""
 
     def __init__(self, system: WatchedSystem, journal: Journal) -> None:
-        """Sets none."""
+        """Sends nothing."""
         self._system, self._journal = system, journal
 
     def set(
@@ -33,20 +33,21 @@ class Lists:
         name: str,
         target: JausAddress,
         message: str,
-        drawn: Drawn,
+        elements: Elements,
         gate: AbstractContextManager[None],
     ) -> None:
-        """Replaces the list of a component, which ends the execution of the former one.
+        """Replaces the list of a component, which ends the execution of its former list.
 
         Args:
-            gate: Is held while it begins, and may refuse it.
+            name: The person, for the journal.
+            gate: Is held while the change begins, and may refuse it.
 
         Raises:
-            CodecError: A value is not one of its field; nothing is sent.
+            CodecError: A value does not fit its field; nothing is sent.
             Refused: The component takes no such list.
         """
         operator = self._system.operator
-        entry, payloads = self._encoded(target, message, drawn)
+        entry, payloads = self._encoded(target, message, elements)
         operator.check_obeyed(target, operator.find(target, "SetElement"))
         shown = "; ".join(
             f"{uid}: {printable(shown_fields(entry, entry.decode(payload)))}"
@@ -56,16 +57,16 @@ class Lists:
         self._change(target, payloads, gate)
         self._journal.note(str(target), f"has the list of {len(payloads)} {entry.name}")
 
-    def check(self, target: JausAddress, message: str, drawn: Drawn) -> None:
-        """Refuses what is drawn unless the component has just that."""
-        _, payloads = self._encoded(target, message, drawn)
+    def check(self, target: JausAddress, message: str, elements: Elements) -> None:
+        """Raises `Refused` unless the component has the drawn list."""
+        _, payloads = self._encoded(target, message, elements)
         if not self._system.operator.has_list(target, payloads):
             raise Refused(f"{target} has another list than the one that is drawn; send it first")
 
     def end(self, name: str, target: JausAddress) -> None:
-        """Stops a component and deletes its list: together they leave nothing to go on with.
+        """Stops a component and deletes its list.
 
-        The speed alone may be followed by an ExecuteList that was lost and comes again.
+        Speed 0 alone does not suffice: a lost ExecuteList may be repeated after it.
         """
         operator = self._system.operator
         execute = operator.find(target, "ExecuteList")
@@ -89,17 +90,17 @@ class Lists:
             raise
 
     def _encoded(
-        self, target: JausAddress, message: str, drawn: Drawn
+        self, target: JausAddress, message: str, elements: Elements
     ) -> tuple[MessageEntry, list[bytes]]:
-        if not 0 < len(drawn) <= MOST_ELEMENTS:
-            raise Refused(f"{len(drawn)} elements are drawn, not 1 to {MOST_ELEMENTS}")
+        if not 0 < len(elements) <= MOST_ELEMENTS:
+            raise Refused(f"{len(elements)} elements are drawn, not 1 to {MOST_ELEMENTS}")
         operator = self._system.operator
         entry = operator.find(target, message)
         provided = {service.urn for service in operator.services(target)}
         taken = {code for urn, code in ELEMENTS_OF_DRIVERS.items() if urn in provided}
         if entry.code not in taken:
             raise Refused(f"{target} provides no driver for lists of {entry.name}")
-        return entry, [_encoded(entry, at, element) for at, element in enumerate(drawn)]
+        return entry, [_encoded(entry, at, element) for at, element in enumerate(elements)]
 
 
 def _encoded(entry: MessageEntry, at: int, fields: dict[str, Any]) -> bytes:

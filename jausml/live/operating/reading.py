@@ -1,4 +1,4 @@
-"""Process that reads the models of a system, again whenever they change, and says what they say.
+"""The child process that reads the models of a system, again whenever they change.
 
 Usage: python -m jausml.live.operating.reading FILE|FOLDER. It writes `Knowledge`, pickled, to its
 standard output, and ends at the end of its input.
@@ -33,12 +33,11 @@ from jausml.live.operating.knowledge import LENGTH, Declarations, DeclaredStop, 
 from jausml.live.systems.declarations import components_of, declarations_of
 
 _DEBOUNCE_MS, _STEP_MS = 100, 20
-_NICE = 10
-"""Steps by which others go first: the unit that waits for this one, before all."""
+_NICE = 10  # added to the niceness of this process, so that the unit goes first
 
 
 def read(path: Path) -> Knowledge:
-    """Returns the knowledge in a file, or in the first file below a folder that has a system."""
+    """Returns the knowledge of a file, or of the first file below a folder that has a system."""
     index = None if path.is_file() else Index(path)
     beside = () if index is None else index.files_with_messages
     for file in (path,) if index is None else index.files_with_systems:
@@ -59,7 +58,7 @@ def read(path: Path) -> Knowledge:
 
 
 def _messages(files: Iterable[Path]) -> tuple[FrozenMessages, str]:
-    """Returns the messages of files and of the library, and which files are left out, and why."""
+    """Returns the messages of files and the library, and the reasons for files left out."""
     paths, reasons = list(files), list[str]()
     try:
         catalogue = load_catalogue(paths, notations=NOTATIONS)
@@ -70,7 +69,7 @@ def _messages(files: Iterable[Path]) -> tuple[FrozenMessages, str]:
 
 
 def stops_of(model: Model) -> dict[tuple[str, str], Declarations]:
-    """Returns the stops that connections declare, or why one declares none."""
+    """Returns the declared stops, or the reasons for none, by JAUS id and message name."""
     stops_by_command: dict[tuple[str, str], Declarations] = {}
     for owner in model.instances(bridge.Bridge, library=False):
         for connection in owner.bridgeConnections:
@@ -82,7 +81,7 @@ def stops_of(model: Model) -> dict[tuple[str, str], Declarations]:
 
 
 def untaken_of(model: Model) -> dict[str, frozenset[str]]:
-    """Returns which commands bridges do not take though their services define them, by JAUS id."""
+    """Returns the commands of their services that bridges do not take, by JAUS id."""
     return {
         str(owner.address): frozenset(str(message.name) for message in calls.untaken(owner))
         for owner in model.instances(bridge.Bridge, library=False)
@@ -129,9 +128,9 @@ def _value(text: str) -> Any:
 
 
 def main(path: Path) -> None:
-    """Writes the knowledge, and again after each change."""
+    """Writes the knowledge of a file or folder, and again after each change."""
     os.nice(_NICE)
-    # Whatever is printed must not come between the values.
+    # Output of imported modules must not come between the values.
     pipe = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
     Thread(target=_end_with_input, daemon=True).start()

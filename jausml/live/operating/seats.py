@@ -1,4 +1,4 @@
-"""One page of the operator unit: what it may ask, and what its being gone means."""
+"""Seats: the requests of one page to the operator unit, and the end of a page."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from typing import Any, Literal
 from jausml.live.messages import MessageError
 from jausml.live.messages.errors import CodecError
 from jausml.live.operating.forms import form_of
-from jausml.live.operating.lists import Drawn
-from jausml.live.operating.unit import WORD, OperatorUnit
+from jausml.live.operating.lists import Elements
+from jausml.live.operating.unit import HEARTBEAT, OperatorUnit
 from jausml.live.peers.network import component_address
 from jausml.live.peers.query_client import NoAnswer, Refused
 from jausml.live.peers.rendering import printable, shown_fields
@@ -28,16 +28,16 @@ from jausml.runtime.services.definitions import Status
 
 LONGEST_NAME = 40
 MOST_POINTS = 2000
-LONGEST_HISTORY = 3600.0
+LONGEST_HISTORY = 3600.0  # seconds
 
+# Requests that are answered one after the other, on a thread that does not wait for components.
 _QUICK = ("renew", "stick.begin", "stick.move", "stick.end")
-"""Requests that are answered in their turn, on a thread that waits for nothing else."""
 
+# Commands that are refused if a stop comes first; they get the number of stops before them.
 _NOT_AFTER_A_STOP = ("resume", "send", "clear", "list.set", "list.execute")
-"""Commands that are refused if a stop comes first; they state how many there were before."""
 
+# Requests each second: a stick sends 25 commands, and plots ask for values once.
 _PACE_OF_COMMANDS, _PACE_OF_LOOKS = 200.0, 20.0
-"""Requests each second: a stick says 25 words, plots ask for values once in a second."""
 
 _DECISIONS = {
     "grant": HandoffDecision.GRANTED,
@@ -47,17 +47,17 @@ _DECISIONS = {
 
 
 class Seat:
-    """A page; `PageSocket` serves it as it serves a session.
+    """A page of the unit; `PageSocket` serves it like a session of the studio.
 
     Attributes:
-        may_command: Whether it has shown the right to.
+        may_command: Whether the page has shown the token of the right to command.
     """
 
     revision = 0
     urgent = ("renew", "stop", "stick.end")
 
     def __init__(self, unit: OperatorUnit, subscribers: Subscribers, number: int) -> None:
-        """Begins without the right to command."""
+        """Creates a seat without the right to command."""
         self._unit = unit
         self._subscribers = subscribers
         self._number = number
@@ -98,23 +98,23 @@ class Seat:
         methods = {**looking, **commanding}
         slow = {name: Method(method) for name, method in methods.items()}
         self._slow = Answering(slow, _refusal_of)
-        # Neither the lease nor the stop waits for a component that does not answer.
+        # Neither the lease nor a stop may wait for a component that does not answer.
         quick = {name: Method(methods[name], in_turn=True) for name in _QUICK}
         self._quick = Answering({**quick, "stop": Method(self._stop)}, _refusal_of)
 
     @property
     def pace(self) -> float:
-        """Requests each second that it may go on with."""
+        """Number of requests each second that the page may send."""
         return _PACE_OF_COMMANDS if self.may_command else _PACE_OF_LOOKS
 
     @contextmanager
     def subscribed(self, listener: Callable[[str], None]) -> Iterator[None]:
-        """Reports events to a listener as long as the context lasts; then the page is gone."""
+        """Sends events to a listener as long as the context lasts; then the page is gone."""
         try:
             with self._subscribers.subscribed(listener):
                 yield
         finally:
-            # What it commanded is stopped at once; the event loop does not wait for it.
+            # Its components are stopped at once; the event loop does not wait for that.
             threading.Thread(target=self._leave, name="leaving").start()
 
     def _leave(self) -> None:
@@ -123,26 +123,26 @@ class Seat:
         self._unit.leave(self._number)
 
     async def answer(self, request: rpc.Request) -> object:
-        """Returns the result of a request."""
+        """Returns the result of a request (`RpcError`: the page may not command)."""
         if request.method not in self._looking and not self.may_command:
             raise RpcError(UNAUTHORIZED, "this page may look, and not command")
         is_quick = request.method in _QUICK or request.method == "stop"
-        # Now, as it may wait for a thread, and then for its component.
+        # Counted now, as the request may wait for a thread, and then for its component.
         before = (self._unit.gate.count,) if request.method in _NOT_AFTER_A_STOP else ()
         return await (self._quick if is_quick else self._slow).answer(request, *before)
 
-    # ---- looking ----------------------------------------------------------------------------
+    # ---- requests without the right to command ----------------------------------------------
 
     def _hello(self) -> dict[str, Any]:
         return {
             "page": self._number,
             "can_command": self._unit.powers is not None,
             "state": self._unit.begin(),
-            "word": WORD,
+            "word": HEARTBEAT,
         }
 
     def _claim(self, right: str, name: str) -> None:
-        """Takes the right to command, and how others are to call this page."""
+        """Takes the right to command by its token, and the name of the person at this page."""
         powers = self._unit.powers
         if powers is None:
             raise RpcError(UNAUTHORIZED, "this unit was started without --stop-all")
@@ -155,7 +155,7 @@ class Seat:
         self._unit.journal.note(self._name, "has the right to command")
 
     def _messages(self, component: str) -> dict[str, Any]:
-        """Returns the commands that a component takes and the reports that it gives."""
+        """Returns the commands and reports of a component."""
         return self._unit.offers(component_address(component))
 
     def _form(self, component: str, message: str) -> dict[str, Any]:
@@ -187,10 +187,10 @@ class Seat:
     def _picture(self, component: str, report: str, path: str) -> dict[str, Any]:
         return {"url": self._unit.values.picture(component, report, path)}
 
-    # ---- commanding -------------------------------------------------------------------------
+    # ---- commands ---------------------------------------------------------------------------
 
     def _commanded(self, component: str) -> JausAddress:
-        """Returns the address of a component, if this page is the one that commands."""
+        """Returns the address of a component (`Refused`: this page does not command)."""
         self._unit.require_commander(self._number)
         return component_address(component)
 
@@ -226,7 +226,7 @@ class Seat:
     def _send(
         self, before: int, component: str, message: str, fields: dict[str, object]
     ) -> dict[str, Any]:
-        """Sends a command, and returns what came back."""
+        """Sends a command, and returns the answer in words."""
         target, unit = self._commanded(component), self._unit
         entry = unit.operator.find(target, message)
         completed_fields = entry.completed(fields)
@@ -274,14 +274,20 @@ class Seat:
 
     # ---- lists ------------------------------------------------------------------------------
 
-    def _set_list(self, before: int, component: str, message: str, elements: Drawn) -> None:
+    def _set_list(self, before: int, component: str, message: str, elements: Elements) -> None:
         target, gate = self._commanded(component), self._unit.gate.unless_stopped(before)
         self._unit.lists.set(self._name, target, message, elements, gate)
 
     def _execute_list(
-        self, before: int, component: str, message: str, elements: Drawn, speed: float, first: int
+        self,
+        before: int,
+        component: str,
+        message: str,
+        elements: Elements,
+        speed: float,
+        first: int,
     ) -> dict[str, Any]:
-        """Starts the execution of a drawn list, which must be that of the component."""
+        """Starts the execution of a drawn list, which the component must have."""
         self._unit.lists.check(self._commanded(component), message, elements)
         begin = time.time()
         fields: dict[str, object] = {"Speed": speed, "ElementUID": first}
@@ -314,7 +320,7 @@ def _check_authority(authority: int) -> None:
 
 
 def _refusal_of(error: Exception) -> RpcError | None:
-    """Returns the answer that a page gets for an error; None for a fault of ours."""
+    """Returns the answer of a page for an error; None for a fault of this program."""
     if isinstance(error, RpcError):
         return error
     if isinstance(error, CodecError):

@@ -20,21 +20,19 @@ from jausml.live.serving.server import MOST_SOCKETS, TRY_AGAIN_LATER, Site, Sock
 from jausml.live.serving.sockets import PageSocket
 from jausml.live.serving.subscribers import Subscribers
 
+# Folder of the built page; `make studio` builds it.
 PAGE = Path(__file__).resolve().parent / "page"
-"""Where the built page lies; `make studio` builds it."""
 
-KEPT_SOCKETS = 8
-"""Room that pages find before one that only looks is closed."""
+KEPT_SOCKETS = 8  # sockets beyond `MOST_SOCKETS` before a page without commands is closed
 
-_SWITCH = 0.001
-"""Seconds for which a thread keeps the interpreter from others that want it."""
+_SWITCH = 0.001  # seconds for which a thread keeps the interpreter while others wait
 
+# Seconds to wait until a page that gives way has closed its socket.
 _SECONDS_TO_CLOSE = 0.5
-"""Seconds in which the page that gives way must have taken that it is closed."""
 
 
 class UnitSockets(Sockets):
-    """Sockets of pages; where all have one, the oldest that only looks gives way to the next."""
+    """Sockets of pages; of too many, the oldest page that may not command gives way."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -48,19 +46,19 @@ class UnitSockets(Sockets):
         if first is None:
             return False
         self._sockets.remove(first)
-        # It may just have closed itself, or read nothing any more: who comes does not wait for it.
+        # It may just have closed itself, or no longer read: the new page does not wait for it.
         with suppress(WebSocketDisconnect, RuntimeError, asyncio.TimeoutError):
             await asyncio.wait_for(first.close(TRY_AGAIN_LATER), _SECONDS_TO_CLOSE)
         return True
 
 
 class OperatorSite(Site):
-    """The operator unit with its page, and a seat for each opened page."""
+    """The web site of the operator unit, with a seat for each opened page."""
 
     def __init__(
         self, knowledge: Knowledge, learning: Learning, network: Network, powers: Powers | None
     ) -> None:
-        """Begins without a page (`ValueError`: a declared stop is not valid)."""
+        """Creates the unit without pages (`ValueError`: a stop of `powers` is not valid)."""
         super().__init__(PAGE)
         self.learning = learning
         self._subscribers = Subscribers()
@@ -76,19 +74,19 @@ class OperatorSite(Site):
 
     @property
     def sockets(self) -> Mapping[str, Callable[[WebSocket], Awaitable[None]]]:
-        """The socket of the page."""
+        """The socket of pages, by its path."""
         return {"/socket": self._serve_page}
 
     @asynccontextmanager
     async def running(self) -> AsyncIterator[None]:
-        """Has the unit go on as long as the context lasts."""
+        """Runs the unit as long as the context lasts."""
         self.unit.start()
-        # What is there stays, and is looked at no more: a collection of it takes long, and a stop
-        # waited for it. `OperatorUnit` collects while nobody commands.
+        # A garbage collection of all present objects would delay a stop, so they are frozen, and
+        # `OperatorUnit` collects while nobody commands.
         gc.collect()
         gc.freeze()
         gc.disable()
-        # Loops that wait for the interpreter have it soon.
+        # Threads of loops get the interpreter sooner.
         before = sys.getswitchinterval()
         sys.setswitchinterval(_SWITCH)
         try:

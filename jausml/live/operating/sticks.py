@@ -1,6 +1,7 @@
-"""Sticks of components: one is held at a time, and ends in a stop, sent until it has arrived.
+"""Sticks: a command that a page repeats while a person holds a joystick, and its stop.
 
-A stick has a lease, which the page has to renew again and again.
+One stick is held at a time. Each command renews its lease; when the lease or the stick ends, the
+stop is sent until it is acknowledged.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from threading import Condition, Lock, RLock, Thread
 from typing import Any
 
 from jausml.live.messages import MessageEntry
-from jausml.live.operating.guarding import Guarding
+from jausml.live.operating.guarding import UnitGuardian
 from jausml.live.operating.journal import Journal
 from jausml.live.operating.knowledge import DeclaredStop
 from jausml.live.operating.stops import Stops, deliver
@@ -21,15 +22,14 @@ from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.standstill import steady
 from jausml.runtime.wire.message import Message
 
-_LOOK = 0.25
-"""Seconds between two looks at the steady clock."""
+_MAX_WAIT = 0.25  # seconds between two readings of the steady clock
 
 
 class Lease:
-    """A permission for some seconds from each renewal; a thread of its own ends it."""
+    """A permission that ends some seconds after its last renewal."""
 
     def __init__(self, seconds: float, expired: Callable[[], None]) -> None:
-        """Begins the lease (`expired`: is called once, on that thread, if no renewal came)."""
+        """Begins the lease (`expired`: is called once, on another thread, unless renewed)."""
         self.seconds = seconds
         self._expired = expired
         self._due = steady() + seconds
@@ -38,7 +38,7 @@ class Lease:
         Thread(target=self._run, name="lease", daemon=True).start()
 
     def renew(self) -> bool:
-        """Renews the lease; False when it is over, or due to end."""
+        """Renews the lease; returns False when it has ended, or is due to."""
         with self._news:
             now = steady()
             if self._is_over or now >= self._due:
@@ -47,7 +47,7 @@ class Lease:
             return True
 
     def end(self) -> None:
-        """Ends the lease, without `expired`."""
+        """Ends the lease without a call of `expired`."""
         with self._news:
             self._is_over = True
             self._news.notify()
@@ -55,8 +55,8 @@ class Lease:
     def _run(self) -> None:
         with self._news:
             while not self._is_over and (left := self._due - steady()) > 0:
-                # A wait does not count the time of a suspended computer, as the lease does.
-                self._news.wait(min(left, _LOOK))
+                # The lease counts the time of a suspended computer, and a wait does not.
+                self._news.wait(min(left, _MAX_WAIT))
             if self._is_over:
                 return
             self._is_over = True
@@ -64,9 +64,9 @@ class Lease:
 
 
 class Stick:
-    """A command that a hand sends again and again; its end sends the stop.
+    """A repeated command; its end sends the stop.
 
-    After the stop, further messages of the stick are refused.
+    After the stop, further commands of the stick are refused.
     """
 
     def __init__(
@@ -76,10 +76,11 @@ class Stick:
         stop: Callable[[], None],
         ended: Callable[[str], None],
     ) -> None:
-        """Begins without a message.
+        """Begins without a command.
 
         Args:
-            seconds: Seconds for which one message of the page holds.
+            seconds: Seconds for which one command holds.
+            send: Sends a command.
             stop: Sends the stop.
             ended: Is called with the reason of the end, on any thread.
         """
@@ -89,7 +90,7 @@ class Stick:
         self._lease = Lease(seconds, self._expired)
 
     def move(self, message: Message) -> None:
-        """Sends a message, and renews the lease (`Refused`: it is over)."""
+        """Sends a command, and renews the lease (`Refused`: it has ended)."""
         with self._lock:
             if not self._lease.renew():
                 raise Refused("the stick was released, or its page was silent too long")
@@ -109,13 +110,13 @@ class Stick:
         self.end(f"the page said nothing for {self._lease.seconds:g} s")
 
 
+# Reasons for the end of a stick that raise no alarm.
 RELEASED, STOPPED, GIVEN_UP = "released", "stop", "control is given up"
-"""Reasons of an end that a person wants."""
 
 
 @dataclass(frozen=True)
 class HeldStick:
-    """The stick that is held."""
+    """The stick that is held, with the component and message of its command."""
 
     number: int
     target: JausAddress
@@ -124,16 +125,16 @@ class HeldStick:
 
 
 class Sticks:
-    """The stick that is held, if any; any thread may call it.
+    """The stick that is held, if there is one; any thread may call it.
 
     Attributes:
-        guarding: The guardian that sends its stop where this process cannot; None before it runs.
+        guardian: Sends the stop of the stick if this process cannot; None before it runs.
     """
 
     def __init__(self, system: WatchedSystem, journal: Journal, stops: Stops) -> None:
         """Begins without a stick."""
         self.held: HeldStick | None = None
-        self.guarding: Guarding | None = None
+        self.guardian: UnitGuardian | None = None
         self._system, self._journal, self._stops = system, journal, stops
         self._count = 0
         self._latest: dict[JausAddress, int] = {}
@@ -144,7 +145,7 @@ class Sticks:
         return self._stops.of(str(target), entry)
 
     def begin(self, name: str, target: JausAddress, entry: MessageEntry) -> tuple[int, float]:
-        """Begins a stick; returns its number, and the seconds for which a message holds."""
+        """Begins a stick; returns its number, and the seconds for which a command holds."""
         operator, stop = self._system.operator, self.stop_of(target, entry)
         if not operator.controls(target):
             raise Refused(f"{target} is not controlled by us")
@@ -161,8 +162,8 @@ class Sticks:
                 lambda why: self._ended(number, target, entry.name, why),
             )
             self.held = HeldStick(number, target, entry, stick)
-            if self.guarding is not None:
-                self.guarding.hold(target, stopping, stop.timeout)
+            if self.guardian is not None:
+                self.guardian.hold(target, stopping, stop.timeout)
         self._journal.note(name, f"holds the stick: {entry.name} to {target}")
         return number, stop.timeout
 
@@ -172,11 +173,11 @@ class Sticks:
         held.stick.move(self._system.operator.message(held.entry, fields))
 
     def release(self, number: int) -> None:
-        """Ends a stick that its hand let go."""
+        """Ends a stick that the person released."""
         self._held(number).stick.end(RELEASED)
 
     def end(self, why: str, target: JausAddress | None = None) -> None:
-        """Ends the stick, if it is that of a component, or any."""
+        """Ends the held stick, whose component must be `target` unless that is None."""
         held = self.held
         if held is not None and target in (None, held.target):
             held.stick.end(why)
@@ -191,8 +192,8 @@ class Sticks:
         with self._lock:
             if self.held is not None and self.held.number == number:
                 self.held = None
-                if self.guarding is not None:
-                    self.guarding.let_go()
+                if self.guardian is not None:
+                    self.guardian.let_go()
         self._journal.note("unit", f"sent the stop of {name} to {target}: {why}")
         if why not in (RELEASED, STOPPED, GIVEN_UP):
             self._alarm(target, f"stopped: {why}")
@@ -202,7 +203,7 @@ class Sticks:
         self._journal.alarm(named, text, f"stick of {named}")
 
     def _deliver(self, number: int, target: JausAddress, message: Message) -> None:
-        """Sends a stop until it is acknowledged, or a newer stick of the component is held."""
+        """Sends a stop until it is acknowledged, or the component has a newer stick."""
         operator = self._system.running
         if operator is None:
             return

@@ -1,4 +1,4 @@
-"""The stop of everything: its components, its sending, and commands that it holds back."""
+"""The stop of everything: its components, its sending, and commands that come too late."""
 
 from __future__ import annotations
 
@@ -15,14 +15,13 @@ from jausml.runtime import ControlState
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.services.definitions import Status
 
-LONGEST_STOP = 30.0
-"""Seconds of waiting for the acknowledgement of a stop."""
+LONGEST_STOP = 30.0  # seconds to wait for the acknowledgement of a stop
 
 
 def obeying(operator: Operator) -> list[JausAddress]:
-    """Returns the components to stop: those that we controlled and that have not refused us since.
+    """Returns the components that we control, or that we lost control of without a refusal.
 
-    A component that is lost to us may still take us for its controller.
+    A component that we lost may still regard us as its controller, and then obeys our stop.
     """
     return [
         hold.target
@@ -32,7 +31,7 @@ def obeying(operator: Operator) -> list[JausAddress]:
 
 
 class Gate:
-    """A gate for commands: what was asked for before a stop is not sent after it."""
+    """A gate for commands: one that was requested before a stop is not sent after it."""
 
     def __init__(self) -> None:
         """Begins without a stop."""
@@ -45,13 +44,13 @@ class Gate:
         return self._count
 
     def stop(self) -> None:
-        """Refuses commands of earlier requests from now on; waits for one that is being sent."""
+        """Closes the gate for earlier requests; waits for a command that is being sent."""
         with self._sending:
             self._count += 1
 
     @contextmanager
     def unless_stopped(self, before: int) -> Iterator[None]:
-        """Lets a stop wait while a command is sent; refuses the command after a stop.
+        """Makes a stop wait while a command is sent; raises `Refused` after a stop.
 
         Args:
             before: Number of stops when the command was requested.
@@ -63,32 +62,32 @@ class Gate:
 
 
 class Stopping:
-    """Sends the stop of everything, and reports its outcome."""
+    """Sends the stop of everything, and notes its outcome in the journal."""
 
     def __init__(self, system: WatchedSystem, journal: Journal) -> None:
         """Begins without a stop."""
         self._system, self._journal = system, journal
         self._running: dict[JausAddress, Event] = {}
 
-    def stop(self, name: str, word: str, targets: Sequence[JausAddress]) -> list[dict[str, str]]:
-        """Stops components at once, and returns the outcome of each.
+    def stop(self, name: str, kind: str, targets: Sequence[JausAddress]) -> list[dict[str, str]]:
+        """Stops all components at the same time, and returns the outcome of each as JSON values.
 
         Args:
             name: The person who stops them.
-            word: The kind of stop, one of `stops.WORDS`.
+            kind: The kind of stop, one of `stops.STOP_KINDS`.
         """
         operator = self._system.operator
         for target in targets:
             self._system.act(target)
         outcomes = {str(target): "" for target in targets}
         threads = [
-            Thread(target=self._stop_one, args=(operator, target, word, outcomes))
+            Thread(target=self._stop_one, args=(operator, target, kind, outcomes))
             for target in targets
         ]
         for thread in threads:
             thread.start()
         shown = ", ".join(map(str, targets)) or "nothing that is controlled"
-        self._journal.note(name, f"STOP ({word}) of {shown}")
+        self._journal.note(name, f"STOP ({kind}) of {shown}")
         for thread in threads:
             thread.join()
         for component, outcome in outcomes.items():
@@ -99,10 +98,10 @@ class Stopping:
         ]
 
     def _stop_one(
-        self, operator: Operator, target: JausAddress, word: str, outcomes: dict[str, str]
+        self, operator: Operator, target: JausAddress, kind: str, outcomes: dict[str, str]
     ) -> None:
         try:
-            state = self._stopped(operator, target, word)
+            state = self._send_stop(operator, target, kind)
         except (NoAnswer, Refused) as error:
             outcomes[str(target)] = str(error)
             self._journal.alarm(self._system.name_of(target), f"the stop is not confirmed: {error}")
@@ -111,17 +110,17 @@ class Stopping:
         if state is None:
             self._journal.alarm(self._system.name_of(target), "the stop is not confirmed")
 
-    def _stopped(self, operator: Operator, target: JausAddress, word: str) -> Status | None:
-        """Sends the stop until it is acknowledged, and returns the state that follows."""
-        is_emergency = word == "emergency"
+    def _send_stop(self, operator: Operator, target: JausAddress, kind: str) -> Status | None:
+        """Sends the stop until it is acknowledged; returns the new state, None if not reported."""
+        is_emergency = kind == "emergency"
         if not (is_emergency or target in obeying(operator)):
             raise Refused("it is not controlled by us, and obeys Standby of its controller alone")
         for hold in operator.holds:
             if hold.target == target:
                 hold.expect_standby()
-        message, is_over = stop_of(word), Event()
+        message, is_over = stop_of(kind), Event()
         self._running[target] = is_over
-        # Acknowledged, and before all waiting messages; then its state is queried.
+        # It goes before all waiting messages; then the state is queried.
         deliver(
             operator,
             target,
@@ -137,6 +136,6 @@ class Stopping:
         finally:
             if state is not None:
                 operator.answered(target, message)
-            # A component that is released before would no longer obey the stop.
+            # The caller may release the component next, after which it would not obey the stop.
             is_over.wait(LONGEST_STOP)
         return state

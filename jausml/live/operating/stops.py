@@ -1,7 +1,7 @@
-"""Stops that a person has declared: in a connection of the model, or on the command line.
+"""Stops of repeated commands, declared in a connection of the model or on the command line.
 
-Nothing is made up: a stop without a time-out, or of which two connections say different things, is
-none, and the reason is told.
+None is inferred: a stop without a time-out, or that two connections declare differently, is
+refused with the reason.
 """
 
 from __future__ import annotations
@@ -21,22 +21,19 @@ from jausml.runtime.base.address import JausAddress
 from jausml.runtime.messages import SetEmergency, Standby
 from jausml.runtime.wire.message import Message
 
-WORDS = ("standby", "emergency")
-"""Kinds of a stop of everything (AS5710, Management)."""
+STOP_KINDS = ("standby", "emergency")  # of the stop of everything (AS5710, Management)
 
+# Limits of a time-out in seconds; with shorter ones a busy moment would cause a stop.
 SHORTEST, LONGEST = 0.3, 60.0
-"""Seconds that a time-out may have; within shorter ones a busy moment would look like a halt."""
 
-_EMERGENCY_STOP = 1
-"""Code of the only emergency (AS5710, SetEmergency)."""
+_EMERGENCY_STOP = 1  # code of the only emergency (AS5710, SetEmergency)
 
-TRIES = 5
-"""How often a stop is sent that nobody acknowledges, each time with its repetitions."""
+TRIES = 5  # sendings of a stop that is not acknowledged, each with the repetitions of JUDP
 
 
-def stop_of(word: str) -> Message:
-    """Returns the message of a stop of everything, by its word among `WORDS`."""
-    return SetEmergency(emergency_code=_EMERGENCY_STOP) if word == "emergency" else Standby()
+def stop_of(kind: str) -> Message:
+    """Returns the message of a stop of everything (`kind`: one of `STOP_KINDS`)."""
+    return SetEmergency(emergency_code=_EMERGENCY_STOP) if kind == "emergency" else Standby()
 
 
 def deliver(
@@ -47,10 +44,10 @@ def deliver(
     ended: Callable[[bool], None],
     tries: int = TRIES,
 ) -> None:
-    """Sends a stop until it is acknowledged, or wanted no more.
+    """Sends a stop until it is acknowledged, no longer wanted, or was sent `tries` times.
 
     Args:
-        ended: Is told at the end whether it was acknowledged.
+        ended: Is called at the end with whether it was acknowledged.
     """
 
     def arrived(is_acknowledged: bool) -> None:  # noqa: FBT001
@@ -62,11 +59,12 @@ def deliver(
     operator.deliver(target, message, arrived)
 
 
-def told_stop(text: str, catalogue: Catalogue) -> DeclaredStop:
-    """Returns the stop of a text `MESSAGE SECONDS FIELDS`.
+def parse_stop(text: str, catalogue: Catalogue) -> DeclaredStop:
+    """Returns the stop in a text `MESSAGE SECONDS FIELDS`.
 
     Raises:
-        ValueError: It is none, or its fields are no such message.
+        ValueError: The text has another form, the time-out is out of range, or the message is
+            unknown or does not have such fields.
     """
     name, _, rest = text.strip().partition(" ")
     seconds, _, fields = rest.strip().partition(" ")
@@ -83,13 +81,13 @@ def told_stop(text: str, catalogue: Catalogue) -> DeclaredStop:
 
 
 class Stops:
-    """The stops of one start: later edits do not change them."""
+    """The stops at the start of the unit: later edits of the model do not change them."""
 
     def __init__(
-        self, of_model: Mapping[tuple[str, str], Declarations], stated_stops: Iterable[DeclaredStop]
+        self, of_model: Mapping[tuple[str, str], Declarations], stops: Iterable[DeclaredStop]
     ) -> None:
-        """Keeps the declared stops."""
-        self._by_message = {stop.message: stop for stop in stated_stops}
+        """Takes the stops of the model, and those of the command line, which come first."""
+        self._by_message = {stop.message: stop for stop in stops}
         self._of_model = of_model
 
     def of(self, target: str, entry: MessageEntry) -> DeclaredStop:
@@ -117,7 +115,11 @@ class Stops:
 
 
 def _completed(stop: DeclaredStop, entry: MessageEntry) -> DeclaredStop:
-    """Returns a stop of a model with all fields: missing ones are 0, as in a bridge."""
+    """Returns a stop of a model with all fields of its message: missing ones are 0, as in a bridge.
+
+    Raises:
+        Refused: The time-out is too short.
+    """
     if stop.timeout < SHORTEST:
         raise Refused(f"{stop.timeout:g} s of {stop.source} is shorter than {SHORTEST} s")
     fields = sample(entry.record)

@@ -1,6 +1,6 @@
-"""The operator unit: one JAUS component that commands for one page at a time, and watches for all.
+"""The operator unit: a JAUS component that commands for one page at a time, and watches for all.
 
-It is the client of `jausml ocu`; here stands who may use it, and what ends it.
+It uses the client of `jausml ocu`; this module decides which page may use it, and when that ends.
 """
 
 from __future__ import annotations
@@ -13,13 +13,13 @@ from threading import Event, Lock, RLock, Thread
 from typing import Any
 
 from jausml.live.operating.forms import offers_of
-from jausml.live.operating.guarding import Guarding
+from jausml.live.operating.guarding import UnitGuardian
 from jausml.live.operating.journal import Journal
 from jausml.live.operating.knowledge import Knowledge
 from jausml.live.operating.lists import Lists
 from jausml.live.operating.sticks import GIVEN_UP, STOPPED, Lease, Sticks
 from jausml.live.operating.stopping import LONGEST_STOP, Gate, Stopping, obeying
-from jausml.live.operating.stops import Stops, told_stop
+from jausml.live.operating.stops import Stops, parse_stop
 from jausml.live.operating.values import Values
 from jausml.live.operating.watching import WatchedSystem
 from jausml.live.peers.control import Hold
@@ -32,22 +32,22 @@ from jausml.live.systems.state import SystemState
 from jausml.runtime import HandoffDecision
 from jausml.runtime.base.address import JausAddress
 
-WORD = 0.5
-"""Seconds from one word to pages to the next: who misses one shows nothing as current."""
+HEARTBEAT = (
+    0.5  # seconds between two states for pages; a page without them shows nothing as current
+)
 
-_COLLECTION = 60.0
-"""Seconds between two collections of garbage while nobody commands."""
+_COLLECTION = 60.0  # seconds between two garbage collections while nobody commands
 
 
 @dataclass(frozen=True)
 class Powers:
-    """The permissions by whoever started the unit.
+    """Permissions that the person who started the unit has given.
 
     Attributes:
-        stop: What the stop of everything is, one of `stops.WORDS`.
-        lease: Seconds that the page which commands may be silent before it happens.
-        stops: Stops of single commands, as `told_stop` takes them.
-        token: The right to command, which pages that may look do not have.
+        stop: The kind of the stop of everything, one of `stops.STOP_KINDS`.
+        lease: Seconds of silence of the commanding page after which everything is stopped.
+        stops: Stops of single commands, as texts for `parse_stop`.
+        token: The right to command, for the pages that may.
     """
 
     stop: str
@@ -66,7 +66,7 @@ class Commander:
 
 
 class OperatorUnit:
-    """The unit, from `start` to `stop`. Its methods may be called by any thread."""
+    """The unit, from `start` to `stop`; any thread may call it."""
 
     def __init__(
         self,
@@ -78,30 +78,31 @@ class OperatorUnit:
         """Sends nothing before `start`.
 
         Args:
-            powers: What is allowed; None for a unit that watches only.
-            notify: Takes what all pages are to be told: a notification and its parameters.
+            powers: Permissions; None for a unit that watches only.
+            notify: Sends a notification with its parameters to all pages.
 
         Raises:
-            ValueError: A stop among the powers is none.
+            ValueError: A stop of the powers is not valid.
         """
         self.powers = powers
         self.values = Values()
         self.journal = Journal(notify)
         self._notify = notify
-        self._system = WatchedSystem(knowledge, network, self.journal, self._tell, self._leave_all)
+        self._system = WatchedSystem(
+            knowledge, network, self.journal, self._send_state, self._leave_all
+        )
         stops = powers.stops if powers is not None else ()
-        told_stops = [told_stop(stop, self._system.catalogue) for stop in stops]
-        declared = Stops(knowledge.stops, told_stops)
-        self.sticks = Sticks(self._system, self.journal, declared)
+        parsed_stops = [parse_stop(stop, self._system.catalogue) for stop in stops]
+        self.sticks = Sticks(self._system, self.journal, Stops(knowledge.stops, parsed_stops))
         self.lists = Lists(self._system, self.journal)
-        self._told_last: tuple[float, dict[str, Any]] | None = None
-        self._told_components: list[dict[str, Any]] = []
-        self._collected = time.monotonic()
-        self._guarding: Guarding | None = None
+        self._last_sent: tuple[float, dict[str, Any]] | None = None
+        self._sent_components: list[dict[str, Any]] = []
+        self._last_collection = time.monotonic()
+        self._guardian: UnitGuardian | None = None
         self._commander: Commander | None = None
         self.gate = Gate()
         self._stopping = Stopping(self._system, self.journal)
-        self._is_settled = Event()  # nothing of a lost page is being stopped
+        self._is_settled = Event()  # set unless the components of a lost page are being stopped
         self._is_settled.set()
         self._turn = RLock()
         self._state = Lock()
@@ -109,16 +110,16 @@ class OperatorUnit:
     # ---- life -------------------------------------------------------------------------------
 
     def start(self) -> None:
-        """Starts once; a network that cannot be used is a part of the state."""
+        """Starts the unit once; `content` has the fault of a network that cannot be used."""
         self._system.start()
 
     def learn(self, knowledge: Knowledge) -> None:
-        """Takes the knowledge of models that have changed; stops stay those of the start."""
+        """Takes the knowledge of changed models; the stops stay those of the start."""
         self._system.learn(knowledge)
         self._notify("operate.learnt", {})
 
     def stop(self) -> None:
-        """Ends the unit: a stick is stopped, control released."""
+        """Ends the unit: stops the controlled components and releases them."""
         self._system.stop()
 
     def _leave_all(self) -> None:
@@ -126,10 +127,10 @@ class OperatorUnit:
         commander = self._commander
         if commander is not None:
             self._lose(commander, "the unit ends")
-        # Who still waits for a component would wait for ever once ours has ended.
+        # A thread that waits for an answer would wait for ever once our component has ended.
         self._is_settled.wait(LONGEST_STOP)
-        if self._guarding is not None:
-            self._guarding.close()
+        if self._guardian is not None:
+            self._guardian.close()
 
     @property
     def operator(self) -> Operator:
@@ -137,38 +138,38 @@ class OperatorUnit:
         return self._system.operator
 
     def _guard(self) -> None:
-        """Reports the controlled components to the guardian, which starts with the first one."""
+        """Gives the controlled components to the guardian, which starts with the first one."""
         operator, powers = self._system.running, self.powers
         if operator is None or powers is None:
             return
         with self._turn:
             controlled = obeying(operator)
-            if self._guarding is None and not controlled:
+            if self._guardian is None and not controlled:
                 return
-            if self._guarding is None:
+            if self._guardian is None:
                 spoke = self._guardian_spoke
-                self._guarding = Guarding(operator, powers.lease, powers.stop, spoke)
-                self.sticks.guarding = self._guarding
-            self._guarding.control(controlled)
+                self._guardian = UnitGuardian(operator, powers.lease, powers.stop, spoke)
+                self.sticks.guardian = self._guardian
+            self._guardian.control(controlled)
 
     def _guardian_spoke(self) -> None:
-        """Notes that the guardian has stopped all, as this process stood still for too long."""
+        """Raises an alarm: the guardian has sent the stops, as this process stood still."""
         self.journal.alarm("this unit", "it stood still, and its guardian said the stops")
         Thread(target=self.sticks.end, args=("this unit stood still",)).start()
 
-    # ---- what all see -----------------------------------------------------------------------
+    # ---- state for all pages ----------------------------------------------------------------
 
     def begin(self) -> dict[str, Any]:
-        """Returns the first state for a page."""
+        """Returns the first state for a page, as JSON values."""
         state = self._system.monitor.state()
         return {**self.content(), "ages": _ages(state), "components": _components(state)}
 
     def offers(self, target: JausAddress) -> dict[str, Any]:
-        """Returns the messages that a component takes and gives, as far as they are known."""
+        """Returns the services, commands and reports of a component, as JSON values."""
         return offers_of(self._system, self.sticks, target)
 
     def content(self) -> dict[str, Any]:
-        """Returns the state of the unit itself, for all pages."""
+        """Returns the state of the unit itself, as JSON values."""
         operator, commander = self._system.running, self._commander
         holds = operator.holds if operator is not None else ()
         waiting = operator.handoffs.waiting if operator is not None else ()
@@ -176,7 +177,7 @@ class OperatorUnit:
             "own": str(operator.own) if operator is not None else "",
             "fault": self._system.fault,
             "unread": self._system.unread,
-            "unguarded": self._guarding.failure if self._guarding is not None else "",
+            "unguarded": self._guardian.failure if self._guardian is not None else "",
             "stop": self.powers.stop if self.powers is not None else None,
             "lease": self.powers.lease if self.powers is not None else None,
             "commander": commander and {"page": commander.page, "name": commander.name},
@@ -191,29 +192,29 @@ class OperatorUnit:
             "alarms": self.journal.alarms,
         }  # fmt: skip
 
-    def _tell(self, state: SystemState) -> None:
-        """Reports the state when it has changed, and once in `WORD`, with the ages of its parts.
+    def _send_state(self, state: SystemState) -> None:
+        """Sends the state to pages when it has changed, and once in `HEARTBEAT`.
 
-        It is how pages know that this process goes on.
+        By the heartbeat pages know that this process works.
         """
         content, components, now = self.content(), _components(state), time.monotonic()
-        if components != self._told_components:
-            self._told_components = components
+        if components != self._sent_components:
+            self._sent_components = components
             self._notify("operate.components", {"components": components})
-        last = self._told_last
-        if last is None or content != last[1] or now - last[0] >= WORD:
-            self._told_last = now, content
+        last = self._last_sent
+        if last is None or content != last[1] or now - last[0] >= HEARTBEAT:
+            self._last_sent = now, content
             self._notify("operate.state", {**content, "ages": _ages(state)})
-        # The collector is off: in full it would stop the process, also in the midst of a stop.
+        # The automatic collector is off, as it would delay a stop.
         is_idle = self._commander is None and self._is_settled.is_set()
-        if is_idle and now - self._collected > _COLLECTION:
-            self._collected = now
+        if is_idle and now - self._last_collection > _COLLECTION:
+            self._last_collection = now
             gc.collect()
 
-    # ---- commanding -------------------------------------------------------------------------
+    # ---- commands ---------------------------------------------------------------------------
 
     def take(self, page: int, name: str, target: JausAddress, authority: int) -> None:
-        """Takes control of a component for a page, which commands from then on."""
+        """Takes control of a component for a page, which is the commanding one from then on."""
         with self._turn:
             self._begin(page, name, target)
             self._try_holding(
@@ -228,7 +229,7 @@ class OperatorUnit:
     def request_handoff(
         self, page: int, name: str, target: JausAddress, authority: int, reason: str
     ) -> None:
-        """Asks whoever controls a component for control, and waits for the decision."""
+        """Asks the controller of a component for control, and waits for the decision."""
         self._begin(page, name, target)
         self.journal.note(name, f"asks for control of {target}: {reason!r}")
         self._try_holding(
@@ -249,11 +250,11 @@ class OperatorUnit:
             if not self._is_settled.is_set():
                 raise Refused("what the page before commanded is being stopped; try again")
             if self._commander is None:
-                lease = Lease(powers.lease, lambda: self._silent(page))
+                lease = Lease(powers.lease, lambda: self._lose_silent(page))
                 self._commander = Commander(page, name, lease)
         self.require_commander(page)
         if operator.controls(target):
-            raise Refused(f"{target} is controlled already")  # to ask anew would give it up
+            raise Refused(f"{target} is controlled already")  # a new request would give it up
 
     def _try_holding(self, page: int, target: JausAddress, work: Callable[[], Hold]) -> None:
         try:
@@ -270,7 +271,7 @@ class OperatorUnit:
         self._guard()
 
     def require_commander(self, page: int) -> None:
-        """Raises Refused for a page that does not command."""
+        """Raises `Refused` for a page that does not command."""
         commander = self._commander
         if commander is None:
             raise Refused("nobody commands; take control first")
@@ -278,7 +279,7 @@ class OperatorUnit:
             raise Refused(f"{commander.name} commands")
 
     def renew(self, page: int) -> None:
-        """Renews the lease of the page that commands."""
+        """Renews the lease of the commanding page (`Refused`: it has ended)."""
         self.require_commander(page)
         commander = self._commander
         if commander is None or not commander.lease.renew():
@@ -303,7 +304,7 @@ class OperatorUnit:
                 self._commander = None
 
     def decide(self, target: JausAddress, number: int, decision: HandoffDecision) -> str:
-        """Sends a person's decision on a request; returns the component that asked."""
+        """Sends a person's decision on a request; returns the JAUS id of the requester."""
         with self._turn:
             if decision is HandoffDecision.GRANTED:
                 self.sticks.end(GIVEN_UP, target)
@@ -325,7 +326,7 @@ class OperatorUnit:
         Thread(target=self._follow, args=(target, news)).start()
 
     def _follow(self, target: JausAddress, news: str) -> None:
-        """Ends the stick of a component that is lost, and reports the others to the guardian."""
+        """Ends the stick of a lost component, and gives the others to the guardian."""
         operator = self._system.running
         if operator is not None and not operator.controls(target):
             self.sticks.end(f"{target} {news}", target)
@@ -334,9 +335,9 @@ class OperatorUnit:
     # ---- stops ------------------------------------------------------------------------------
 
     def stop_all(self, name: str, targets: Iterable[JausAddress]) -> list[dict[str, str]]:
-        """Stops components, and all that are controlled, by the word of who started the unit.
+        """Stops the controlled components and `targets`, by the kind of stop of the powers.
 
-        Each is told at once; then it is waited for what they say.
+        All stops are sent at once; then it waits for the answers. Returns the outcome of each.
         """
         if self.powers is None:
             raise RpcError(UNAUTHORIZED, "this unit was started without --stop-all")
@@ -348,28 +349,28 @@ class OperatorUnit:
         return self._stopping.stop(name, self.powers.stop, stopped)
 
     def act(self, target: JausAddress) -> None:
-        """Notes that a person acts on a component: what follows is no alarm."""
+        """Notes that a person stops or releases a component, which then raises no alarm."""
         self._system.act(target)
 
-    def _silent(self, page: int) -> None:
+    def _lose_silent(self, page: int) -> None:
         commander = self._commander
         if commander is not None and commander.page == page:
             self._lose(commander, f"said nothing for {commander.lease.seconds:g} s")
 
     def leave(self, page: int) -> None:
-        """Forgets a page that is gone: if it commanded, all stops."""
+        """Forgets a page that is gone; if it commanded, everything is stopped."""
         commander = self._commander
         if commander is not None and commander.page == page:
             self._lose(commander, "is gone")
         self.values.leave(page)
 
     def _lose(self, commander: Commander, why: str) -> None:
-        """Stops and releases all that a page commanded which is lost, once."""
+        """Stops and releases all components of a lost page, once."""
         with self._state:
             if self._commander is not commander:
                 return
             self._commander = None
-            self._is_settled.clear()  # what is released at the end is nothing of the next page
+            self._is_settled.clear()  # or components of the next page would be released, too
             commander.lease.end()
         try:
             self._stop_and_release(commander, why)
@@ -393,7 +394,7 @@ class OperatorUnit:
 
 
 def _components(state: SystemState) -> list[dict[str, Any]]:
-    """Returns the present components, without the values that change all the time."""
+    """Returns the components as JSON values, without the values that always change."""
     return [
         {
             "id": component.address,
@@ -409,10 +410,9 @@ def _components(state: SystemState) -> list[dict[str, Any]]:
 
 
 def _ages(state: SystemState) -> dict[str, float]:
-    """Returns the seconds since each component was heard, for those that were."""
-    times = {address: component.told for address, component in state.components.items()}
+    """Returns the seconds since the last report of each component, by JAUS id."""
     return {
-        address: round(state.now - time_told, 1)
-        for address, time_told in times.items()
-        if time_told is not None
+        address: round(state.now - component.told, 1)
+        for address, component in state.components.items()
+        if component.told is not None
     }

@@ -1,4 +1,4 @@
-"""Reports that pages watch: their last values and pictures, and the history of each number."""
+"""Reports that pages watch: last values, pictures, and the history of each number."""
 
 from __future__ import annotations
 
@@ -19,20 +19,23 @@ from jausml.runtime import EventSubscription
 from jausml.runtime.base.address import JausAddress
 
 MOST_WATCHED = 32
-MOST_FIELDS = 64
-"""Numbers of one report whose history is kept."""
+MOST_FIELDS = 64  # numbers of one report that have a history
 
-MOST_KEPT = 20_000
-"""Values of a number that are kept: 10 minutes of 30 Hz and more."""
+MOST_KEPT = 20_000  # values in the history of a number: more than 10 minutes at 30 Hz
 
-LONGEST_TEXT = 80
-"""Characters of a value that are shown."""
+LONGEST_TEXT = 80  # characters of a shown value
 
-RATE = ""
-"""Path of the rate at which a report comes."""
+RATE = ""  # path, in the history, of the rate in Hz at which a report comes
 
-Point = tuple[float, float]
-"""A time in seconds since 1970, and a value."""
+# Limits of a picture that a browser unpacks without harm.
+MOST_BYTES = 8 * 2**20
+MOST_PIXELS = 40_000_000
+_PNG = b"\x89PNG\r\n\x1a\n"
+_JPEG = b"\xff\xd8\xff"
+_HEADERS = 2**18  # bytes at the beginning of a JPEG that must have its size
+_FRAMES = {*range(0xC0, 0xD0)} - {0xC4, 0xC8, 0xCC}  # JPEG markers with the size (ITU-T T.81, B.1)
+
+Point = tuple[float, float]  # a time in seconds since 1970, and a value
 
 
 @dataclass
@@ -40,7 +43,9 @@ class Watched:
     """A report of a component that is watched.
 
     Attributes:
-        pictures: Bytes by their paths, hexadecimal.
+        last_heard: Seconds since 1970; 0 before the first report.
+        texts: Paths and values of fields in words.
+        pictures: Hexadecimal bytes by their paths.
         urls: Addresses of streams and files (IOP, Digital Resource Discovery).
     """
 
@@ -57,10 +62,10 @@ class Watched:
 
 
 class Values:
-    """The reports that pages watch; any thread may ask."""
+    """The reports that pages watch; any thread may call it."""
 
     def __init__(self) -> None:
-        """Watches nothing."""
+        """Begins with no report."""
         self._watched: dict[tuple[str, str], Watched] = {}
         self._lock = Lock()
 
@@ -73,10 +78,12 @@ class Values:
         page: int,
         fields: dict[str, Any] | None = None,
     ) -> None:
-        """Subscribes to a report for a page, once for all of them.
+        """Subscribes to a report for a page; pages share one subscription.
 
         Args:
-            fields: Those of the query, for all that the report may hold if they are absent.
+            name: Name of the report.
+            rate: Reports each second; None for an event of changes.
+            fields: Fields of the query; None asks for all fields of the report.
         """
         _, report = operator.exchange(target, name)
         key = str(target), report.name
@@ -100,11 +107,11 @@ class Values:
                     self._watched.pop(key, None)
                 raise
             known.subscription = subscription
-            if not known.pages:  # it left meanwhile
+            if not known.pages:  # the page left meanwhile
                 subscription.cancel()
 
     def unwatch(self, component: str, report: str, page: int) -> None:
-        """Ends the watch of a report by a page; the last one ends the subscription."""
+        """Ends the watch of a report by a page; that of the last page ends the subscription."""
         with self._lock:
             known = self._watched.get((component, report))
             if known is None:
@@ -124,7 +131,7 @@ class Values:
             self.unwatch(component, report, page)
 
     def last(self) -> list[dict[str, Any]]:
-        """Returns the last values of each report."""
+        """Returns the last values of each report, as JSON values."""
         now = time.time()
         with self._lock:
             return [
@@ -151,7 +158,7 @@ class Values:
     def history(
         self, component: str, report: str, path: str, seconds: float, most: int
     ) -> list[Point]:
-        """Returns the values of a number in the last seconds, decimated to so many points."""
+        """Returns the values of a number in the last `seconds`, decimated to `most` points."""
         begin = time.time() - seconds
         with self._lock:
             known = self._watched.get((component, report))
@@ -189,7 +196,7 @@ def _numbers(values: Iterable[Leaf]) -> Iterator[tuple[str, float]]:
 
 
 def _pictures(values: Iterable[Leaf]) -> Iterator[tuple[str, str]]:
-    """Yields the possible pictures: bytes with a format, which hold no message."""
+    """Yields paths and hexadecimal values of bytes with a format, which may be pictures."""
     for path, kind, value in values:
         if isinstance(kind, wire.FormattedOctets) and value.get("hex"):
             yield path, value["hex"]
@@ -206,7 +213,7 @@ def _short(text: str) -> str:
 
 
 def decimated(points: Sequence[Point], most: int) -> list[Point]:
-    """Returns at most so many points, with the least and the greatest of each piece."""
+    """Returns at most `most` points: the least and the greatest value of each piece."""
     if len(points) <= most:
         return list(points)
     pieces = max(1, most // 2)
@@ -218,24 +225,11 @@ def decimated(points: Sequence[Point], most: int) -> list[Point]:
     return extremes
 
 
-MOST_BYTES = 8 * 2**20
-MOST_PIXELS = 40_000_000
-"""Pixels of a picture that a browser unpacks without harm."""
-
-_PNG = b"\x89PNG\r\n\x1a\n"
-_JPEG = b"\xff\xd8\xff"
-_HEADERS = 2**18
-"""Bytes of a JPEG within which its size stands."""
-
-_FRAMES = {*range(0xC0, 0xD0)} - {0xC4, 0xC8, 0xCC}
-"""Markers of JPEG that tell the size (ITU-T T.81, table B.1)."""
-
-
 def picture_url(data: bytes) -> str:
-    """Returns a URL that holds a picture, JPEG or PNG.
+    """Returns a data URL with a picture.
 
     Raises:
-        Refused: It is no such picture, or too large.
+        Refused: It is neither JPEG nor PNG, or too large.
     """
     kind = "png" if data.startswith(_PNG) else "jpeg" if data.startswith(_JPEG) else ""
     if not kind:

@@ -1,4 +1,4 @@
-"""The system that an operator unit is for: what is known of it, who is there, what goes wrong."""
+"""The system of an operator unit: knowledge of models, present components, and alarms."""
 
 from __future__ import annotations
 
@@ -16,18 +16,19 @@ from jausml.live.systems.ros_diagnostics import RosDiagnostics
 from jausml.live.systems.running import RunningSystem
 from jausml.live.systems.state import ConnectionState, Level, SystemState
 
-_TIMEOUT = 2.0
+_TIMEOUT = 2.0  # seconds that a question waits for its answer
 
+# Seconds after we stop or release a component in which it raises no alarm.
 _OWN_ACT = 3.0
-"""Seconds after an act of ours for which what gets worse of its component is no alarm."""
 
 
 class WatchedSystem(RunningSystem):
-    """A running system and our component in it, from `start` to `stop`.
+    """A running system with our component in it, from `start` to `stop`.
 
     Attributes:
-        running: Our component; None where there is no network, or not yet, and `fault` says why.
-        unread: Why the models cannot be read at present; empty while they can.
+        catalogue: The messages of the models and of the library.
+        running: Our component; None while there is no network, for the reason in `fault`.
+        unread: Why the models, or files of messages, cannot be read; empty if they can.
     """
 
     def __init__(
@@ -41,7 +42,7 @@ class WatchedSystem(RunningSystem):
         """Sends nothing before `start`.
 
         Args:
-            listener: Takes the state, once in `PERIOD`.
+            listener: Is called with the state once in `PERIOD`.
             ending: Is called before our component ends.
         """
         self.catalogue = ThawedCatalogue(knowledge.messages)
@@ -65,7 +66,7 @@ class WatchedSystem(RunningSystem):
         self._ready = Event()
 
     def learn(self, knowledge: Knowledge) -> None:
-        """Takes the knowledge of models; former knowledge stays where they cannot be read."""
+        """Takes the knowledge of changed models; keeps the former if they cannot be read."""
         self.unread = knowledge.fault or knowledge.left_out
         if knowledge.fault:
             return
@@ -77,7 +78,7 @@ class WatchedSystem(RunningSystem):
 
     def _enter(self, operator: Operator | None, ros: RosDiagnostics | None) -> None:  # noqa: ARG002 - what is heard is part of the state
         if operator is not None:
-            operator.learn(self.catalogue)  # which may be another one since this one began
+            operator.learn(self.catalogue)  # which may have changed since the operator was created
             operator.handoffs.on_news = lambda news: self._journal.note("handoff", news)
         self.running, self.fault = operator, self.monitor.state().sources.get("JAUS", "")
         self._ready.set()
@@ -96,20 +97,20 @@ class WatchedSystem(RunningSystem):
         return self.running
 
     def takes(self, target: object, command: str) -> bool:
-        """Tells whether a component that provides a service takes a command of it."""
+        """Returns whether a component takes a command of a service that it provides."""
         return command not in self._untaken.get(str(target), ())
 
     def name_of(self, address: object) -> str:
-        """Returns the name of a component with its JAUS id, the id alone where it has none."""
+        """Returns the name of a component with its JAUS id, or the id alone if it has no name."""
         name = self._names.get(str(address), "")
         return f"{name} ({address})" if name else str(address)
 
     def act(self, target: object) -> None:
-        """Notes that we stop or release a component: what follows of it is no alarm."""
+        """Notes that we stop or release a component, which then raises no alarm for a while."""
         self._acts[str(target)] = time.monotonic()
 
     def has_acted(self, target: object) -> bool:
-        """Tells whether we stopped or released a component just now."""
+        """Returns whether we stopped or released a component in the last seconds."""
         return time.monotonic() - self._acts.get(str(target), float("-inf")) < _OWN_ACT
 
     def _look(self) -> None:
@@ -118,7 +119,7 @@ class WatchedSystem(RunningSystem):
         self._notify(state)
 
     def _watch_for_alarms(self, state: SystemState) -> None:
-        """Raises alarms for what went well, or has begun, and does no more."""
+        """Notes the components and connections whose level has changed."""
         for address, component in state.components.items():
             if component.name:
                 self._names[address] = component.name
@@ -135,7 +136,7 @@ class WatchedSystem(RunningSystem):
 
     @staticmethod
     def _cause(state: SystemState, connection: ConnectionState) -> str:
-        """Returns the cause for a connection: a component that is gone, else its bridge."""
+        """Returns the JAUS id of a peer of a connection that is gone, else of its bridge."""
         peers = connection.declaration.peers if connection.declaration is not None else ()
         for address in (connection.jaus_id, *peers):
             component = state.components.get(address)
@@ -146,7 +147,11 @@ class WatchedSystem(RunningSystem):
     def _judge(
         self, key: str, subject: str, address: str, level: Level, reason: str, *, is_gone: bool
     ) -> None:
-        """Notes another level of a component or connection (`address`: that of its cause)."""
+        """Raises an alarm if a level is an error, or notes the return of the subject.
+
+        Args:
+            address: The JAUS id of the cause.
+        """
         before = self._levels.get(key)
         self._levels[key] = level
         if before is None:

@@ -1,4 +1,4 @@
-"""Interactive session of an operator: a line is a command, and its outcome follows."""
+"""Interactive session of an operator: each line is a command, followed by its outcome."""
 
 from __future__ import annotations
 
@@ -23,20 +23,32 @@ from jausml.runtime.base.address import JausAddress
 from jausml.runtime.messages import Resume, Standby
 from jausml.runtime.services.definitions import Status
 
+DEFAULT_AUTHORITY = 205  # authority code of an operator control unit, as other stacks choose it
+_DECISIONS = (
+    ("grant", "hand control over to who asked for it", HandoffDecision.GRANTED),
+    ("deny", "keep control that somebody asked for", HandoffDecision.DENIED),
+    ("defer", "let somebody wait who asked for control", HandoffDecision.WAIT),
+)
+_DECISION_TEXTS = {
+    HandoffDecision.GRANTED: "granted control",
+    HandoffDecision.DENIED: "denied",
+    HandoffDecision.WAIT: "to wait",
+}
+# Commands that name a report, and those that name a message to send.
 _REPORTING = ("query", "watch")
 _SENDING = ("command", "request", "send")
 
 
-def _next(
+def _continuations(
     operator: Operator,
     commands: Mapping[str, ConsoleCommand],
     target: JausAddress | None,
     words: list[str],
 ) -> Iterable[str]:
-    """Returns the possible continuations of the words of a line.
+    """Returns the words that may follow the words of a line.
 
-    Messages and fields are those of the component that is addressed, as far as it has said what it
-    provides; nothing is asked for that.
+    Messages and fields are those of the services of the component, as far as these are known; no
+    query is sent for them.
     """
     command, *rest = words
     ids = {str(sender): sender for sender in operator.senders()}
@@ -50,9 +62,9 @@ def _next(
 
 
 def _message_names(operator: Operator, target: JausAddress | None, command: str) -> list[str]:
-    """Returns the names of the messages that a command may name, none for other commands.
+    """Returns the messages or reports that a command may name; none for other commands.
 
-    They are those that a component takes; all there are where it has not said what it provides.
+    They are those that the component takes; all known ones if its services are not known.
     """
     if command in _REPORTING:
         return [
@@ -64,7 +76,7 @@ def _message_names(operator: Operator, target: JausAddress | None, command: str)
 
 
 def _inputs(operator: Operator, target: JausAddress | None) -> Iterator[MessageEntry]:
-    """Yields the messages that a component takes; all known ones where it has not listed them."""
+    """Yields the messages that a component takes; all known ones if its services are not known."""
     provided = () if target is None else operator.survey.services(target)
     labels = set(map(label_of, provided))
     for service in operator.catalogue.services.values():
@@ -74,7 +86,7 @@ def _inputs(operator: Operator, target: JausAddress | None) -> Iterator[MessageE
 
 
 def _fields(operator: Operator, target: JausAddress | None, words: list[str]) -> list[str]:
-    """Returns the paths of the fields that are not given yet, each with its `=`."""
+    """Returns the paths of the fields that a line does not have yet, each with its `=`."""
     name, *arguments = words
     entry = next((message for message in _inputs(operator, target) if message.name == name), None)
     if entry is None:
@@ -86,29 +98,16 @@ def _fields(operator: Operator, target: JausAddress | None, words: list[str]) ->
     return [path for path in paths if not any(word.startswith(path) for word in arguments)]
 
 
-DEFAULT_AUTHORITY = 205
-"""Authority of an operator control unit, as other stacks choose it."""
-
-
-_DECISIONS = (
-    ("grant", "hand control over to who asked for it", HandoffDecision.GRANTED),
-    ("deny", "keep control that somebody asked for", HandoffDecision.DENIED),
-    ("defer", "let somebody wait who asked for control", HandoffDecision.WAIT),
-)
-_TOLD = {
-    HandoffDecision.GRANTED: "granted control",
-    HandoffDecision.DENIED: "denied",
-    HandoffDecision.WAIT: "to wait",
-}
-
-
 class UsageError(Exception):
-    """A command cannot be understood."""
+    """A command that cannot be understood; the text says why."""
 
 
 @dataclass(frozen=True)
 class ConsoleCommand:
-    """A command of the session; one that takes an id is run with the component and the rest."""
+    """A command of the session.
+
+    `run` gets the rest of the line; before it, with an id in `usage`, the address of the component.
+    """
 
     usage: str
     help: str
@@ -116,14 +115,18 @@ class ConsoleCommand:
 
     @property
     def takes_id(self) -> bool:
-        """Whether its first word may be the id of a component."""
+        """Whether its first word may be a JAUS id."""
         return "ID" in self.usage
 
 
 class Console:
-    """Carries out commands for one operator.
+    """The commands of a session of one operator.
 
-    A command may name the component that it is for; without a name it is for the one named last.
+    A command may name a component; without one it is for the component named last.
+
+    Attributes:
+        failures: Number of commands that failed.
+        has_doubts: Whether a sent message may have had no effect.
     """
 
     def __init__(self, operator: Operator, emit: Callable[[str], None]) -> None:
@@ -180,7 +183,7 @@ class Console:
             if word and not word.startswith("#"):
                 self.execute(word, rest.strip())
         for hold in self._operator.holds:
-            self._sum_up(hold.target)
+            self._report_doubts(hold.target)
         for target in sorted(self._emergencies):
             self._emit(
                 f"note: our emergency of {target} lasts; 'clear' under --id {self._operator.own} "
@@ -188,20 +191,20 @@ class Console:
             )
 
     def completions(self, line: str) -> list[str]:
-        """Returns the words that may end a line, of which the last one was begun."""
-        *before, begun = line.split(" ")
+        """Returns the possible last words of a line, which begin as its last word does."""
+        *before, beginning = line.split(" ")
         words = [word for word in before if word]
         candidates: Iterable[str] = self.commands
         if words:
-            candidates = _next(self._operator, self.commands, self._target, words)
+            candidates = _continuations(self._operator, self.commands, self._target, words)
         return sorted(
             candidate
             for candidate in set(candidates)
-            if candidate.lower().startswith(begun.lower())
+            if candidate.lower().startswith(beginning.lower())
         )
 
     def execute(self, word: str, rest: str) -> None:
-        """Carries out one command; errors are shown and counted."""
+        """Carries out one command; emits and counts its error."""
         command = self.commands.get(word)
         try:
             if command is None:
@@ -209,7 +212,7 @@ class Console:
                     f"no command '{word}'{did_you_mean(similar(word, self.commands)) or ';'} "
                     "'help' lists them"
                 )
-            command.run(*(self._aim(rest) if command.takes_id else (rest,)))
+            command.run(*(self._split_target(rest) if command.takes_id else (rest,)))
         except UsageError as error:
             usage = f"; usage: {word} {command.usage}".rstrip() if command else ""
             self._fail(f"{error}{usage}")
@@ -220,7 +223,7 @@ class Console:
         self.failures += 1
         self._emit(f"error: {text}")
 
-    # ---- looking ----------------------------------------------------------------------------
+    # ---- queries ----------------------------------------------------------------------------
 
     def _discover(self, rest: str) -> None:
         subsystems = self._operator.survey.take(_number(rest, 2.0))
@@ -275,7 +278,7 @@ class Console:
         for name, command in self.commands.items():
             self._emit(f"{f'{name} {command.usage}'.rstrip():28} {command.help}")
 
-    # ---- commanding -------------------------------------------------------------------------
+    # ---- commands ---------------------------------------------------------------------------
 
     def _control(self, target: JausAddress, rest: str) -> None:
         authority = int(_number(rest, DEFAULT_AUTHORITY))
@@ -294,25 +297,25 @@ class Console:
         if not rest:
             raise UsageError("which request?")
         client = self._operator.decide_handoff(target, int(_number(rest, 0)), decision)
-        self._emit(f"{target} is told that {client} is {_TOLD[decision]}")
+        self._emit(f"{target} is told that {client} is {_DECISION_TEXTS[decision]}")
 
     def _changed(self, target: JausAddress, news: str) -> None:
-        """Reports a change of control, and asks why; runs on the loop's thread."""
+        """Emits a change of control, and queries state and controller; on the loop's thread."""
         self._emit(f"note: {target} {news}")
         self._operator.look(target, lambda text: self._emit(f"note: {target} {text}"))
 
     def resume(self, target: JausAddress) -> None:
-        """Brings a component that we control to Ready and says so."""
+        """Brings a component that we control to Ready, and emits its state."""
         self._change(target, Resume(), Status.READY)
 
     def release(self, target: JausAddress) -> None:
-        """Releases control and says whether the component confirms it."""
-        self._sum_up(target)
+        """Releases control, and emits whether the component confirms it."""
+        self._report_doubts(target)
         is_confirmed = self._operator.release(target)
         self._emit(f"{target} is released" if is_confirmed else f"{target} confirms no release")
 
-    def _sum_up(self, target: JausAddress) -> None:
-        """Tells of messages that may have had no effect; all went well where there are none."""
+    def _report_doubts(self, target: JausAddress) -> None:
+        """Emits the number of messages that may have had no effect, if there are any."""
         hold = next(
             (active_hold for active_hold in self._operator.holds if active_hold.target == target),
             None,
@@ -359,17 +362,17 @@ class Console:
         self._emergencies.discard(target)
         self._emit(f"{target} {status_line(*self._operator.status(target))}")
 
-    # ---- words ------------------------------------------------------------------------------
+    # ---- arguments --------------------------------------------------------------------------
 
-    def _aim(self, rest: str) -> tuple[JausAddress, str]:
-        """Returns the component that a line is for, and the rest of the line."""
+    def _split_target(self, rest: str) -> tuple[JausAddress, str]:
+        """Returns the component of a command, and the rest of its line."""
         word, _, after = rest.partition(" ")
         if word[:1].isdigit() and word.count(".") == 2:
             address = JausAddress.parse(word)
             if not address.is_concrete:
                 raise UsageError(f"{word} does not name one component")
             if address != self._target:
-                self._operator.survey.ask(address)  # what it provides, for completions
+                self._operator.survey.ask(address)  # for its services, by which words are completed
             self._target = address
             return address, after.strip()
         if self._target is None:

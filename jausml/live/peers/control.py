@@ -1,4 +1,4 @@
-"""Control that an operator holds, and its handoff (IOP): what became of it, and who asks for it."""
+"""Control of components that an operator holds, and requests for its handoff (IOP)."""
 
 from __future__ import annotations
 
@@ -20,23 +20,29 @@ from jausml.runtime.messages import ReportStatus
 from jausml.runtime.services.definitions import Status
 
 HELD = (ControlState.CONTROLLED, ControlState.READY)
+PATIENCE = 20.0  # seconds of silence after which a component that lets us wait counts as lost
+_WAITS = (HandoffAnswer.QUEUED, HandoffAnswer.DEFERRED)
 
+# The words for a new state, by whether control was held before.
 _CHANGES = {
     (True, ControlState.READY): "is READY again",
     (True, ControlState.CONTROLLED): "is READY no more",
     (False, ControlState.READY): "is controlled again, and READY",
     (False, ControlState.CONTROLLED): "is controlled again, and not READY",
 }
-"""The news in a state, by whether control was held before."""
 
 
 class Hold:
-    """Control of one component, asked for and given or not.
+    """Control of one component, from the request on, and the messages sent under it.
 
     Attributes:
-        doubtful: How many of them may have found it not Ready, or not ours.
-        is_lost: Whether Ready, or control of a component that was not Ready, was lost at any time.
-        last_change: What became of control last, in words; empty when nothing did.
+        sent: Number of sent messages.
+        doubtful: Number of them that the component may have ignored, as it was not Ready or not
+            controlled by us.
+        is_lost: Whether it ever left Ready, or control was lost, other than by our command.
+        was_ready: Whether it was Ready under our control; False again after our Standby.
+        session: Control in the runtime; None before the request.
+        last_change: The last change of control, in words; empty without one.
     """
 
     def __init__(self, target: JausAddress, on_change: Callable[[str], None] | None) -> None:
@@ -61,11 +67,11 @@ class Hold:
 
     @property
     def is_obeyed(self) -> bool:
-        """Whether the component takes our commands, as far as is known."""
+        """Whether the component takes our commands, as far as known."""
         return self._obeys(self._state)
 
     def answer(self, timeout: float) -> ControlState | None:
-        """Returns the first answer, or None when none comes in time."""
+        """Waits for the first answer to the request; None when none comes in time (seconds)."""
         try:
             return self._first.get(timeout=timeout)
         except Empty:
@@ -83,12 +89,12 @@ class Hold:
         self.was_ready = False
 
     def wait_for_loss(self, seconds: float) -> bool:
-        """Waits, and returns at once when control is lost; says whether it was."""
+        """Waits for a loss, at most so many seconds; returns whether control is lost."""
         with self._news:
             return self._news.wait_for(lambda: self.is_lost, max(0.0, seconds))
 
     def lose(self) -> None:
-        """Notes that the component is lost; messages since its last confirmation are in doubt."""
+        """Notes a loss; messages since the last sign of control become doubtful."""
         with self._news:
             self.is_lost = True
             self.doubtful += self.sent - self._confirmed
@@ -107,22 +113,22 @@ class Hold:
         if self._obeys(before) and not self._obeys(state):
             self.lose()
         if not self._obeys(before) or not self._obeys(state):
-            self._tell(before, state)
+            self._report_change(before, state)
         self.was_ready |= state is ControlState.READY
 
     def status_reported(self, report: ReportStatus) -> None:
-        """Notes a status of the component."""
+        """Takes a status of the component; one under our control confirms earlier messages."""
         if self.is_held and (report.status == Status.READY or not self.was_ready):
             self._confirmed = self.sent
 
     def rejected(self) -> None:
-        """Notes that the component lets go of us, up to now in Ready."""
+        """Notes that the component has ended our control, after it took all messages."""
         self._confirmed = self.sent
 
     def _obeys(self, state: ControlState) -> bool:
         return state is ControlState.READY or (state in HELD and not self.was_ready)
 
-    def _tell(self, before: ControlState, state: ControlState) -> None:
+    def _report_change(self, before: ControlState, state: ControlState) -> None:
         if state is ControlState.REFUSED:
             self.last_change = "gives us no control any more"
         elif state is ControlState.SEEKING:
@@ -133,14 +139,12 @@ class Hold:
             self._on_change(self.last_change)
 
 
-PATIENCE = 20.0
-"""Seconds without a word after which a component that lets us wait is taken for lost."""
-
-_WAITS = (HandoffAnswer.QUEUED, HandoffAnswer.DEFERRED)
-
-
 class Handoffs:
-    """Requests for control: those that a person has to answer, and our own."""
+    """Requests for handoff of control: those that a person has to decide, and our own.
+
+    Attributes:
+        on_news: Is called with news for people.
+    """
 
     def __init__(self, component: JausComponent) -> None:
         self._component = component
@@ -149,11 +153,12 @@ class Handoffs:
 
     @property
     def waiting(self) -> tuple[HandoffRequest, ...]:
-        """The requests for components that we control, or controlled until we lost them."""
-        return tuple(request for asked in list(self._waiting.values()) for request in asked)
+        """The undecided requests for components that we control or did control."""
+        waiting = tuple(self._waiting.values())
+        return tuple(request for requests in waiting for request in requests)
 
-    def asked(self, target: JausAddress, requests: tuple[HandoffRequest, ...]) -> None:
-        """Notes the requests for control of a component that we control; on the loop's thread."""
+    def take_requests(self, target: JausAddress, requests: tuple[HandoffRequest, ...]) -> None:
+        """Takes all open requests for control of a component; on the loop's thread."""
         self._waiting[target] = requests
         for request in requests:
             self.on_news(
@@ -169,7 +174,7 @@ class Handoffs:
 
         Raises:
             JausError: The request has ended.
-            Refused: There is none with the number.
+            Refused: There is no request with the number.
         """
         for request in self._waiting.get(target, ()):
             if request.number == number:
@@ -188,15 +193,15 @@ class Handoffs:
         unanswered: Callable[[], NoAnswer],
         timeout: float,
     ) -> None:
-        """Asks for control, and waits until a person has granted it.
+        """Requests a handoff, and waits until the controller has granted it.
 
         Args:
-            unanswered: Says that the component does not answer.
+            unanswered: Returns the error for a component that does not answer.
             timeout: Seconds to wait for the first answer.
 
         Raises:
-            NoAnswer: It does not answer, or does not any more.
-            Refused: It does not hand control over.
+            NoAnswer: The component does not answer, or no longer.
+            Refused: The request is denied.
         """
         answers: SimpleQueue[HandoffAnswer] = SimpleQueue()
         pending = self._component.request_handoff(

@@ -1,4 +1,4 @@
-"""Surveys of a network: what Discovery services say of subsystems, components and services."""
+"""Surveys of a network: subsystems, components and services by the answers of Discovery."""
 
 from __future__ import annotations
 
@@ -26,13 +26,10 @@ from jausml.runtime.messages import (
 from jausml.runtime.services.definitions import ServiceIdentity
 
 Services = dict[JausAddress, tuple[ServiceIdentity, ...]]
-"""The services of components."""
 
-ROUND = 0.5
-"""Seconds between two rounds of questions; a datagram may be lost."""
+ROUND = 0.5  # least seconds between two rounds of queries, of which some may be lost
 
-POLL = 0.01
-"""Seconds from one look for an answer to the next."""
+POLL = 0.01  # seconds between two checks for an answer
 
 T = TypeVar("T")
 
@@ -47,15 +44,15 @@ _TYPE_NAMES = {
 
 
 def awaited(look: Callable[[], T], seconds: float = math.inf) -> T:
-    """Returns the result of a look as soon as it is not empty, or the last one after a time."""
+    """Calls `look` until its result is true, at most so many seconds; returns the last result."""
     end = time.monotonic() + seconds
-    while not (seen := look()) and time.monotonic() < end:
+    while not (result := look()) and time.monotonic() < end:
         time.sleep(POLL)
-    return seen
+    return result
 
 
 def services_of(report: ReportServices | ReportServiceList, subsystem: int) -> Services:
-    """Returns the components of a report; a ReportServices does not name their subsystem.
+    """Returns the services in a report by component (`subsystem`: for a ReportServices).
 
     Components of the JAUS Tool Set report a node record for each of their services.
     """
@@ -66,22 +63,22 @@ def services_of(report: ReportServices | ReportServiceList, subsystem: int) -> S
 
 
 def label_of(service: ServiceIdentity) -> str:
-    """Returns URN and version of a service, as the catalogue labels it."""
+    """Returns the URN and version of a service, which is its label in the catalogue."""
     return f"{service.urn}/{service.major}.{service.minor}"
 
 
 def controller_of(report: ReportControl) -> str:
-    """Returns the dotted address of the controller; 0.0.0 when there is none (AS5710)."""
+    """Returns the JAUS id of the controller; 0.0.0 when there is none (AS5710)."""
     return f"{report.subsystem_id}.{report.node_id}.{report.component_id}"
 
 
 @dataclass
 class KnownComponent:
-    """A component that was heard of.
+    """A component that was found.
 
     Attributes:
-        type: Type that it reports of itself (AS5710, ReportIdentification), 0 if unknown.
-        is_silent: Whether it answers, but no question of Discovery.
+        type: Its reported type (AS5710, ReportIdentification), 0 if unknown.
+        is_silent: Whether it answers other queries, but none of Discovery.
     """
 
     address: JausAddress
@@ -102,30 +99,30 @@ class KnownSubsystem:
 
 
 def type_name(number: int) -> str:
-    """Returns the word for a type of ReportIdentification (AS5710)."""
+    """Returns the word for a type of ReportIdentification (AS5710); empty for 0."""
     return _TYPE_NAMES.get(number, f"type {number}" if number else "")
 
 
 class Survey:
-    """Collects the answers of Discovery services for one of our components."""
+    """Sends queries of Discovery for one of our components, and collects the answers."""
 
     def __init__(self, component: JausComponent, peers: Sequence[JausAddress]) -> None:
         """Listens from now on.
 
         Args:
-            peers: Components that are asked one by one as well, since multicast may miss them.
+            peers: Components that are queried one by one, too, since multicast may miss them.
         """
         self._component = component
         self._peers = tuple(peers)
         self._subsystems: dict[int, KnownSubsystem] = {}
-        self._asking_by_id = ServicesById(component)
+        self._queries_by_id = ServicesById(component)
         component.on_message(ReportIdentification, self._identified)
         component.on_message(ReportServices, self._services)
         component.on_message(ReportStatus, self._answered)
         component.on_message(ReportControl, self._answered)
 
     def take(self, duration: float) -> tuple[KnownSubsystem, ...]:
-        """Asks everybody and returns who was heard of, ordered by number."""
+        """Queries all for `duration` seconds; returns the found subsystems, ordered by number."""
         end = time.monotonic() + duration
         while True:
             self.ask_all()
@@ -135,7 +132,7 @@ class Survey:
                 return self.known()
 
     def known(self) -> tuple[KnownSubsystem, ...]:
-        """Returns the subsystems that were heard so far, ordered by number."""
+        """Returns the subsystems that were found so far, ordered by number."""
         with self._component.loop.lock:
             subsystems = [self._subsystems[number] for number in sorted(self._subsystems)]
             for subsystem in subsystems:
@@ -143,13 +140,13 @@ class Survey:
             return tuple(subsystems)
 
     def services(self, address: JausAddress) -> tuple[ServiceIdentity, ...]:
-        """Returns the services of a component, as far as they were heard."""
+        """Returns the services of a component as known so far."""
         subsystem = self._subsystems.get(address.subsystem)
         component = subsystem.components.get(address) if subsystem else None
         return component.services if component else ()
 
     def services_within(self, seconds: float, address: JausAddress) -> tuple[ServiceIdentity, ...]:
-        """Returns the services of a component, which is asked with its subsystem if unknown."""
+        """Returns the services of a component; queries it and its subsystem if they are unknown."""
         known = self.services(address)
         if not known:
             self.ask(address)
@@ -158,23 +155,23 @@ class Survey:
         return known
 
     def forget(self, address: JausAddress) -> None:
-        """Forgets a component, whose place another one may have now."""
+        """Forgets a component, whose address another one may have now."""
         with self._component.loop.lock:
             subsystem = self._subsystems.get(address.subsystem)
             if subsystem is not None:
                 subsystem.components.pop(address, None)
 
     def ask(self, destination: JausAddress) -> None:
-        """Asks one component, or all of a wildcard, for identification and services."""
+        """Queries identification and services of one component, or of all of a wildcard."""
         for scope in (Scope.SUBSYSTEM, Scope.COMPONENT):
             self._component.send(QueryIdentification(query_type=scope), destination)
         self._component.send(query_services(), destination)
 
     def ask_all(self) -> None:
-        """Asks everybody, also for state and controller, without waiting."""
+        """Queries all, also for state and controller, without waiting."""
         for destination in (BROADCAST, *self._peers):
             self.ask(destination)
-            # Whoever has no Discovery answers these, as a rule.
+            # Components without Discovery usually answer these.
             self._component.send(QueryStatus(), destination)
             self._component.send(QueryControl(), destination)
 
@@ -188,14 +185,14 @@ class Survey:
         elif report.query_type == Scope.COMPONENT:
             component = self._at(sender)
             before, after = component.identification, report.identification
-            if before and before != after:  # it is another one, with services of its own
+            if before and before != after:  # it is another component, with other services
                 component.services = ()
                 self.ask(sender)
             component.identification, component.type = after, report.type_
             component.is_silent = False
 
     def _services(self, report: ReportServices, sender: JausAddress) -> None:
-        self._asking_by_id.take(report, sender)
+        self._queries_by_id.take(report, sender)
         for address, services in services_of(report, sender.subsystem).items():
             if address != self._component.address and address.is_concrete:
                 component = self._at(address)
@@ -217,7 +214,7 @@ class Survey:
 def provided_services(
     network: Network, address: JausAddress, seconds: float
 ) -> tuple[ServiceIdentity, ...]:
-    """Returns the services of a component, asked by a component of ours for this alone."""
+    """Returns the services of a component, which a temporary component of ours queries."""
     with running_transport(network.settings) as transport:
         settings = ComponentSettings(register_services=False)
         component = JausComponent(

@@ -1,6 +1,6 @@
-"""Messages of the catalogue in the shape that the runtime's components send and receive.
+"""Messages of the catalogue as classes that components of the runtime send and receive.
 
-Queries are so plain that only the code matters, or so full that all is asked for.
+It also finds messages by names, and fills the fields of queries.
 """
 
 from __future__ import annotations
@@ -26,7 +26,8 @@ from jausml.runtime.wire.message import DecodeError, EncodeError, Message
 
 _EVERYTHING = {"NodeRec": {"NodeID": 255}, "ComponentList": [{"ComponentID": 255}]}
 
-_TELLING_FIELDS: dict[str, dict[str, Any]] = {
+# Fields of core queries whose reports would be empty otherwise (AS5710).
+_QUERY_FIELDS: dict[str, dict[str, Any]] = {
     "QueryIdentification": {"QueryIdentificationRec": {"QueryType": 4}},
     "QueryConfiguration": {"QueryConfigurationRec": {"QueryType": 3}},
     "QueryServices": {"NodeList": [_EVERYTHING]},
@@ -35,11 +36,10 @@ _TELLING_FIELDS: dict[str, dict[str, Any]] = {
     },
     "QueryEvents": {"QueryEventsVar": {"_tag": 3, "AllEventsRec": {"AllEvents": 0}}},
 }
-"""Fields with which the core queries are answered with more than an empty report (AS5710)."""
 
 
 class EntryMessage(Message):
-    """A message whose layout comes from the catalogue instead of generated code."""
+    """A message with the layout of an entry of the catalogue instead of generated code."""
 
     __slots__ = ("fields",)
 
@@ -49,7 +49,7 @@ class EntryMessage(Message):
         self.fields: dict[str, Any] = {} if fields is None else fields
 
     def encode(self) -> bytes:
-        """Returns the message code and the body as bytes."""
+        """Returns the message code and the body as bytes (`EncodeError`: a field is wrong)."""
         try:
             return self.ENTRY.encode(self.fields)
         except MessageError as error:
@@ -57,7 +57,7 @@ class EntryMessage(Message):
 
     @classmethod
     def decode(cls, payload: bytes) -> EntryMessage:
-        """Returns the message that the bytes hold."""
+        """Returns the message in a payload (`DecodeError`: it is none)."""
         try:
             return cls(cls.ENTRY.decode(payload))
         except MessageError as error:
@@ -66,7 +66,7 @@ class EntryMessage(Message):
 
 @lru_cache(maxsize=1024)
 def message_class(entry: MessageEntry) -> type[EntryMessage]:
-    """Returns the class of a message of the catalogue; always the same one for an entry."""
+    """Returns the class of a message of the catalogue."""
     body = {"__slots__": (), "ENTRY": entry, "CODE": entry.code, "NAME": entry.name}
     return type(entry.name, (EntryMessage,), body)
 
@@ -77,8 +77,10 @@ def find_message(
     """Returns the message of a name or code.
 
     Args:
-        services: Services of the component that the message is for; of several messages of one
-            name that of these services is meant.
+        services: Services of the receiver, to choose among several messages of one name.
+
+    Raises:
+        MessageError: There is none, or there are several.
     """
     try:
         return catalogue.message(name)
@@ -94,10 +96,10 @@ def find_message(
 def find_exchange(
     catalogue: Catalogue, name: str, services: Sequence[ServiceIdentity] = ()
 ) -> tuple[MessageEntry, MessageEntry]:
-    """Returns the query and the report that a name means.
+    """Returns the query and its report for a name.
 
     Args:
-        name: Name or code of the query or of the report, or what both names have in common,
+        name: Name or code of the query or of the report, or the common part of both names,
             e.g. `VelocityState`.
     """
     topic = name.removeprefix("Query").removeprefix("Report")
@@ -122,15 +124,15 @@ def _first(
 
 
 def plain_query(query: MessageEntry) -> dict[str, Any]:
-    """Returns fields with which a query is answered with something, as far as we can know."""
-    if query.name in _TELLING_FIELDS:
-        return deepcopy(_TELLING_FIELDS[query.name])
+    """Returns fields of a query for which its report is not empty, as far as known."""
+    if query.name in _QUERY_FIELDS:
+        return deepcopy(_QUERY_FIELDS[query.name])
     fields: dict[str, Any] = sample(query.record)
     return fields
 
 
 def full_query(query: MessageEntry, report: MessageEntry) -> dict[str, Any]:
-    """Returns the fields of a query that asks for everything its report may hold."""
+    """Returns the fields of a query that requests all optional fields of its report."""
     fields = plain_query(query)
     holder = presence_holder(fields)
     if holder is not None:
@@ -139,7 +141,7 @@ def full_query(query: MessageEntry, report: MessageEntry) -> dict[str, Any]:
 
 
 def presence_holder(fields: Any) -> dict[str, Any] | None:
-    """Returns the object with the presence vector of a query, if there is one."""
+    """Returns the object with the presence vector in the fields of a query, if there is one."""
     if not isinstance(fields, dict):
         return None
     if isinstance(fields.get(PRESENCE_VECTOR), int):
@@ -149,7 +151,7 @@ def presence_holder(fields: Any) -> dict[str, Any] | None:
 
 
 def optional_bits(reports: Sequence[MessageEntry]) -> int:
-    """Returns the presence vector with all bits of the first record that has optional fields."""
+    """Returns all presence bits of the first record of reports that has optional fields."""
     for report in reports:
         for record in _records(report.record):
             if record.known_bits:

@@ -1,4 +1,4 @@
-"""Questions on their way, what a tool has heard, and what follows for those without an answer."""
+"""Received messages of a tool, open queries, and explanations for missing answers."""
 
 from __future__ import annotations
 
@@ -19,8 +19,10 @@ from jausml.runtime.base.counters import Counters
 from jausml.runtime.services.definitions import ServiceIdentity
 from jausml.runtime.wire.message import DecodeError, Message, read_code
 
+ATTEMPTS = 3  # least number of sendings of a query; with long timeouts one each second
 _MOST_COMPONENTS = 1024
 _MOST_MESSAGES = 64
+# Counters of the runtime for datagrams that came and cannot be used.
 _UNUSABLE = (
     "judp.version_1",
     "judp.reference_architecture",
@@ -32,11 +34,10 @@ _UNUSABLE = (
     "transport.bad_source",
     "transport.own_source",
 )
-"""Counters of the runtime for datagrams that came and are of no use."""
 
 
 class Heard:
-    """The messages that came to a tool: of each component and code the last one."""
+    """The received messages of a tool: of each component and message code the last one."""
 
     def __init__(self, catalogue: Catalogue, network: Network, counters: Counters) -> None:
         self.catalogue = catalogue
@@ -57,7 +58,7 @@ class Heard:
             self._awaited.remove(awaited)
 
     def note(self, payload: bytes, source: JausAddress) -> None:
-        """Remembers a message; those of strangers only while there is room."""
+        """Notes a message; of a component that is not awaited, only while there is room."""
         waiting = [awaited for awaited in tuple(self._awaited) if awaited[0] == source]
         has_room = bool(waiting) or len(self._last) < _MOST_COMPONENTS
         if source not in self._last and not has_room:
@@ -74,11 +75,11 @@ class Heard:
                 queue.put(payload)
 
     def of(self, source: JausAddress) -> bool:
-        """Whether anything came from a component."""
+        """Returns whether any message came from a component."""
         return source in self._last
 
     def sources(self) -> tuple[JausAddress, ...]:
-        """Returns the components from which anything came."""
+        """Returns the components from which messages came."""
         return tuple(self._last)
 
     def names(self, source: JausAddress) -> list[str]:
@@ -88,7 +89,12 @@ class Heard:
     def why(
         self, target: JausAddress, message: str, report: str, services: Sequence[ServiceIdentity]
     ) -> str:
-        """Returns the known reason why a component leaves a message unanswered."""
+        """Returns the likely reason why a component does not answer a message, in words.
+
+        Args:
+            report: Name of the expected answer.
+            services: The known services of the component.
+        """
         if not self.of(target):
             return f"{target} does not answer {message}; {self._why_silent(target)}"
         fault = self._fault(target, report)
@@ -103,7 +109,7 @@ class Heard:
         return f"{target} answers ({listed(answers)}), but not {message}: {reason}"
 
     def nothing(self) -> str:
-        """Returns the possible causes when nothing at all was heard, the likeliest first."""
+        """Returns the possible causes when no message came at all, the likeliest first."""
         drops = self._counters.drops()
         counts = ", ".join(f"{name} {drops[name]}" for name in _UNUSABLE if name in drops)
         if counts:
@@ -117,7 +123,7 @@ class Heard:
         return self.nothing()
 
     def _fault(self, target: JausAddress, report: str) -> str:
-        """Returns why the report that came cannot be read, empty when none came or it can."""
+        """Returns why a received report cannot be read; empty if it can, or none came."""
         for payload in tuple(self._last[target].values()):
             if self._name(read_code(payload)) == report:
                 try:
@@ -127,7 +133,7 @@ class Heard:
         return ""
 
     def lack(self, message: str, services: Sequence[ServiceIdentity]) -> str:
-        """Returns the fault that none of some services takes a message, empty when one does."""
+        """Returns, in words, that none of the services takes a message; empty if one does."""
         if not services or self._providing(message, services):
             return ""
         own = listed([printable(service.urn.rpartition(":")[2]) for service in services])
@@ -144,7 +150,7 @@ class Heard:
         return self.lack(message, services)
 
     def _providing(self, message: str, services: Sequence[ServiceIdentity]) -> list[ServiceEntry]:
-        """Returns the services among some that take a message."""
+        """Returns the entries of those services that take a message."""
         takers = list(self._takers(message))
         labels = set(map(label_of, services))
         return [
@@ -157,13 +163,13 @@ class Heard:
         return listed(list(dict.fromkeys(taker.name for taker in self._takers(message))))
 
     def _takers(self, message: str) -> Iterator[ServiceEntry]:
-        """Yields the services that define a message as their input."""
+        """Yields the services that have a message among their inputs."""
         for service in self.catalogue.services.values():
             if any(entry.name == message for entry in service.inputs):
                 yield service
 
     def _may_answer(self, name: str) -> bool:
-        """Whether a message may be an answer: what services only take asks or commands itself."""
+        """Returns whether a message may be an answer: one that services only take is none."""
         services = self.catalogue.services.values()
         is_sent = any(output.name == name for service in services for output in service.outputs)
         return is_sent or next(self._takers(name), None) is None
@@ -173,12 +179,8 @@ class Heard:
         return entries[0].name if entries else f"message 0x{code:04X}"
 
 
-ATTEMPTS = 3
-"""Fewest times that a question is asked; of long times for an answer, once each second."""
-
-
-class Question:
-    """A question that waits for its answer."""
+class OpenQuery:
+    """A query that waits for its report."""
 
     def __init__(self, pending: PendingQuery, answers: SimpleQueue[Any]) -> None:
         self._pending = pending
@@ -186,15 +188,15 @@ class Question:
 
     @property
     def is_over(self) -> bool:
-        """Whether the answer is there, or none came in time."""
+        """Whether the report came, or the time is over."""
         return not self._answers.empty()
 
     def cancel(self) -> None:
-        """Asks no more."""
+        """Ends the query."""
         self._pending.cancel()
 
     def within(self, seconds: float | None) -> Any:
-        """Returns the answer, or None when none comes in time; then it is asked no more."""
+        """Waits at most so many seconds for the report; None when none comes, and it ends."""
         try:
             return self._answers.get(timeout=seconds)
         except Empty:
@@ -202,14 +204,14 @@ class Question:
             return None
 
 
-def asked(
+def start_query(
     component: JausComponent,
     target: JausAddress,
     query: Message,
     report_class: type[Message],
     seconds: float,
-) -> Question:
-    """Has a component ask, without waiting for the answer."""
+) -> OpenQuery:
+    """Sends a query of a component, repeated within `seconds`, without waiting."""
     attempts = max(ATTEMPTS, math.ceil(seconds))
     answers: SimpleQueue[Any] = SimpleQueue()
     pending = component.query(
@@ -221,4 +223,4 @@ def asked(
         timeout=seconds / attempts,
         retries=attempts - 1,
     )
-    return Question(pending, answers)
+    return OpenQuery(pending, answers)

@@ -1,4 +1,4 @@
-"""Times of a running system, measured from outside: those of reports, and of round trips."""
+"""Measured times of a running system, as seen from outside: of reports, and of round trips."""
 
 from __future__ import annotations
 
@@ -35,25 +35,23 @@ from jausml.runtime.wire.message import Message
 
 _STAMP = ("Milliseconds", "Seconds", "Minutes", "Hour", "Day")
 
-_MOST_REPORTS = 100_000
-"""Reports that are kept of one stream; the first ones tell as much."""
+_MOST_REPORTS = 100_000  # of one stream; further ones are not noted
 
+# Queries of the core services by name, with their reports; the shortest first.
+#
+# No service is in every component: Liveness has the heartbeat, Discovery the identification,
+# Management the status, Access Control the control.
 QUESTIONS: dict[str, tuple[Message, type[Message]]] = {
     "heartbeat": (QueryHeartbeatPulse(), ReportHeartbeatPulse),
     "identification": (QueryIdentification(query_type=Scope.COMPONENT), ReportIdentification),
     "status": (QueryStatus(), ReportStatus),
     "control": (QueryControl(), ReportControl),
 }
-"""Questions of the core services by name, and their answers; the shortest first.
-
-No service is in every component: Liveness has the heartbeat, Discovery the identification,
-Management the status, Access Control the control.
-"""
 
 
 @dataclass(frozen=True)
 class Spread:
-    """How a time was spread, in seconds (`p99`: what 99 of 100 do not exceed, by nearest rank)."""
+    """Figures of measured times in seconds (`p99`: the 99th percentile by nearest rank)."""
 
     count: int
     least: float
@@ -62,13 +60,13 @@ class Spread:
     greatest: float
 
     def milliseconds(self) -> dict[str, float]:
-        """Returns the figures by name, in milliseconds with three digits."""
+        """Returns the figures by name, in milliseconds, rounded to three digits."""
         named = {"min": self.least, "median": self.median, "p99": self.p99, "max": self.greatest}
         return {name: round(value * 1e3, 3) for name, value in named.items()}
 
 
 def spread_of(seconds: Iterable[float]) -> Spread | None:
-    """Returns the figures of measured times; None without any."""
+    """Returns the figures of measured times in seconds; None without a time."""
     ranked = sorted(seconds)
     if not ranked:
         return None
@@ -81,12 +79,12 @@ def _ranked(ranked: list[float], share: float) -> float:
 
 @dataclass
 class ReportTimes:
-    """A report of a component, while it is measured.
+    """The measured times of one report of a component.
 
     Attributes:
-        arrivals: When reports came by event: steady seconds, seconds since 1970, and the bytes.
-        round_trips: Seconds from a query to its answer; None for one that did not come in time.
-        fault: Why there are no events; empty when there may be some.
+        arrivals: Events in their order: steady seconds, seconds since 1970, and the payload.
+        round_trips: Seconds from a query to its report; None for a missing one.
+        fault: Why there are no events; empty if the subscription succeeded.
     """
 
     component: JausAddress
@@ -97,13 +95,13 @@ class ReportTimes:
     fault: str = ""
 
     def take(self, payload: bytes) -> None:
-        """Notes a report that has just come."""
+        """Notes a report that came just now."""
         if len(self.arrivals) < _MOST_REPORTS:
             self.arrivals.append((time.perf_counter(), time.time(), payload))
 
     @property
     def rate(self) -> float | None:
-        """Reports each second; None with fewer than two."""
+        """Reports each second; None with fewer than two reports."""
         if len(self.arrivals) < 2:
             return None
         whole = self.arrivals[-1][0] - self.arrivals[0][0]
@@ -111,7 +109,7 @@ class ReportTimes:
 
     @property
     def jitter(self) -> Spread | None:
-        """How far the times between reports are from their median, in seconds."""
+        """Distances of the times between reports from their median, in seconds."""
         times = [arrival[0] for arrival in self.arrivals]
         gaps = [later - earlier for earlier, later in pairwise(times)]
         middle = statistics.median(gaps) if gaps else 0.0
@@ -119,9 +117,10 @@ class ReportTimes:
 
     @property
     def ages(self) -> Spread | None:
-        """Ages of the reports by their TimeStamp, in seconds; None when they have none.
+        """Ages of the reports by their TimeStamp, in seconds; None without a TimeStamp.
 
-        Below 0 the clock of the component is ahead of ours. A TimeStamp has whole milliseconds.
+        A negative age means that the clock of the component is ahead of ours. A TimeStamp has whole
+        milliseconds.
         """
         ages = (self._age(arrived, payload) for _, arrived, payload in self.arrivals)
         return spread_of(age for age in ages if age is not None)
@@ -142,7 +141,7 @@ class ReportTimes:
 
     @property
     def answers(self) -> Spread | None:
-        """How the round trips of the query were spread; None without an answer."""
+        """Figures of the round trips of the query; None without a report."""
         return spread_of(round_trip for round_trip in self.round_trips if round_trip is not None)
 
 
@@ -157,7 +156,11 @@ def _stamp_in(fields: Any) -> dict[str, Any] | None:
 
 
 def offered_reports(operator: Operator, target: JausAddress) -> list[str]:
-    """Returns names of the queries for the reports that a component offers, without core ones."""
+    """Returns the queries for the reports of the services of a component, except core ones.
+
+    Raises:
+        NoAnswer: Its services are not known.
+    """
     services = operator.services(target)
     if not services:
         raise operator.unanswered(target, "QueryServices", "ReportServices")
@@ -183,11 +186,12 @@ def measure(
     rate: float | None,
     interval: float,
 ) -> list[ReportTimes]:
-    """Measures reports for a while.
+    """Measures reports for `duration` seconds.
 
     Args:
-        rate: Reports each second that the events are to have; None for one at every change.
-        interval: Seconds between two questions for a report.
+        reports: Components and names of their reports.
+        rate: Requested reports each second; None for one at every change.
+        interval: Seconds between two queries of a report.
     """
     streams = [ReportTimes(target, *operator.exchange(target, name)) for target, name in reports]
     events = [_subscribed(operator, stream, rate) for stream in streams]
@@ -223,42 +227,42 @@ def _round_trip(operator: Operator, stream: ReportTimes) -> float | None:
 
 @dataclass
 class Pings:
-    """The outcome of the questions to a component."""
+    """The round trips of queries to a component in seconds; None for a missing answer."""
 
     round_trips: list[float | None] = field(default_factory=list)
 
     @property
     def sent(self) -> int:
-        """How often was asked."""
+        """Number of queries."""
         return len(self.round_trips)
 
     @property
     def answered(self) -> int:
-        """How many answers came."""
+        """Number of answers."""
         return sum(round_trip is not None for round_trip in self.round_trips)
 
     @property
     def loss(self) -> float:
-        """Shares of the questions without an answer, 0 to 1."""
+        """Share of queries without an answer, from 0 to 1."""
         return 1 - self.answered / self.sent if self.sent else 0.0
 
     @property
     def spread(self) -> Spread | None:
-        """How the round trips were spread; None without an answer."""
+        """Figures of the round trips; None without an answer."""
         return spread_of(round_trip for round_trip in self.round_trips if round_trip is not None)
 
 
 def answered_question(client: QueryClient, target: JausAddress) -> str | None:
-    """Returns the name of the first of QUESTIONS that a component answers; None without any."""
+    """Returns the name of the first of QUESTIONS that a component answers; None if none."""
     index = client.first_answered(target, list(QUESTIONS.values()))
     return None if index is None else list(QUESTIONS)[index]
 
 
 def reports_of(model: Model) -> list[tuple[JausAddress, str]]:
-    """Returns components of a model with the names of their reports, each once, in model order.
+    """Returns the components of a model with the names of their reports, in model order.
 
-    A report that a bridge makes of topics is its own. Peers that are searched for by service have
-    no address in the model and are left out.
+    Reports that a bridge makes from topics are those of the bridge. Peers that are found by service
+    have no address in the model, and are left out.
     """
     return list(dict.fromkeys(_reports(model)))
 

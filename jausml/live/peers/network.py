@@ -1,6 +1,6 @@
-"""Network of a live tool, made of the words that a user types, and the JAUS id of the tool there.
+"""Network of a live tool by the options of a user, and the JAUS id of the tool.
 
-It has the id that the user says, or one that no other tool of this host has.
+The id is that of the option, or one that no other tool of this host has.
 """
 
 from __future__ import annotations
@@ -25,15 +25,14 @@ from jausml.runtime.base.settings import (
 from jausml.runtime.transports.ports import manager_folder, who_holds
 
 TRANSPORTS = tuple(kind.value for kind in TransportKind)
-"""How messages may travel."""
 
 DEFAULT_INTERFACE = "127.0.0.1"
 DEFAULT_PORT = JUDP_PORT
 DEFAULT_GROUP = JUDP_GROUP
 
 
+# Subsystem of our tools. Their ids have no byte 0xFF, which Junior takes for a wildcard.
 SUBSYSTEM = 65000
-"""Subsystem of our tools. No byte of their ids is 0xFF, which Junior takes for a wildcard."""
 
 _LAST = 254
 _NOWHERE = logging.NullHandler()
@@ -41,7 +40,12 @@ _NOWHERE = logging.NullHandler()
 
 @dataclass(frozen=True, slots=True)
 class Network:
-    """Our own identity, and where the others are."""
+    """Our JAUS id, and the transport.
+
+    Attributes:
+        is_own_given: Whether a user chose the id.
+        is_shared: Whether another tool of this host has the same id.
+    """
 
     own: JausAddress
     settings: TransportSettings
@@ -50,7 +54,7 @@ class Network:
 
     @property
     def place(self) -> str:
-        """Where we listen."""
+        """Interface, port and group on which we listen, in words."""
         settings = self.settings
         if settings.transport is TransportKind.NODE_MANAGER:
             return "listened through the node manager of this host"
@@ -62,7 +66,7 @@ class Network:
         )
 
     def hints(self) -> str:
-        """Returns the possible causes when nothing at all was heard, the likeliest first."""
+        """Returns the possible causes when no message came at all, the likeliest first."""
         if self.settings.transport is TransportKind.NODE_MANAGER:
             if manager_folder(self.settings) is None:
                 return f"{self.place}, and none runs: --node-manager-directory says where it is"
@@ -79,7 +83,7 @@ class Network:
 
 
 def fault(error: OSError, network: Network, remedy: str) -> str:
-    """Returns why the network cannot be used; of a port that is taken also by whom."""
+    """Returns why the network cannot be used; for a port in use, also its holder and `remedy`."""
     settings = network.settings
     if error.errno != errno.EADDRINUSE:
         what = f"the network cannot be used: {error.strerror or error}"
@@ -100,12 +104,14 @@ def make_network(
     transport: str = TransportKind.JUDP.value,
     node_manager_directory: str = "",
 ) -> Network:
-    """Returns the network that the options describe.
+    """Returns the network of options (`ValueError`: an id or a peer is not valid).
 
     Args:
-        transport: How messages travel, as `TransportKind` names it.
-        node_manager_directory: Where a node manager has its local sockets; empty for the folder of
-            temporary files.
+        own: Our JAUS id; None for any.
+        peers: Endpoints of components as `ID=HOST:PORT`.
+        transport: One of `TRANSPORTS`.
+        node_manager_directory: Folder of the local sockets of a node manager; empty for the folder
+            of temporary files.
     """
     settings = TransportSettings(
         interface=interface,
@@ -121,8 +127,8 @@ def make_network(
 
 
 def component_address(text: str) -> JausAddress:
-    """Returns the address of one component."""
-    if not isinstance(text, str):  # of a script, which nobody has checked
+    """Returns the address of one component (`ValueError`: the text is none)."""
+    if not isinstance(text, str):  # scripts may pass anything
         raise ValueError(f"{text!r} is no JAUS id; it is written as text, e.g. '100.1.2'")
     address = JausAddress.parse(text)
     if not address.is_concrete:
@@ -131,8 +137,8 @@ def component_address(text: str) -> JausAddress:
 
 
 def silence_log() -> None:
-    """Keeps warnings of the runtime about foreign datagrams from the terminal."""
-    logging.getLogger("jausml").addHandler(_NOWHERE)  # once, however often it is asked for
+    """Keeps warnings of the runtime, such as those about foreign datagrams, off the terminal."""
+    logging.getLogger("jausml").addHandler(_NOWHERE)  # a logger has the same handler only once
 
 
 def _peer(text: str) -> tuple[JausAddress, Endpoint]:
@@ -145,11 +151,11 @@ def _peer(text: str) -> tuple[JausAddress, Endpoint]:
 
 @contextmanager
 def identified(network: Network, count: int = 1) -> Iterator[Network]:
-    """Yields the network with an id of ours, which other tools of this host see to be in use.
+    """Yields the network with our id, which is marked as used for other tools of this host.
 
-    An id that the user says stays as it is; `is_shared` tells that another tool has it. Otherwise
-    it is 65000, the last number of the interface, which tells hosts of a network apart, and the
-    first number that is free on this host.
+    An id that the user chose stays; `is_shared` is set if another tool has it. Otherwise the id is
+    65000, the last number of the interface, which differs between hosts of a network, and the first
+    free number on this host (`count`: number of consecutive ids that must be free).
     """
     with ExitStack() as claims:
         if network.is_own_given:
@@ -166,7 +172,7 @@ def identified(network: Network, count: int = 1) -> Iterator[Network]:
 def _candidates(interface: str, count: int) -> Iterator[JausAddress]:
     node = int(interface.rpartition(".")[2])
     node = node if 0 < node <= _LAST else 1
-    # Where ids cannot be claimed the number of the process makes them different, as a rule.
+    # Where ids cannot be claimed, the process id usually makes them different.
     first = 1 if sys.platform == "linux" else os.getpid() % (_LAST - count) + 1
     for component in range(first, _LAST - count + 2):
         yield JausAddress(SUBSYSTEM, node, component)
@@ -178,7 +184,7 @@ def _claimed(own: JausAddress, count: int, claims: ExitStack) -> bool:
         return True
     for offset in range(count):
         address = JausAddress(own.subsystem, own.node, (own.component - 1 + offset) % _LAST + 1)
-        # A name without a file: the system frees it with the process, in each network namespace.
+        # An abstract socket, one for each network namespace: the system frees it with the process.
         claim = claims.enter_context(socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM))
         try:
             claim.bind(f"\0jausml tool {address}")

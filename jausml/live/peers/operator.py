@@ -1,4 +1,4 @@
-"""Operator control unit: one JAUS component that asks, watches and commands others."""
+"""Operator control unit: one JAUS component that queries, watches and commands others."""
 
 from __future__ import annotations
 
@@ -34,17 +34,14 @@ from jausml.runtime.transports.packets.packet import Priority
 from jausml.runtime.transports.transport import Transport
 from jausml.runtime.wire.message import Message
 
-OCU_TYPE = 20001
-"""Type of an operator control unit (AS5710, ReportIdentification)."""
+OCU_TYPE = 20001  # type of an operator control unit (AS5710, ReportIdentification)
 
-_WATCH = 0.5
-"""Seconds between two looks at a component that we control."""
+_WATCH = 0.5  # seconds between two queries of the state of a controlled component
 
-_STOP = 1
-"""Code of the only emergency (AS5710, SetEmergency)."""
+_STOP = 1  # code of the only emergency (AS5710, SetEmergency)
 
+# Commands by which a component leaves Ready (AS5710, Management).
 _LEAVING_READY = ("Reset", "Shutdown", "Standby")
-"""Commands by which a component leaves Ready (AS5710, Management)."""
 
 _ACCESS_CONTROL = f"{CORE}AccessControl"
 
@@ -59,7 +56,7 @@ _SERVICES = (
 
 @dataclass(frozen=True)
 class Identity:
-    """The identity of a component of ours."""
+    """Name, services and type (AS5710, ReportIdentification) of a component of ours."""
 
     name: str = "jausml ocu"
     services: tuple[ServiceIdentity, ...] = _SERVICES
@@ -67,9 +64,13 @@ class Identity:
 
 
 class Operator(AnsweringClient, WatchingClient, ListingClient):
-    """The actions of an operator; each call waits for its outcome."""
+    """The actions of an operator; most of them wait for their outcome.
 
-    def __init__(self, component: _Listening, *others: Any) -> None:
+    Attributes:
+        handoffs: Requests for handoff of control.
+    """
+
+    def __init__(self, component: _OperatorComponent, *others: Any) -> None:
         """Use `running_operator` instead."""
         super().__init__(component, *others)
         self._holds: dict[JausAddress, Hold] = {}
@@ -84,10 +85,18 @@ class Operator(AnsweringClient, WatchingClient, ListingClient):
     def control(
         self, target: JausAddress, authority: int, on_change: Callable[[str], None] | None = None
     ) -> Hold:
-        """Requests control and keeps it until `release`."""
+        """Requests control and keeps it until `release`.
+
+        Args:
+            on_change: Is called with later changes in words, on the loop's thread.
+
+        Raises:
+            NoAnswer: The component does not answer.
+            Refused: It gives no control.
+        """
         self._forget(target)
         hold = Hold(target, on_change)
-        with self._component.loop.lock:  # what it says at once is of a hold that is known
+        with self._component.loop.lock:  # no answer is taken before the hold is known
             hold.session = self._component.control(
                 target, authority=authority, resume=False, on_change=hold.changed
             )
@@ -98,7 +107,7 @@ class Operator(AnsweringClient, WatchingClient, ListingClient):
             raise self.unanswered(target, "RequestControl", "ConfirmControl")
         if state is ControlState.REFUSED:
             self._forget(target)
-            raise Refused(f"{target} gives no control: {self._why_refused(target)}")
+            raise Refused(f"{target} gives no control: {self._refusal_text(target)}")
         return hold
 
     def request_handoff(
@@ -112,7 +121,7 @@ class Operator(AnsweringClient, WatchingClient, ListingClient):
 
         Raises:
             NoAnswer: The component does not answer.
-            Refused: It is not handed over.
+            Refused: The request is denied, or no control is given afterwards.
         """
         self.handoffs.request(
             target,
@@ -124,10 +133,10 @@ class Operator(AnsweringClient, WatchingClient, ListingClient):
         return self.control(target, authority, on_change)
 
     def decide_handoff(self, target: JausAddress, number: int, decision: HandoffDecision) -> str:
-        """Sends a decision on a request; who grants it loses control.
+        """Sends a decision on a request for handoff; granting it ends our control.
 
         Returns:
-            Who had asked.
+            The JAUS id of the requester.
         """
         request = self.handoffs.decide(target, number, decision)
         if decision is HandoffDecision.GRANTED:
@@ -141,12 +150,16 @@ class Operator(AnsweringClient, WatchingClient, ListingClient):
         *states: Status,
         gate: AbstractContextManager[None] | None = None,
     ) -> Status | None:
-        """Sends a command of Management and returns the state that follows; None without any.
+        """Sends a command of Management and waits for one of `states`, which it returns.
 
-        It is repeated until it is acknowledged; a Resume is not, which could come after a stop.
+        It is repeated until it is acknowledged, except a Resume, which could come after a stop.
+        Without a report of the state, it returns None.
 
         Args:
             gate: Is held while it is sent, and may refuse it.
+
+        Raises:
+            Refused: The component stays in another state.
         """
         if Status.READY not in states and target in self._holds:
             self._holds[target].expect_standby()
@@ -174,7 +187,7 @@ class Operator(AnsweringClient, WatchingClient, ListingClient):
             time.sleep(POLL)
 
     def emergency(self, target: JausAddress) -> Status | None:
-        """Sets an emergency, which stops a component; it needs no control."""
+        """Sets an emergency, which stops a component, also without control."""
         return self.change(
             target, core_messages.SetEmergency(emergency_code=_STOP), Status.EMERGENCY
         )
@@ -182,7 +195,7 @@ class Operator(AnsweringClient, WatchingClient, ListingClient):
     def clear(
         self, target: JausAddress, gate: AbstractContextManager[None] | None = None
     ) -> Status | None:
-        """Clears an emergency of ours (`Refused`: it lasts: another component has set one)."""
+        """Clears our emergency (`Refused`: it lasts, as another component has set one, too)."""
         after = [status for status in Status if status is not Status.EMERGENCY]
         message = core_messages.ClearEmergency(emergency_code=_STOP)
         return self.change(target, message, *after, gate=gate)
@@ -197,7 +210,7 @@ class Operator(AnsweringClient, WatchingClient, ListingClient):
         self._component.send(message, target, acknowledge=acknowledge)
 
     def answered(self, target: JausAddress, message: Message) -> None:
-        """Treats an answer to a message as its acknowledgement."""
+        """Notes that a message was answered, which counts as its acknowledgement."""
         self._component.transport.answered(self.own, target, message.encode())
 
     def awaiting(
@@ -207,26 +220,26 @@ class Operator(AnsweringClient, WatchingClient, ListingClient):
         return self._heard.awaiting(target, codes)
 
     def next_request_id(self) -> int:
-        """Returns a number that tells the answer to a request from others."""
+        """Returns a number that identifies a request in its answer, from 0 to 255."""
         return next(self._request_ids) % 256
 
     def controls(self, target: JausAddress) -> bool:
-        """Whether we hold control of a component."""
+        """Returns whether we control a component."""
         return target in self._holds and self._holds[target].is_held
 
     def check_obeyed(self, target: JausAddress, entry: MessageEntry) -> None:
-        """Refuses what cannot have an effect: without control, or at a component that is not there.
+        """Checks that a command may have an effect on a component.
 
         Raises:
-            NoAnswer: Nothing was ever heard of the component, and it does not say its state.
-            Refused: It obeys us no more, or never gave us control.
+            NoAnswer: No message ever came from the component, and it does not report its state.
+            Refused: We do not control it, or it no longer obeys us.
         """
         hold = self._holds.get(target)
         is_core = any(service.urn.startswith(CORE) for service in entry.services)
         if hold is not None and not (hold.is_held if is_core else hold.is_obeyed):
-            raise Refused(self._why_lost(hold))
+            raise Refused(self._loss_text(hold))
         if self.is_on_its_thread:
-            return  # where nobody can wait
+            return  # the thread must not wait
         if not self._heard.of(target):
             self.status(target)
         if hold is None and self._needs_control(target, entry):
@@ -236,7 +249,7 @@ class Operator(AnsweringClient, WatchingClient, ListingClient):
                 + (f": {reason}" if reason else ", and we do not control it")
             )
 
-    def _why_lost(self, hold: Hold) -> str:
+    def _loss_text(self, hold: Hold) -> str:
         text = f"{hold.target} {hold.last_change or 'does not obey us'}"
         session = hold.session
         if session is None:
@@ -248,7 +261,7 @@ class Operator(AnsweringClient, WatchingClient, ListingClient):
         return text
 
     def needs_control(self, target: JausAddress, name: str) -> bool:
-        """Tells whether a component takes the message of a name from its controller alone."""
+        """Returns whether a component takes a message only from its controller."""
         try:
             return self._needs_control(target, self.find(target, name))
         except UnknownMessageError:
@@ -261,13 +274,13 @@ class Operator(AnsweringClient, WatchingClient, ListingClient):
         return not provided or _ACCESS_CONTROL in provided
 
     def why_ignored(self, target: JausAddress) -> str:
-        """Returns the known reason why a component may not obey, in words; empty without one."""
+        """Returns the reason why a component may not obey, in words; empty if none is known."""
         try:
-            return self._in_the_way(target)
+            return self._obstacle(target)
         except NoAnswer:
             return ""
 
-    def _in_the_way(self, target: JausAddress) -> str:
+    def _obstacle(self, target: JausAddress) -> str:
         state, control = self.status(target)
         if state not in (None, Status.READY, Status.STANDBY):
             return f"it is in {state.name}"
@@ -283,17 +296,17 @@ class Operator(AnsweringClient, WatchingClient, ListingClient):
 
     @property
     def holds(self) -> tuple[Hold, ...]:
-        """The components whose control was granted to us, whatever happened since."""
+        """The components whose control was granted to us, also if it was lost since."""
         return tuple(self._holds.values())
 
     def release(self, target: JausAddress) -> bool:
-        """Releases control and returns whether the component says so."""
+        """Releases control, and returns whether the component confirms it."""
         while not self._rejections.empty():
             self._rejections.get_nowait()
         hold = self._holds.get(target)
         if hold is None:
             return False
-        # It has said that another one controls it, and answers no release of who does not.
+        # It has reported another controller, and answers a release of its controller only.
         is_refused = hold.session is not None and hold.session.state is ControlState.REFUSED
         self._forget(target)
         if is_refused:
@@ -320,9 +333,9 @@ class Operator(AnsweringClient, WatchingClient, ListingClient):
         if sender in self._holds:
             self._holds[sender].status_reported(report)
 
-    def _why_refused(self, target: JausAddress) -> str:
+    def _refusal_text(self, target: JausAddress) -> str:
         try:
-            reason = self._in_the_way(target)
+            reason = self._obstacle(target)
         except NoAnswer:
             return "it does not say why"
         return reason or "the authority is below its default; try a higher authority"
@@ -336,11 +349,16 @@ def running_operator(
     identity: Identity | None = None,
     prepare: Callable[[Operator], None] | None = None,
 ) -> Iterator[Operator]:
-    """Yields an operator on the network; releases control and cancels events at the end."""
+    """Yields an operator on the network; releases control and cancels events at the end.
+
+    Args:
+        timeout: Seconds that a query waits for its report.
+        prepare: Is called with the operator before its component starts.
+    """
     ours = identity or Identity()
     with running_transport(network.settings) as transport:
         heard = Heard(catalogue, network, transport.counters)
-        component = _Listening(
+        component = _OperatorComponent(
             heard,
             transport,
             network.own,
@@ -361,8 +379,8 @@ def running_operator(
             component.stop()
 
 
-class _Listening(JausComponent):
-    """A component that notes all messages, also those of no service of it."""
+class _OperatorComponent(JausComponent):
+    """A component that notes all received messages, also those of none of its services."""
 
     def __init__(self, heard: Heard, transport: Transport, *arguments: Any, **others: Any) -> None:
         self._heard = heard
@@ -372,7 +390,7 @@ class _Listening(JausComponent):
     def on_handoff_requested(
         self, target: JausAddress, requests: tuple[HandoffRequest, ...]
     ) -> None:
-        self.handoffs.asked(target, requests)
+        self.handoffs.take_requests(target, requests)
 
     def _jaus_dispatcher(self) -> Take:
         take, note = super()._jaus_dispatcher(), self._heard.note
@@ -388,9 +406,9 @@ _TIMEOUT_S = 1.0
 
 
 def check_peers(network: Network, catalogue: Catalogue) -> list[tuple[str, str, str]]:
-    """Asks the peers of a network, one after the other; returns names, verdicts and texts.
+    """Queries the peers of a network one by one; returns tuples of JAUS id, verdict and text.
 
-    Verdicts are `ok`, `note` for what one does otherwise than others, `error` if it is silent.
+    Verdicts are `ok`, `note` for a quirk of a peer, and `error` for a silent one.
     """
     verdicts: list[tuple[str, str, str]] = []
     with running_operator(network, catalogue, _TIMEOUT_S) as operator:

@@ -1,4 +1,4 @@
-"""Questions to components: each call waits for the answer, or says what was heard instead."""
+"""Client of queries to components, whose errors explain a missing answer."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 from jausml.live.messages import AmbiguousMessageError, Catalogue, MessageEntry, MessageError
 from jausml.live.peers.discovery import Survey, awaited, controller_of
 from jausml.live.peers.entry_messages import find_exchange, find_message, full_query, message_class
-from jausml.live.peers.heard import Heard, Question, asked
+from jausml.live.peers.heard import Heard, OpenQuery, start_query
 from jausml.live.peers.network import Network
 from jausml.runtime import JausComponent
 from jausml.runtime.base.address import JausAddress
@@ -30,29 +30,28 @@ from jausml.runtime.wire.message import EncodeError, Message
 
 M = TypeVar("M", bound="Message")
 
-_GRACE = 0.5
-"""Seconds for the second of two questions, when the first is answered."""
-
-_SHORT_GRACE = 0.1
-"""The same, for a component that left the second one unanswered before."""
-
-_MEETINGS = 3
-"""Questions with acknowledgement, of which some may be lost."""
-
-_LAST_LOOK = 1.0
-"""Seconds in which a silent component may answer what nearly all of them answer."""
+_GRACE = 0.5  # seconds to wait for a second report after the first of two
+_SHORT_GRACE = 0.1  # the same for a component that did not send the second report before
+_MEETINGS = 3  # queries with acknowledgement, of which some may be lost
+_LAST_LOOK = 1.0  # seconds to wait for the reports that nearly all components send
 
 
 class NoAnswer(Exception):  # noqa: N818 - an outcome of the network, not a fault of ours
-    """A component does not answer."""
+    """A component does not answer; the text has the likely reason."""
 
 
 class Refused(Exception):  # noqa: N818 - an outcome, not a fault of ours
-    """A component answers, but not as wished."""
+    """A component, or a check before sending, refuses a request; the text says why."""
 
 
 class QueryClient:
-    """Asks components for one of ours."""
+    """Sends queries for one of our components, and waits for reports.
+
+    Attributes:
+        catalogue: The known messages.
+        timeout: Seconds that a query waits for its report by default.
+        survey: The components and services that were found.
+    """
 
     def __init__(
         self,
@@ -70,7 +69,7 @@ class QueryClient:
         self._half_silent: set[JausAddress] = set()
 
     def lives(self) -> dict[JausAddress, int]:
-        """Returns how often each peer began its numbers anew, as a new process does."""
+        """Returns how often each peer restarted its sequence numbers, as a new process does."""
         component = self._component
         peers = component.transport.traffic(component.address)
         return {peer.peer: peer.account.restarts for peer in peers}
@@ -81,7 +80,7 @@ class QueryClient:
         return self._component.transport
 
     def learn(self, catalogue: Catalogue) -> None:
-        """Takes another catalogue from now on."""
+        """Replaces the catalogue."""
         self.catalogue = self._heard.catalogue = catalogue
 
     @property
@@ -91,16 +90,16 @@ class QueryClient:
 
     @property
     def is_on_its_thread(self) -> bool:
-        """Whether the caller is on the thread that takes the answers: there nobody can wait."""
+        """Whether the caller is on the thread that takes the answers, which must not wait."""
         return self._component.loop.runs_here()
 
     @property
     def is_impersonated(self) -> bool:
-        """Whether another program was heard that sends under our id."""
+        """Whether another program sends under our id."""
         return "transport.own_source" in self._component.counters.drops()
 
     def quirks(self) -> tuple[tuple[JausAddress, Learnt], ...]:
-        """Returns the quirks of peers that were heard, in the order of their ids."""
+        """Returns the quirks of peers that have sent messages, in the order of their ids."""
         known = self._component.transport.quirks
         with self._component.loop.lock:
             return tuple(
@@ -108,9 +107,9 @@ class QueryClient:
             )
 
     def meet(self, target: JausAddress) -> tuple[ServiceIdentity, ...]:
-        """Asks a component for services and state as bridges do, to learn its quirks.
+        """Queries services and state of a component as bridges do, to learn its quirks.
 
-        Its state is asked for with acknowledgement, which does no harm and shows how it
+        Its state is queried with acknowledgement, which does no harm and shows how it
         acknowledges. Control is not requested, and no event created.
         """
         component, query = self._component, QueryStatus().encode()
@@ -129,7 +128,7 @@ class QueryClient:
 
     @property
     def nothing_heard(self) -> str:
-        """The possible cause when nobody answers."""
+        """The possible causes when no component answers, in words."""
         return f"nobody answers; {self._heard.nothing()}"
 
     def ask(
@@ -139,16 +138,16 @@ class QueryClient:
         report_class: type[Message],
         timeout: float | None = None,
     ) -> Any:
-        """Returns the report that answers a query."""
+        """Returns the report that answers a query (`NoAnswer`: none comes in time)."""
         report = self._begin(target, query, report_class, timeout).within(None)
         if report is None:
             raise self.unanswered(target, query.NAME, report_class.NAME)
         return report
 
     def unanswered(self, target: JausAddress, message: str, report: str = "") -> NoAnswer:
-        """Returns the error of a message that stays unanswered, with what was heard.
+        """Returns the error for a message without an answer, with the likely reason.
 
-        A component of which nothing was heard is asked what nearly all of them answer.
+        A component that has sent nothing is first queried for the usual reports.
         """
         services: tuple[ServiceIdentity, ...] = self.survey.services(target)
         if not services or not self._heard.of(target):
@@ -160,7 +159,7 @@ class QueryClient:
         return NoAnswer(self._heard.why(target, message, report, services))
 
     def lack(self, target: JausAddress, message: str) -> str:
-        """Returns the fault that no service of a component takes a message, as far as known."""
+        """Returns, in words, that no known service of a component takes a message; else empty."""
         return self._heard.lack(message, self.survey.services(target))
 
     def _begin(
@@ -169,34 +168,32 @@ class QueryClient:
         query: Message,
         report_class: type[Message],
         timeout: float | None = None,
-    ) -> Question:
-        """Asks, without waiting for the answer."""
+    ) -> OpenQuery:
+        """Sends a query without waiting for the report."""
         seconds = self.timeout if timeout is None else timeout
-        return asked(self._component, target, query, report_class, seconds)
+        return start_query(self._component, target, query, report_class, seconds)
 
     def first_answered(
         self, target: JausAddress, questions: Sequence[tuple[Message, type[Message]]]
     ) -> int | None:
-        """Asks several questions at once and returns the index of the first that is answered.
+        """Sends several queries at once and returns the index of the first that is answered.
 
-        After one answer those of the questions before it are waited for only briefly.
+        After one answer it waits only briefly for those of earlier queries.
         """
-        asked = [self._begin(target, *question) for question in questions]
-        awaited(lambda: any(question.is_over for question in asked))
-        indices = (
-            i for i, question in enumerate(asked) if question.within(_SHORT_GRACE) is not None
-        )
+        queries = [self._begin(target, *question) for question in questions]
+        awaited(lambda: any(query.is_over for query in queries))
+        indices = (i for i, query in enumerate(queries) if query.within(_SHORT_GRACE) is not None)
         first = next(indices, None)
-        for question in asked:
-            question.cancel()
+        for query in queries:
+            query.cancel()
         return first
 
     def round_trip(
         self, target: JausAddress, query: Message, report_class: type[Message]
     ) -> float | None:
-        """Asks once and returns the seconds until the answer; None when none comes in time.
+        """Sends a query once and returns the seconds until the report; None without one.
 
-        JAUS queries have no number: an answer that comes too late counts for the next question.
+        JAUS queries have no number: a report that comes too late counts for the next query.
         """
         ends: SimpleQueue[float | None] = SimpleQueue()
         begin = time.perf_counter()
@@ -223,7 +220,7 @@ class QueryClient:
         report_class: type[M],
         take: Callable[[M | None], None],
     ) -> None:
-        """Asks once, without waiting."""
+        """Sends a query once, without waiting; `take` gets the report, or None."""
         self._component.query(
             target,
             query,
@@ -235,21 +232,21 @@ class QueryClient:
         )
 
     def on_report(self, report_class: type[M], take: Callable[[M, JausAddress], None]) -> None:
-        """Calls a function for each report of a class, requested or not, with its sender."""
+        """Calls `take` for each report of a class, requested or not, with its sender."""
         self._component.on_message(report_class, take)
 
     def senders(self) -> tuple[JausAddress, ...]:
-        """Returns the components of which anything was heard."""
+        """Returns the components from which messages came."""
         return self._heard.sources()
 
     def services(self, target: JausAddress) -> tuple[ServiceIdentity, ...]:
-        """Returns the services of a component, told by it or by Discovery of its subsystem."""
+        """Returns the services of a component, by its own Discovery or that of its subsystem."""
         return self.survey.services_within(self.timeout, target)
 
     def status(self, target: JausAddress) -> tuple[Status | None, ReportControl | None]:
-        """Returns the Management state of a component and who controls it, None where unknown.
+        """Returns the Management state and the controller of a component, None where unknown.
 
-        Both are asked at once; after one answer the other one is not waited for as long.
+        Both are queried at once; after one report it waits for the other one only briefly.
         """
         states = self._begin(target, QueryStatus(), ReportStatus)
         controls = self._begin(target, QueryControl(), ReportControl)
@@ -263,7 +260,7 @@ class QueryClient:
         return None if state is None else status_of(state), control
 
     def control_timeout(self, target: JausAddress) -> int | None:
-        """Returns the seconds after which control of a component lapses; 0 is never, None unknown.
+        """Returns the seconds after which control lapses; 0 for never, None if unknown.
 
         A component without AccessControl does not answer.
         """
@@ -271,7 +268,7 @@ class QueryClient:
         return None if answer is None else int(answer.timeout)
 
     def look(self, target: JausAddress, tell: Callable[[str], None]) -> None:
-        """Asks a component for its state and its controller, without waiting."""
+        """Queries state and controller without waiting; `tell` gets each in words."""
         looks: tuple[tuple[Message, type[Message]], ...] = (
             (QueryStatus(), ReportStatus),
             (QueryControl(), ReportControl),
@@ -294,10 +291,10 @@ class QueryClient:
         fields: dict[str, Any] | None = None,
         timeout: float | None = None,
     ) -> tuple[MessageEntry, dict[str, Any]]:
-        """Asks for a report by name and returns it with its fields.
+        """Queries a report by name and returns it with its fields (`NoAnswer`: none comes).
 
         Args:
-            fields: Fields of the query; the presence vector asks for everything if it is absent.
+            fields: Fields of the query; None requests all fields of the report.
         """
         query, report = self.exchange(target, name)
         message = self.message(query, full_query(query, report) if fields is None else fields)
@@ -305,7 +302,7 @@ class QueryClient:
         return report, answer.fields
 
     def exchange(self, target: JausAddress, name: str) -> tuple[MessageEntry, MessageEntry]:
-        """Returns the query and the report that a name means to a component."""
+        """Returns the query and the report of a name, by the services of a component."""
         try:
             return find_exchange(self.catalogue, name)
         except AmbiguousMessageError:
@@ -313,7 +310,7 @@ class QueryClient:
 
     @staticmethod
     def message(entry: MessageEntry, fields: dict[str, Any]) -> Message:
-        """Returns a message, ready to be sent."""
+        """Returns a message that can be sent (`MessageError`: a field is wrong)."""
         message = message_class(entry)(entry.completed(fields))
         try:
             message.encode()
@@ -322,7 +319,7 @@ class QueryClient:
         return message
 
     def find(self, target: JausAddress, name: str) -> MessageEntry:
-        """Returns the message that a name means to a component."""
+        """Returns the message of a name, by the services of a component."""
         try:
             return find_message(self.catalogue, name)
         except AmbiguousMessageError:
@@ -338,7 +335,7 @@ def _described(report: Message) -> str:
 
 
 def status_of(report: ReportStatus) -> Status | None:
-    """Returns the state that a report names, None when the standard knows none such."""
+    """Returns the reported state; None when the standard does not define it."""
     try:
         return Status(report.status)
     except ValueError:

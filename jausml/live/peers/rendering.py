@@ -1,4 +1,4 @@
-"""Views of an operator, text or JSON: subsystems, services, states, reports and their fields."""
+"""Text and JSON of subsystems, services, states, reports and their fields, for operators."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ from jausml.runtime.base.address import JausAddress
 from jausml.runtime.messages import ReportControl
 from jausml.runtime.services.definitions import ServiceIdentity, Status
 
+# Fields of a TimeStamp (AS5710, ReportTime; AS6009).
 _CLOCK = {"Hour", "Minutes", "Seconds", "Milliseconds"}
-"""Bits of a TimeStamp (AS5710, ReportTime; AS6009)."""
 
 
 def shown_fields(entry: MessageEntry, fields: dict[str, Any]) -> str:
@@ -29,12 +29,11 @@ def shown_fields(entry: MessageEntry, fields: dict[str, Any]) -> str:
     return "  ".join(f"{path}={text}" for path, text in pairs) or "(no fields)"
 
 
-Leaf = tuple[str, wire.Kind, Any]
-"""The path of a value, its kind, and the value."""
+Leaf = tuple[str, wire.Kind, Any]  # the path of a value, its kind, and the value
 
 
 def leaves(kind: wire.Kind, value: Any, path: str = "") -> Iterator[Leaf]:
-    """Yields the values that have no parts, also empty lists; the outermost record is not named."""
+    """Yields the values without parts, and empty lists; paths leave out the outermost record."""
     inside = list(parts(kind, value))
     if not inside and not isinstance(kind, wire.Record):
         yield path, kind, value
@@ -91,7 +90,7 @@ def _leaf(kind: wire.Kind, value: Any) -> str:
         case wire.Integer():
             return with_unit(named(kind.legal, value), kind.units)
         case wire.Scaled():
-            # No more digits than the step of the scale carries.
+            # As many digits as the step of the scale needs.
             return with_unit(_rounded(value, kind.step), kind.units)
         case wire.Real():
             return with_unit(f"{value:.7g}", kind.units)
@@ -128,7 +127,7 @@ def subsystem_lines(subsystems: Iterable[KnownSubsystem]) -> Iterator[str]:
 
 
 def subsystems_json(subsystems: Iterable[KnownSubsystem]) -> str:
-    """Returns one JSON object with all subsystems."""
+    """Returns subsystems as the text of one JSON object."""
     content = [
         {
             "subsystem": subsystem.number,
@@ -148,12 +147,12 @@ def service_lines(services: Sequence[ServiceIdentity]) -> Iterator[str]:
 
 
 def services_json(target: JausAddress, services: Sequence[ServiceIdentity]) -> str:
-    """Returns one JSON object with the services of a component."""
+    """Returns the services of a component as the text of one JSON object."""
     return json.dumps({"component": str(target), "services": _services(services)}, indent=2)
 
 
 def status_line(state: Status | None, control: ReportControl | None) -> str:
-    """Returns the state of a component and who controls it."""
+    """Returns the state and the controller of a component in words."""
     words = [state.name if state is not None else "state unknown"]
     if control is None:
         words.append("controller unknown")
@@ -167,7 +166,7 @@ def status_line(state: Status | None, control: ReportControl | None) -> str:
 
 
 def lapse_words(timeout: int | None) -> str:
-    """Returns when control lapses, in words; empty if that is not known."""
+    """Returns when control lapses, in words; empty for None (`timeout`: seconds, 0 for never)."""
     if timeout is None:
         return ""
     return f"control lapses {timeout} s after the last request" if timeout else "it never lapses"
@@ -179,7 +178,7 @@ def status_json(
     control: ReportControl | None,
     timeout: int | None = None,
 ) -> str:
-    """Returns one JSON object with the state of a component, who controls it, and until when."""
+    """Returns state, controller and control timeout (s) as the text of one JSON object."""
     controller = controller_of(control) if control is not None and control.subsystem_id else None
     content = {
         "component": str(target),
@@ -210,7 +209,7 @@ def report_json(source: JausAddress, entry: MessageEntry, fields: dict[str, Any]
 
 
 def printable(text: str) -> str:
-    """Returns text of a peer with everything that could move a terminal's cursor escaped."""
+    """Returns text of a peer with all characters escaped that a terminal does not print."""
     return "".join(char if char.isprintable() else ascii(char)[1:-1] for char in text)
 
 

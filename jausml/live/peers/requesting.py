@@ -1,4 +1,4 @@
-"""Commands: one request and what comes back for it, or one command again and again while obeyed."""
+"""Commands of an operator: a request with its answer, or a command repeated while it is obeyed."""
 
 from __future__ import annotations
 
@@ -21,19 +21,37 @@ from jausml.runtime.base.address import JausAddress
 from jausml.runtime.services.definitions import Status
 from jausml.runtime.wire.message import Message
 
+Outcome = tuple["MessageEntry", dict[str, Any]]  # an answer or report, and its fields
+
+_PAUSE = 0.05  # seconds between two queries of the values that a command sets
+# States after the commands of Management (AS5710).
+_STATES: dict[str, Collection[str]] = {
+    "ClearEmergency": ("STANDBY", "READY"),
+    "Resume": ("READY",),
+    "SetEmergency": ("EMERGENCY",),
+    "Shutdown": ("SHUTDOWN",),
+    "Standby": ("STANDBY",),
+}
+
 
 @dataclass(frozen=True)
 class Course:
-    """How a command is to be sent (`duration`: seconds to hold control after the first one)."""
+    """The times of a command.
+
+    Attributes:
+        rate: Messages each second; None for a single one.
+        duration: Seconds to hold control after the first message.
+        keep_sending: Whether it is sent on after the component is lost.
+    """
 
     rate: float | None = None
     duration: float = 0.0
     keep_sending: bool = False
 
     def next_due(self, last: float, now: float) -> float | None:
-        """Returns when the next message is due, None when there is none.
+        """Returns the time of the next message, None when there is none.
 
-        Times are in seconds since the first message. What was missed is left out, not made up for.
+        Times are in seconds since the first message. Missed messages are left out.
         """
         if not self.rate:
             return None
@@ -44,7 +62,10 @@ class Course:
 def command(
     operator: Operator, hold: Hold, message: Message, course: Course, tell: Callable[[str], None]
 ) -> None:
-    """Sends a message to a component that we control, and watches that it stays Ready and ours."""
+    """Sends a message to a controlled component; watches that it stays Ready and controlled.
+
+    A loss is passed to `tell` in words, and ends the command unless `keep_sending` is set.
+    """
     begin = time.monotonic()
     is_lost = False
     due: float | None = 0.0
@@ -54,16 +75,16 @@ def command(
         until = begin + (course.duration if due is None else due)
         if not is_lost and hold.wait_for_loss(until - time.monotonic()):
             is_lost = True
-            tell(f"{hold.target} is lost: {_standing(operator, hold)}")
+            tell(f"{hold.target} is lost: {_state_text(operator, hold)}")
             if not course.keep_sending:
                 return
         time.sleep(max(0.0, until - time.monotonic()))
     if not is_lost:
-        _look_once_more(operator, hold, tell)
+        _check_finally(operator, hold, tell)
 
 
-def _look_once_more(operator: Operator, hold: Hold, tell: Callable[[str], None]) -> None:
-    """Notices a loss that happened after the last look, before control is released."""
+def _check_finally(operator: Operator, hold: Hold, tell: Callable[[str], None]) -> None:
+    """Queries the state a last time, to notice a loss before control is released."""
     try:
         state, _ = operator.status(hold.target)
     except NoAnswer:
@@ -72,10 +93,10 @@ def _look_once_more(operator: Operator, hold: Hold, tell: Callable[[str], None])
         return
     if hold.is_lost or (hold.was_ready and state is not None and state is not Status.READY):
         hold.lose()
-        tell(f"{hold.target} is lost: {_standing(operator, hold)}")
+        tell(f"{hold.target} is lost: {_state_text(operator, hold)}")
 
 
-def _standing(operator: Operator, hold: Hold) -> str:
+def _state_text(operator: Operator, hold: Hold) -> str:
     try:
         return status_line(*operator.status(hold.target))
     except NoAnswer:
@@ -83,29 +104,13 @@ def _standing(operator: Operator, hold: Hold) -> str:
 
 
 def outcome(name: str, hold: Hold) -> str:
-    """Returns the number of sent messages, and of those that may have had no effect, in words."""
+    """Returns the numbers of sent messages and of doubtful ones (see `Hold`), in words."""
     times = f" {hold.sent} times" if hold.sent != 1 else ""
     text = f"{name} sent to {hold.target}{times}"
     if hold.doubtful:
         wanted = "READY and ours" if hold.was_ready else "ours"
         text += f", {hold.doubtful} of them when it may not have been {wanted}"
     return text
-
-
-_STATES: dict[str, Collection[str]] = {
-    "ClearEmergency": ("STANDBY", "READY"),
-    "Resume": ("READY",),
-    "SetEmergency": ("EMERGENCY",),
-    "Shutdown": ("SHUTDOWN",),
-    "Standby": ("STANDBY",),
-}
-"""States in which the commands of Management end (AS5710)."""
-
-_PAUSE = 0.05
-"""Seconds between two looks at what a command has set."""
-
-Outcome = tuple["MessageEntry", dict[str, Any]]
-"""A message that came back, and its fields."""
 
 
 def request(
@@ -118,14 +123,15 @@ def request(
 ) -> Outcome:
     """Sends a command and returns its confirmation, or the report of the value that it sets.
 
-    A command that has neither is followed by QueryStatus: its answer comes after a rejection. A
+    A command with neither is followed by QueryStatus, whose report comes after any rejection. A
     query is answered by its report, as with `Operator.query`.
 
     Args:
         gate: Is held while the command is sent, and may refuse it.
 
     Raises:
-        Refused: It was rejected, has no effect, or cannot have any: the text says why.
+        NoAnswer: The component does not answer.
+        Refused: The command was rejected, or has no effect; the text says why.
     """
     try:
         entry = operator.find(target, name)
@@ -136,7 +142,7 @@ def request(
     answers = entry.answers
     sent_fields = entry.completed(fields or {})
     if any(_has_request_id(answer) for answer in answers):
-        sent_fields = _numbered(entry.record, sent_fields, operator.next_request_id())
+        sent_fields = _with_request_id(entry.record, sent_fields, operator.next_request_id())
     operator.check_obeyed(target, entry)
     end = time.monotonic() + (operator.timeout if timeout is None else timeout)
     outcome_of = _report if all(answer.is_rejection for answer in answers) else _answer
@@ -146,11 +152,11 @@ def request(
 def _exchange(
     operator: Operator, target: JausAddress, entry: MessageEntry
 ) -> tuple[MessageEntry, MessageEntry]:
-    """Returns the query and the report of what a message sets, of the state if there is none."""
+    """Returns the query and the report of the values that a message sets, else of the state."""
     return entry.exchange or operator.exchange(target, "Status")
 
 
-# -- confirmed or rejected -------------------------------------------------------------------------
+# -- commands with a confirmation ------------------------------------------------------------------
 
 
 def _answer(
@@ -176,15 +182,15 @@ def _answer(
                 raise _unanswered(operator, target, entry, answers) from None
             answer = by_code[read_code(payload)]
             try:
-                came = answer.decode(payload)
+                answer_fields = answer.decode(payload)
             except MessageError:
-                continue  # what follows when no other one comes says so
-            if _request_id(came) in (None, wanted):
+                continue  # the error of a missing answer says so
+            if _request_id(answer_fields) in (None, wanted):
                 break
     operator.answered(target, message)
     if answer.is_rejection:
-        raise _rejected(target, entry, answer, came)
-    return answer, came
+        raise _rejected(target, entry, answer, answer_fields)
+    return answer, answer_fields
 
 
 def _rejected(
@@ -197,7 +203,7 @@ def _rejected(
 def _unanswered(
     operator: Operator, target: JausAddress, entry: MessageEntry, answers: tuple[MessageEntry, ...]
 ) -> Exception:
-    """Returns the error of a command that stays unanswered: why it may have no effect."""
+    """Returns the error for a command without an answer, with the likely reason."""
     reason = operator.why_ignored(target)
     if reason:
         return Refused(f"{target} does not answer {entry.name}: {reason}")
@@ -214,7 +220,7 @@ def _members(entry: MessageEntry) -> Iterator[Any]:
 
 
 def _request_id(fields: Any) -> Any:
-    """Returns the number that an answer has in common with its command, None without one."""
+    """Returns the RequestID in fields, which an answer has from its command; None without one."""
     if not isinstance(fields, dict):
         return None
     if "RequestID" in fields:
@@ -223,21 +229,23 @@ def _request_id(fields: Any) -> Any:
     return next((request_id for request_id in request_ids if request_id is not None), None)
 
 
-def _numbered(kind: wire.Record, fields: dict[str, Any], number: int) -> dict[str, Any]:
-    """Returns fields with a number by which the answer is known, where none was given."""
+def _with_request_id(kind: wire.Record, fields: dict[str, Any], number: int) -> dict[str, Any]:
+    """Returns fields with `number` as the RequestID, unless they have one."""
     new_fields = dict(fields)
     for member in kind.members:
         if member.name == "RequestID":
             new_fields.setdefault(member.name, number)
         elif isinstance(member.kind, wire.Record) and not member.is_optional:
             inner = new_fields.get(member.name, {})
-            numbered = _numbered(member.kind, inner, number) if isinstance(inner, dict) else inner
+            numbered = (
+                _with_request_id(member.kind, inner, number) if isinstance(inner, dict) else inner
+            )
             if numbered:
                 new_fields[member.name] = numbered
     return new_fields
 
 
-# -- reported --------------------------------------------------------------------------------------
+# -- commands without a confirmation ---------------------------------------------------------------
 
 
 def _report(
@@ -261,7 +269,7 @@ def _report(
             operator.send(target, message, acknowledge=True)
         while True:
             left = max(_PAUSE, end - time.monotonic())
-            report_fields, unanswered = _asked(operator, target, question, report, left)
+            report_fields, unanswered = _query_report(operator, target, question, report, left)
             if not rejected.empty():
                 payload = rejected.get()
                 answer = by_code[read_code(payload)]
@@ -284,10 +292,10 @@ def _report(
             time.sleep(_PAUSE)
 
 
-def _asked(
+def _query_report(
     operator: Operator, target: JausAddress, question: Message, report: MessageEntry, left: float
 ) -> tuple[dict[str, Any], NoAnswer | None]:
-    """Returns the fields of a report that was asked for, or the error that none came."""
+    """Queries a report; returns its fields, or the error that none answer_fields."""
     try:
         return operator.ask(target, question, message_class(report), left).fields, None
     except NoAnswer as error:
@@ -295,7 +303,7 @@ def _asked(
 
 
 def _question(query: MessageEntry, report: MessageEntry, sent: dict[str, Any]) -> dict[str, Any]:
-    """Returns the fields of a query for what was set, as QueryVelocityCommand names the type."""
+    """Returns the fields of a query for set values, with the sent fields that both have."""
     fields = full_query(query, report)
     same = {member.name: sent[member.name] for member in _members(query) if member.name in sent}
     for body in query.record.members if same else ():
@@ -304,7 +312,7 @@ def _question(query: MessageEntry, report: MessageEntry, sent: dict[str, Any]) -
 
 
 def _shown(report: MessageEntry, fields: dict[str, Any], name: str) -> str:
-    """Returns a field of a report with its value."""
+    """Returns a field of a report with its value, in words."""
     texts = field_texts(report.record, fields)
     return next((f"{path}={text}" for path, text in texts if path == name), f"no {name}")
 
@@ -312,7 +320,7 @@ def _shown(report: MessageEntry, fields: dict[str, Any], name: str) -> str:
 def _wanted(
     entry: MessageEntry, report: MessageEntry, sent: dict[str, Any]
 ) -> dict[str, Collection[Any]]:
-    """Returns the values that a report must have: those that were sent, where both are alike."""
+    """Returns the values that a report must have: those of equal fields of the command."""
     if report.name == "ReportStatus":
         is_obeyed_in_ready = entry.is_command and entry.name not in _STATES
         states = ("READY",) if is_obeyed_in_ready else _STATES.get(entry.name)

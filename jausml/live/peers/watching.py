@@ -1,4 +1,4 @@
-"""An operator beside its questions: events, lists of others, and what it answers and obeys."""
+"""Clients of an operator beside queries: events, lists of components, and answers of its own."""
 
 from __future__ import annotations
 
@@ -25,12 +25,15 @@ from jausml.runtime.services.definitions import Guard
 from jausml.runtime.transports.packets.packet import Priority
 from jausml.runtime.wire.message import Message
 
-_LATE_REPORTS = 3
-"""Periodic reports that may be missing before it is told."""
+Reply = tuple[str, dict[str, Any]]  # name and fields of a message
+
+_LATE_REPORTS = 3  # missing periodic reports after which silence is counted
+_JAUS_MESSAGE = 0  # format of an element that is a message (AS5710, SetElement)
+_LONGEST = 5.0  # seconds that one request may take, with its repetitions
 
 
 class WatchingClient(QueryClient):
-    """Watches others, beside asking them."""
+    """Client that subscribes to reports."""
 
     def watch(
         self,
@@ -40,13 +43,17 @@ class WatchingClient(QueryClient):
         on_report: Callable[[MessageEntry, dict[str, Any]], None],
         fields: dict[str, Any] | None = None,
     ) -> EventSubscription:
-        """Subscribes to a report by an event.
+        """Subscribes to a report by an event, and waits for its confirmation.
 
-        When periodic reports stay away, that is counted and logged.
+        Missing periodic reports are counted and logged.
 
         Args:
             rate: Reports each second; None means every change.
-            fields: Those of the query, for all that the report may hold if they are absent.
+            fields: Fields of the query; None requests all fields of the report.
+
+        Raises:
+            NoAnswer: The component does not answer.
+            Refused: It refuses the event.
         """
         query, report = self.exchange(target, name)
         asked = full_query(query, report) if fields is None else fields
@@ -80,7 +87,7 @@ class WatchingClient(QueryClient):
         rate: float | None,
         on_report: Callable[[bytes], None],
     ) -> EventSubscription:
-        """Subscribes to a report by an event, and passes it on undecoded."""
+        """Subscribes to a report like `watch`; `on_report` gets the payloads."""
         query, report = exchange
         subscription = self._component.subscribe(
             target,
@@ -95,9 +102,9 @@ class WatchingClient(QueryClient):
     def deliver(
         self, target: JausAddress, message: Message, arrived: Callable[[bool], None]
     ) -> None:
-        """Sends a stop before all that waits, and tells whether it was acknowledged.
+        """Sends a stop before all waiting messages; `arrived` gets whether it was acknowledged.
 
-        What was sent before with its code is repeated no more.
+        Earlier messages with its code are no longer repeated.
         """
         self._component.transport.send(
             self.own,
@@ -112,7 +119,7 @@ class WatchingClient(QueryClient):
     def _confirmed(
         self, target: JausAddress, subscription: EventSubscription, report: MessageEntry
     ) -> EventSubscription:
-        """Returns a subscription once its event is confirmed."""
+        """Waits until the event of a subscription is confirmed, and returns the subscription."""
         if awaited(lambda: subscription.active or subscription.refusal, self.timeout) is True:
             return subscription
         refusal = subscription.refusal
@@ -122,20 +129,16 @@ class WatchingClient(QueryClient):
         raise self.unanswered(target, "CreateEvent")
 
 
-Reply = tuple[str, dict[str, Any]]
-"""A message by its name, and its fields."""
-
-
 class AnsweringClient(QueryClient):
-    """Answers others, beside asking them."""
+    """Client whose component answers queries and takes commands."""
 
     def provide(
         self, query: MessageEntry, report: MessageEntry, give: Callable[[], dict[str, Any] | None]
     ) -> None:
-        """Answers a query, and events on it.
+        """Answers a query and its events.
 
         Args:
-            give: Returns the fields of the present report; None when there is none now.
+            give: Returns the fields of the present report; None when there is none.
         """
         report_class = message_class(report)
 
@@ -158,7 +161,10 @@ class AnsweringClient(QueryClient):
         entry: MessageEntry,
         take: Callable[[MessageEntry, dict[str, Any], JausAddress], Reply | None],
     ) -> None:
-        """Has a function take a message; commands come from the controller in Ready alone."""
+        """Calls `take` for each message; commands only from the controller, and in Ready.
+
+        `take` returns a reply to the sender, or None.
+        """
 
         def taken(message: EntryMessage, sender: JausAddress) -> None:
             reply = take(entry, message.fields, sender)
@@ -171,15 +177,8 @@ class AnsweringClient(QueryClient):
         )
 
 
-_JAUS_MESSAGE = 0
-"""Format of an element that is a message (AS5710, SetElement)."""
-
-_LONGEST = 5.0
-"""Seconds that one request may take, with its repetitions."""
-
-
 class ListingClient(QueryClient):
-    """Client that changes lists of controlled components, one at a time of each."""
+    """Client that changes lists of controlled components, of each one list at a time."""
 
     def __init__(self, *others: Any) -> None:
         super().__init__(*others)
@@ -191,10 +190,10 @@ class ListingClient(QueryClient):
         payloads: Sequence[bytes],
         gate: AbstractContextManager[None] | None = None,
     ) -> None:
-        """Replaces the list of a component by messages, whose UIDs are counted from 1.
+        """Replaces the list of a component by encoded messages, whose UIDs count from 1.
 
         Args:
-            gate: Is held while it begins, and may refuse it.
+            gate: Is held while the change begins, and may refuse it.
 
         Raises:
             NoAnswer: It does not confirm; the list may be set in part.
@@ -214,7 +213,7 @@ class ListingClient(QueryClient):
             self._changes[target] = request, ends
         try:
             reason = ends.get(timeout=_LONGEST * (1 + len(payloads)))
-        except Empty:  # our component has ended, which tells nobody
+        except Empty:  # our component has ended
             reason = unanswered
         finally:
             self._changes.pop(target, None)
@@ -225,15 +224,15 @@ class ListingClient(QueryClient):
             raise Refused(f"{target} does not take the list: {reason}")
 
     def drop_list_changes(self) -> None:
-        """Sends nothing more of the changes that are under way."""
-        with self._component.loop.lock:  # what has begun is known, and can be dropped
+        """Ends all changes of lists that are under way."""
+        with self._component.loop.lock:  # `set_list` has noted each change that it began
             changes = tuple(self._changes.values())
         for request, ends in changes:
             request.cancel()
             ends.put("it was stopped meanwhile")
 
     def has_list(self, target: JausAddress, payloads: Sequence[bytes]) -> bool:
-        """Tells whether the list of a component is the one that `set_list` makes of messages."""
+        """Returns whether a component has the list that `set_list` makes of encoded messages."""
         wanted = _elements(payloads)
         count = self.ask(target, QueryElementCount(), ReportElementCount).element_count
         if count != len(wanted):

@@ -1,1 +1,1 @@
-"""Recording: traffic of JAUS and ROS in MCAP files, and from there through the maps of a model."""
+"""Recording: traffic of JAUS and ROS in MCAP files, and its replay through maps of a model."""

@@ -1,4 +1,4 @@
-"""Recordings of ROS, read: MCAP files, and bags of rosbag2 in any storage."""
+"""Readers of recordings of ROS: MCAP files, and bags of rosbag2 in any storage."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _NUMBERS = re.compile("[0-9]+")
 
 @dataclass(frozen=True)
 class RosMessage:
-    """A message of ROS of a recording."""
+    """A message of ROS in a recording (`time`: nanoseconds since 1970; `data`: CDR)."""
 
     topic: str
     type: str
@@ -39,30 +39,29 @@ class RosMessage:
     definition: RecordedDefinition = UNDEFINED
 
 
-_Encoded = tuple[str, RosMessage]
-"""A message of any kind, with the name of its encoding."""
+_Encoded = tuple[str, RosMessage]  # the name of an encoding, and a message, not only of ROS
 
 
 def is_bag(path: str) -> bool:
-    """Returns whether a path is that of a recording of ROS, by its name or as a folder."""
+    """Returns whether a path is that of a recording of ROS: by its ending, or as it is a folder."""
     return path.endswith((MCAP, SQLITE)) or Path(path).is_dir()
 
 
 class Bag:
-    """A recording.
+    """A recording of ROS.
 
     Attributes:
-        others: How many messages are not of ROS, by the encoding that they have.
-        fault: What of it is not read, once all was read; empty for a whole recording.
+        others: Numbers of messages that are not of ROS, by their encoding.
+        fault: The parts that cannot be read, in words, after all was read; empty for none.
         reached: Time of the latest message so far, in nanoseconds since 1970; None for none.
     """
 
     def __init__(self, path: str, span: TimeSpan = WHOLE) -> None:
-        """Names a recording.
+        """Opens nothing yet.
 
         Args:
-            path: An MCAP file, or a bag of rosbag2: its folder, or the file of its storage. In a
-                folder that has no metadata yet, since its recorder was cut off, all such files.
+            path: An MCAP file, or a bag of rosbag2: its folder, or a file of its storage. Of a
+                folder without metadata, since its recorder was cut off, all such files are read.
         """
         self.others: Counter[str] = Counter()
         self.fault = ""
@@ -71,19 +70,19 @@ class Bag:
         self._span = span
 
     def length(self) -> float | None:
-        """Returns the seconds from the first message to the last of the part, None if unknown."""
+        """Returns the seconds from the first to the last message in the span, None if unknown."""
         if not self._path.endswith(MCAP):
             return None
         try:
             return McapRecording(self._path, self._span).length()
         except (ImportError, RecordingError):
-            return None  # who reads it is told
+            return None  # `messages` raises the error
 
     def messages(self) -> Iterator[RosMessage]:
         """Yields messages of ROS in the order of their times, file after file.
 
         Raises:
-            RecordingError: It cannot be opened, is no recording, or nothing of it can be read.
+            RecordingError: It cannot be opened, is no recording, or no part of it can be read.
         """
         self.others.clear()
         self.fault, self.reached = "", None
@@ -101,7 +100,7 @@ class Bag:
             raise RecordingError(f"{self._path}: {error.strerror or error}") from error
 
     def _all(self) -> Iterator[_Encoded]:
-        """Yields the messages in files, one after the other, and counts them."""
+        """Yields the messages of all files; notes parts that cannot be read."""
         bag, count = _files_of(self._path), 0
         for path in bag.paths:
             try:
@@ -119,7 +118,7 @@ class Bag:
         self.fault = "; ".join(filter(None, (self.fault, fault)))
 
     def _read(self, path: Path, compression: str) -> Iterator[_Encoded]:
-        """Yields the messages in a file."""
+        """Yields the messages of a file, which may be compressed."""
         with ExitStack() as stack:
             if compression == "file":
                 path = _unpacked(path, Path(stack.enter_context(tempfile.TemporaryDirectory())))
@@ -130,7 +129,7 @@ class Bag:
                 yield encoding, whole
 
     def _records(self, path: Path) -> Iterator[_Encoded]:
-        """Yields the messages in an MCAP file."""
+        """Yields the messages of an MCAP file."""
         recording = McapRecording(str(path))
         definitions: dict[tuple[str, bytes], RecordedDefinition] = {}
         try:
@@ -149,10 +148,10 @@ class Bag:
                 self._note(recording.fault)
 
     def _rows(self, path: Path) -> Iterator[_Encoded]:
-        """Yields the messages in a database (rosbag2, sqlite3 storage)."""
+        """Yields the messages of a database (rosbag2, sqlite3 storage)."""
         row = None
         try:
-            open_input(path).close()  # a database is opened without a look at what it is
+            open_input(path).close()  # it raises the usual errors, which sqlite3 does not
             uri = f"{path.resolve().as_uri()}?mode=ro&immutable=1"
             with closing(sqlite3.connect(uri, uri=True)) as database:
                 database.text_factory = lambda text: text.decode("utf-8", "replace")
@@ -198,8 +197,8 @@ class _Files:
     """The files of a recording.
 
     Attributes:
-        compression: What was compressed by itself: `file`, `message` or nothing.
-        count: How many messages metadata counts; 0 where there is none.
+        compression: The unit of compression: `file`, `message` or empty.
+        count: Number of messages by the metadata; 0 without metadata.
     """
 
     paths: list[Path]
@@ -224,7 +223,7 @@ def _files_of(path: str) -> _Files:
 def _stated_files(folder: Path) -> _Files:
     """Returns the files of a bag by its metadata.
 
-    Topics are read from the files: what the metadata says of them may have been edited.
+    Its topics are not used, as they may have been edited.
     """
     import yaml  # noqa: PLC0415 - an extra
 
@@ -243,7 +242,7 @@ def _stated_files(folder: Path) -> _Files:
 
 
 def _unpacked(path: Path, folder: Path) -> Path:
-    """Returns a file of a bag that is compressed as a whole, in another folder, unpacked."""
+    """Unpacks a compressed file of a bag into a folder, and returns its path there."""
     target = folder / path.stem
     try:
         with open_input(path) as source, target.open("wb") as stream:
@@ -254,7 +253,7 @@ def _unpacked(path: Path, folder: Path) -> Path:
 
 
 def _unpacked_message(message: RosMessage, path: Path) -> RosMessage:
-    """Returns a message of a bag with messages that are compressed one by one."""
+    """Returns a message, unpacked, of a bag that compresses each message."""
     try:
         data = unpacked(message.data, "zstd")
     except DamageError as error:

@@ -1,6 +1,6 @@
-"""JAUS messages in what was captured, and how a recording has them: as JSON.
+"""JAUS messages in captured datagrams, and their JSON in recordings.
 
-Reports come out of the events that carry them.
+Of an event, the report in it counts as the message.
 """
 
 from __future__ import annotations
@@ -24,7 +24,13 @@ _EVENT = Event.CODE.to_bytes(2, "little")
 
 @dataclass(frozen=True)
 class JausMessage:
-    """A JAUS message of a recording."""
+    """A JAUS message of a recording.
+
+    Attributes:
+        time: Nanoseconds since 1970.
+        source: JAUS id of the sender.
+        payload: Message code and body.
+    """
 
     time: int
     source: str
@@ -38,10 +44,15 @@ class JausMessage:
 
 
 class CapturedMessages:
-    """The messages in datagrams, in their order."""
+    """The messages in datagrams, in their order.
+
+    Attributes:
+        count: Number of messages.
+        skipped: Numbers of skipped datagrams and packets, by reason.
+    """
 
     def __init__(self) -> None:
-        """Starts without packets."""
+        """Begins without a packet."""
         self.count = 0
         self.skipped: Counter[str] = Counter()
         self._observer = Observer()
@@ -76,15 +87,15 @@ def _report_in(payload: bytes) -> bytes:
 
 
 class JausWriter:
-    """Writes JAUS messages as JSON."""
+    """Writer of JAUS messages as JSON (`undecoded`: numbers of messages left out, by reason)."""
 
     def __init__(self, catalogue: Catalogue) -> None:
-        """Writes nothing yet."""
+        """Begins without a message."""
         self.undecoded: Counter[str] = Counter()
         self._catalogue = catalogue
 
     def write(self, file: McapFile, message: JausMessage, packet: Packet) -> None:
-        """Writes a message."""
+        """Writes a message, unless it cannot be decoded (`packet`: the one that completed it)."""
         try:
             decoded_message = self._catalogue.decode(message.payload)
             channel = file.jaus_channel(message.source, decoded_message.entry)

@@ -1,4 +1,4 @@
-"""MCAP files, written: topics of ROS as rosbag2 has them, and JAUS messages as JSON."""
+"""Writer of MCAP files: topics of ROS as rosbag2 writes them, and JAUS messages as JSON."""
 
 from __future__ import annotations
 
@@ -21,26 +21,36 @@ if TYPE_CHECKING:
     from jausml.live.messages import MessageEntry
     from jausml.live.traffic.frames import Datagram
 
+
+# A message with its channel, and the schema of the channel.
 Found: TypeAlias = "tuple[Schema | None, Channel, Message]"
-"""A message with its channel, and the schema of that."""
 
 T = TypeVar("T")
+
+ROS_PROFILE = "ros2"  # profile of files with channels of ROS only (MCAP, well-known profiles)
+LIBRARY = "jausml "  # the name of the writer of a file, before the version
+COMPRESSIONS = ("zstd", "lz4", "none")  # of chunks, the default first
+NANO = 10**9  # nanoseconds of a second
+CDR = "cdr"  # encoding of messages of ROS
 
 
 @dataclass(frozen=True)
 class TrafficFilter:
-    """Patterns, in which `*` stands for any text; without one, all is selected."""
+    """Patterns of names of topics and JAUS ids, in which `*` stands for any text.
+
+    Without patterns, all topics and components are selected.
+    """
 
     topics: tuple[str, ...] = ()
     excluded: tuple[str, ...] = ()
     components: tuple[str, ...] = ()
 
     def wants_topic(self, name: str) -> bool:
-        """Whether a topic is recorded."""
+        """Returns whether a topic is selected."""
         return _fits(name, self.topics or ("*",)) and not _fits(name, self.excluded)
 
     def wants(self, datagram: Datagram) -> bool:
-        """Whether a datagram is recorded; one that cannot be read is."""
+        """Returns whether a datagram is selected, as is one that cannot be read."""
         if not self.components:
             return True
         ends = ends_of(datagram)
@@ -57,7 +67,7 @@ class TimeSpan:
 
     Attributes:
         start: Seconds after the first message.
-        duration: Seconds from there on, None to the end.
+        duration: Seconds from there on, None for all.
     """
 
     start: float = 0.0
@@ -67,7 +77,7 @@ class TimeSpan:
         """Yields the messages within the span.
 
         Args:
-            time_of: The time of each in nanoseconds, None where nobody told: these are in it.
+            time_of: Returns the time in nanoseconds; None selects a message.
         """
         begin: int | None = None
         for message in messages:
@@ -82,37 +92,20 @@ class TimeSpan:
             yield message
 
     def of_length(self, length: float) -> float:
-        """Returns how many seconds of it there are in a recording of so many."""
+        """Returns the seconds of the span in a recording of `length` seconds."""
         left = max(0.0, length - self.start)
         return left if self.duration is None else min(left, self.duration)
 
 
-WHOLE = TimeSpan()
-"""All of a recording."""
-
-
-ROS_PROFILE = "ros2"
-"""Profile of files in which all channels are of ROS (MCAP, well-known profiles)."""
-
-LIBRARY = "jausml "
-"""How the name begins of who wrote a file, before the version."""
-
-COMPRESSIONS = ("zstd", "lz4", "none")
-"""How chunks may be compressed, the usual one first."""
-
-NANO = 10**9
-"""Nanoseconds of a second."""
-
-CDR = "cdr"
-"""Encoding of messages of ROS."""
+WHOLE = TimeSpan()  # all of a recording
 
 
 class RecordingError(Exception):
-    """A recording that cannot be made or replayed; the text says why."""
+    """A recording cannot be written, read or replayed; the text says why."""
 
 
 def need_library() -> None:
-    """Raises RecordingError where MCAP files cannot be written."""
+    """Raises `RecordingError` if the library of MCAP is missing."""
     try:
         import mcap.writer  # noqa: F401, PLC0415 - an extra: jausml[record]
     except ImportError as error:
@@ -120,12 +113,17 @@ def need_library() -> None:
 
 
 class McapFile:
-    """An MCAP file that is being written; it has its index once it is closed."""
+    """An MCAP file that is being written; `close` writes its index."""
 
     def __init__(
         self, stream: BinaryIO, *, has_jaus: bool, compression: str = COMPRESSIONS[0]
     ) -> None:
-        """Begins a file."""
+        """Writes the head of a file.
+
+        Args:
+            has_jaus: Whether there will be JAUS messages.
+            compression: One of `COMPRESSIONS`.
+        """
         need_library()
         from mcap.writer import CompressionType, Writer  # noqa: PLC0415 - an extra
 
@@ -144,14 +142,14 @@ class McapFile:
         self.close()
 
     def close(self) -> None:
-        """Writes the end of the file; without it, tools read it slowly or not at all."""
+        """Writes index and end; without them, tools read a file slowly or not at all."""
         self._writer.finish()  # type: ignore[no-untyped-call]
 
     def flush(self) -> None:
-        """Ends a chunk, so that all messages so far can be read whatever happens next.
+        """Ends a chunk, so that all messages so far can be read also after a crash.
 
-        An end without a summary stands behind it, until more is written: all readers open a file
-        whose recorder was killed, and there is room for it on a disk that is full.
+        An end without a summary follows it, until more is written: so all readers can open the file
+        of a killed recorder, and a full disk has room for the end.
         """
         self._writer.flush()  # type: ignore[no-untyped-call]
         self._stream.write(END)
@@ -164,13 +162,14 @@ class McapFile:
         """Returns the channel of a topic.
 
         Args:
-            offer: What rosbag2 notes of the publishers of a topic: their quality of service.
+            definition: The definition of the type, as `ros2msg` has it.
+            offer: Metadata of rosbag2 on the publishers, such as their quality of service.
         """
         schema = self._schema(type_name, "ros2msg", definition.encode())
         return self._channel(topic, schema, CDR, offer or {})
 
     def jaus_channel(self, source: str, entry: MessageEntry) -> int:
-        """Returns the channel of a JAUS message of one component."""
+        """Returns the channel of a JAUS message of a component."""
         key = (source, entry)
         if key not in self._of_jaus:
             text = json.dumps(schema_of(entry)).encode()
@@ -179,12 +178,12 @@ class McapFile:
         return self._of_jaus[key]
 
     def write(self, channel: int, time: int, data: bytes, published: int | None = None) -> None:
-        """Writes a message."""
+        """Writes a message (`time`, `published`: nanoseconds since 1970)."""
         self._writer.add_message(channel, time, data, time if published is None else published)
         self.count += 1
 
     def write_json(self, channel: int, time: int, value: dict[str, Any]) -> None:
-        """Writes a message in JSON."""
+        """Writes a message as JSON; numbers that are not finite become null."""
         try:
             text = json.dumps(value, allow_nan=False)
         except ValueError:
@@ -214,7 +213,7 @@ class McapFile:
 
 
 def copied(messages: Iterable[Found], stream: BinaryIO, *, ros_only: bool) -> int:
-    """Writes messages into a file with an index; returns how many."""
+    """Writes messages into a file with an index; returns their number."""
     file = McapFile(stream, has_jaus=not ros_only)
     for message in messages:
         if not ros_only or message[1].message_encoding == CDR:

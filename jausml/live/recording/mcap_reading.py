@@ -1,7 +1,7 @@
-"""MCAP files, read as far as they go, and held against what they say of themselves.
+"""Reader of MCAP files, also of damaged ones, which checks their counts and checksums.
 
-Whichever way leads to a chunk, it is unpacked in bounded memory and must fit its checksum. Parts
-that do not are left out and told, with their places (MCAP format specification, version 0).
+Chunks are found by the index or in the order of the file, unpacked in bounded memory, and left out,
+with a note of the place, if their checksum is wrong (MCAP format specification, version 0).
 """
 
 from __future__ import annotations
@@ -30,56 +30,52 @@ if TYPE_CHECKING:
     _Begun = list[tuple[int, int, Found, Iterator[Found]]]
     """Of chunks that are being read: time of the next message, place, the message, and the rest."""
 
-_MESSAGE = struct.Struct("<HIQQ")
-"""Channel, number, and the times of recording and publishing."""
+_MESSAGE = struct.Struct("<HIQQ")  # channel, number, and the times of recording and publishing
 
-_TIME_OFFSET = HEAD.size + 6
-"""Where the time of a message stands in its record."""
+_TIME_OFFSET = HEAD.size + 6  # where the time of a message stands in its record
 
+# Messages that a small file may have, and those for each byte of a larger one: messages of
+# different times cannot be packed so well, and each takes time to read.
 _MOST_SMALL, _MOST_PER_BYTE = 1 << 18, 64
-"""Messages that a small file may have, and those for each byte of a larger one: messages of
-different times cannot be packed so well, and each takes time to read."""
 
 _STEP = 1 << 20
 _MOST_NAMED = 3
 
 
 _READ = frozenset({Opcode.HEADER, Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE, Opcode.CHUNK})
-_Record = tuple[int, int, bytes]
-"""Opcode, place in the file, and content."""
+_Record = tuple[int, int, bytes]  # opcode, place in the file, and content
 
 
 @dataclass(frozen=True)
 class RecordedDefinition:
-    """The definition of a type as it stands in a recording.
+    """The definition of a type in a recording.
 
     Attributes:
-        encoding: How it is written, such as `ros2msg`; empty where there is none.
+        encoding: Its notation, such as `ros2msg`; empty without a definition.
     """
 
     encoding: str = ""
     text: str = ""
 
 
-UNDEFINED = RecordedDefinition()
-"""Nothing says what a message is but the name of its type."""
+UNDEFINED = RecordedDefinition()  # nothing says what a message is but the name of its type
 
 
 def definition_in(schema: Schema) -> RecordedDefinition:
-    """Returns the definition of the type of messages in a schema."""
+    """Returns the definition in a schema."""
     return RecordedDefinition(schema.encoding, schema.data.decode("utf-8", "replace"))
 
 
 class McapRecording:
-    """An MCAP file that may be damaged, or cut off by the loss of power, a full disk, a kill.
+    """An MCAP file, which may be damaged or cut off.
 
     Attributes:
-        fault: What of it is not read, once all was read; empty for a whole file.
+        fault: The parts that cannot be read, in words, after all was read; empty for none.
         reached: Time of the latest message so far, in nanoseconds since 1970; None for none.
     """
 
     def __init__(self, path: str, span: TimeSpan = WHOLE) -> None:
-        """Names a file."""
+        """Opens nothing yet."""
         self.fault = ""
         self.reached: int | None = None
         self._path = path
@@ -88,16 +84,15 @@ class McapRecording:
     def messages(self) -> Iterator[Found]:
         """Yields schema, channel and message of each record, in the order of their times.
 
-        A file without an index that names all channels is read in its own order, which is that in
-        which messages came.
+        A file without a complete index is read in its own order, that of arrival.
 
         Raises:
-            RecordingError: It cannot be opened, is no such file, or nothing of it can be read.
+            RecordingError: It cannot be opened, is no MCAP file, or no part of it can be read.
         """
         yield from self._span.of(self._all(), lambda record: record[2].log_time)
 
     def length(self) -> float | None:
-        """Returns the seconds from the first message to the last of the part, None if unknown."""
+        """Returns the seconds from the first to the last message in the span, None if unknown."""
         with self._opened() as stream:
             statistics = _Contents(stream).statistics
         if statistics is None:
@@ -131,10 +126,10 @@ class McapRecording:
 
 
 class _Contents:
-    """The contents of a file."""
+    """The contents of an open file."""
 
     def __init__(self, stream: BinaryIO) -> None:
-        """Reads the summary, if it has one with the right checksum."""
+        """Reads the summary; one with a wrong checksum is noted and ignored."""
         self.statistics: Statistics | None = None
         self._stream, self._size = stream, stream.seek(0, io.SEEK_END)
         self._chunks: list[ChunkIndex] = []
@@ -157,7 +152,7 @@ class _Contents:
 
     @property
     def is_indexed(self) -> bool:
-        """Whether all chunks are found by their times, and all that describes their messages."""
+        """Whether the summary has all chunks, and all schemas and channels of their messages."""
         statistics = self.statistics
         named = {channel for chunk in self._chunks for channel in chunk.message_index_offsets}
         if statistics is not None:
@@ -170,7 +165,7 @@ class _Contents:
 
     @property
     def fault(self) -> str:
-        """The damage that was met; once all was read, also wrong counts; empty for none."""
+        """The damage found so far, and after all was read wrong counts, in words; else empty."""
         faults = list(self._damages)
         if self._more:
             faults.append(f"{self._more} more places are damaged")
@@ -182,14 +177,14 @@ class _Contents:
         return "; ".join(faults)
 
     def messages(self) -> Iterator[Found]:
-        """Yields all messages, by the index if there is one, else in the order of the file."""
+        """Yields all messages, by the index if it is complete, else in the order of the file."""
         for message in self._by_index() if self.is_indexed else self._in_order():
             self._count += 1
             yield message
         self._is_over = True
 
     def _by_index(self) -> Iterator[Found]:
-        """Yields messages in the order of their times; no more chunks are unpacked than needed."""
+        """Yields messages in the order of their times, with as few unpacked chunks as possible."""
         begun: _Begun = []
         chunks = {chunk.chunk_start_offset: chunk.message_start_time for chunk in self._chunks}
         for at, start in sorted(chunks.items(), key=lambda item: item[1]):
@@ -206,14 +201,14 @@ class _Contents:
         yield from self._chunk(at, self._stream.read(length))
 
     def _in_order(self) -> Iterator[Found]:
-        """Yields messages as they stand in the file."""
+        """Yields messages in the order of the file."""
         records = self._records()
         while True:
             try:
                 record = next(records, None)
             except DamageError as error:
                 self._note(error)
-                return  # where the next record begins is not known
+                return  # the beginning of the next record is not known
             if record is None:
                 return
             yield from self._guarded(self._messages(record))
@@ -243,7 +238,7 @@ class _Contents:
             self._more += 1
 
     def _head(self, at: int) -> tuple[int, int]:
-        """Returns opcode and length of the record at a place."""
+        """Returns opcode and length of the record at an offset."""
         if at + HEAD.size > self._size:
             raise DamageError("it ends in the midst of a record")
         self._stream.seek(at)
@@ -255,7 +250,7 @@ class _Contents:
         return opcode, length
 
     def _records(self) -> Iterator[_Record]:
-        """Yields the records up to the summary that matter here (MCAP, Data Section)."""
+        """Yields the records of the data section, without those that are not used here."""
         at, checksum = len(MAGIC), zlib.crc32(MAGIC)
         if not self._has_begin:
             raise DamageError("it does not begin as MCAP files do")
@@ -322,7 +317,7 @@ class _Contents:
             self._held -= len(data)
 
     def _places(self, data: bytes, where: str) -> Iterable[int]:
-        """Returns where the messages of a chunk stand, in the order of their times."""
+        """Returns the offsets of the messages of a chunk, in the order of their times."""
         places, last, is_sorted = array("Q"), 0, True
 
         def time_at(place: int) -> int:
@@ -343,7 +338,7 @@ class _Contents:
         return places if is_sorted else sorted(places, key=time_at)
 
     def _take(self, opcode: int, at: int, content: bytes) -> None:
-        """Takes a record that describes others."""
+        """Takes a schema, a channel or a record of the summary."""
         from mcap import records  # noqa: PLC0415 - an extra
         from mcap.data_stream import ReadDataStream  # noqa: PLC0415
 
@@ -365,7 +360,7 @@ class _Contents:
             self.statistics = read(records.Statistics)
 
     def _message(self, content: bytes, at: int) -> Iterator[Found]:
-        """Yields a message, none for a channel without a description."""
+        """Yields the message in a record; none, but counted, for an unknown channel."""
         from mcap.records import Message  # noqa: PLC0415 - an extra
 
         if len(content) < _MESSAGE.size:
@@ -381,14 +376,14 @@ class _Contents:
 
 
 def _push(begun: _Begun, at: int, rest: Iterator[Found]) -> None:
-    """Notes the next message of a chunk, if there is one."""
+    """Adds the next message of a chunk, if there is one."""
     record = next(rest, None)
     if record is not None:
         heapq.heappush(begun, (record[2].log_time, at, record, rest))
 
 
 def _earliest(begun: _Begun) -> Found:
-    """Returns the earliest message of the chunks that were begun."""
+    """Returns the earliest message of the begun chunks."""
     _, at, record, rest = heapq.heappop(begun)
     _push(begun, at, rest)
     return record

@@ -1,4 +1,4 @@
-"""Records of MCAP files as bytes (MCAP format specification, version 0)."""
+"""Layouts of the records of MCAP files (MCAP format specification, version 0)."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from jausml.live.recording.unpacking import MOST_UNPACKED, DamageError, unpacked
 
 
 class Opcode(IntEnum):
-    """The kinds of records that matter here."""
+    """The opcodes of the records that are used here."""
 
     HEADER = 0x01
     FOOTER = 0x02
@@ -24,15 +24,14 @@ class Opcode(IntEnum):
     DATA_END = 0x0F
 
 
-MAGIC = b"\x89MCAP0\r\n"
-"""How files begin and end."""
+MAGIC = b"\x89MCAP0\r\n"  # how files begin and end
 
-HEAD = struct.Struct("<BQ")
-"""Opcode of a record, and the length of what follows."""
+HEAD = struct.Struct("<BQ")  # opcode of a record, and the length of what follows
 
+# Where summary and summary offsets begin, and the checksum of the summary.
 FOOTER = struct.Struct("<QQI")
-"""Where summary and summary offsets begin, and the checksum of the summary."""
 
+# The end of a file without a summary.
 END = (
     HEAD.pack(Opcode.DATA_END, 4)
     + bytes(4)
@@ -40,16 +39,15 @@ END = (
     + FOOTER.pack(0, 0, 0)
     + MAGIC
 )
-"""The end of a file without a summary."""
 
 _CHUNK = struct.Struct("<QQQI")
 
 
 def heads(data: bytes, where: str) -> Iterator[tuple[int, int, int]]:
-    """Yields opcode, place and length of the records in a part of a file.
+    """Yields opcode, offset and length of the records in a part of a file.
 
     Raises:
-        DamageError: It has something else.
+        DamageError: It has bytes that are no record.
     """
     at = 0
     while at < len(data):
@@ -61,10 +59,10 @@ def heads(data: bytes, where: str) -> Iterator[tuple[int, int, int]]:
 
 
 def records_of_chunk(content: bytes, where: str) -> bytes:
-    """Returns the records of a chunk, unpacked.
+    """Returns the unpacked records of a chunk (`where`: the chunk in words).
 
     Raises:
-        DamageError: They are too large, or do not fit the size or the checksum that it says.
+        DamageError: They are too large, or do not fit the stated size or checksum.
     """
     try:
         _, _, size, checksum = _CHUNK.unpack_from(content)

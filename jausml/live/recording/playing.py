@@ -1,4 +1,4 @@
-"""A recording that is read once, from its beginning to its end, with the time of each message."""
+"""Reader of a whole recording, with the time of each message since its beginning."""
 
 from __future__ import annotations
 
@@ -17,29 +17,28 @@ if TYPE_CHECKING:
     from jausml.live.recording.mcap_files import Found
 
 
-JAUS_TOPICS = "/jaus/"
-"""How the topics of JAUS messages begin (`jausml record`)."""
+JAUS_TOPICS = "/jaus/"  # how the topics of JAUS messages begin (`jausml record`)
 
 
 class PlayedRecording:
-    """An MCAP file and its messages, by seconds since its beginning.
+    """An MCAP file, whose messages are read in their order.
 
     Attributes:
-        fault: What of the file cannot be read; empty for a whole one.
+        fault: The parts that cannot be read, in words; empty for none.
         duration: Seconds from the first message to the last.
     """
 
     def __init__(self, path: str) -> None:
-        """Names a file, which `read` reads."""
+        """Opens nothing before `read`."""
         self.fault, self.duration = "", 0.0
         self._path = path
         self._readers: dict[tuple[str, bytes], RosReader | str] = {}
 
     def read(self) -> Iterator[tuple[float, float, Found]]:
-        """Reads all of the file; yields how much of it is read, up to 1, and time and message.
+        """Yields, for each message, the share of the file read, its time in seconds, and itself.
 
         Raises:
-            RecordingError: It cannot be opened, is no such file, or nothing of it can be read.
+            RecordingError: It cannot be opened, is no MCAP file, or no part of it can be read.
         """
         need_library()
         recording = McapRecording(self._path)
@@ -59,7 +58,7 @@ class PlayedRecording:
         """Returns the fields of a message.
 
         Raises:
-            RecordingError: They cannot be read.
+            RecordingError: They cannot be decoded.
         """
         schema, channel, message = record
         if channel.message_encoding == "json":

@@ -1,7 +1,7 @@
-"""Types of messages as a recording defines them, held against those of a model.
+"""Comparison of the types in a recording with those of a model.
 
-A type that has changed since the recording has the same name, and its bytes read by the other
-definition are wrong values: fields in another order, or of another size.
+A type that has changed since the recording has the same name, but its bytes would be read as wrong
+values: its fields may have another order or size.
 """
 
 from __future__ import annotations
@@ -15,8 +15,7 @@ from jausml.live.recording.mcap_reading import RecordedDefinition
 from jausml.live.recording.ros_values import defined_fields, defined_parts
 from jausml.live.recording.schemas import full_name, modelled_definition
 
-_OCTETS = frozenset({"byte", "char"})
-"""Other names of uint8."""
+_OCTETS = frozenset({"byte", "char"})  # other names of uint8
 
 _MOST_SHOWN = 400
 
@@ -28,17 +27,17 @@ class RecordedTypes:
         """Begins without a comparison.
 
         Args:
-            types: The type of each topic that is compared.
+            types: Types of the model by topic; others are not compared.
         """
         self._types = types
         self._known: dict[tuple[str, str, RecordedDefinition], str] = {}
 
     def difference(self, topic: str, kind: str, definition: RecordedDefinition) -> str:
-        """Returns why a message cannot be read by the type of a model; empty where it can.
+        """Returns why a message cannot be read by the type of the model; empty if it can.
 
         Args:
             kind: The full name of its type.
-            definition: As it was recorded; where there is none, the name alone is compared.
+            definition: Its recorded definition; without one, only the name is compared.
         """
         key = topic, kind, definition
         if key not in self._known:
@@ -65,7 +64,7 @@ def _difference(kind: str, definition: RecordedDefinition, wanted: ros.MessageTy
 def _differing(
     recorded: Mapping[str, str], modelled: Mapping[str, str], own: str, other: str
 ) -> str:
-    """Returns how two types differ in what their bytes are; empty where they do not."""
+    """Returns, in words, a difference of two types that changes their bytes; else empty."""
     fields = defined_fields(own, recorded), defined_fields(other, modelled)
     forms = [[(field.name, *_form(field.type)) for field in some] for some in fields]
     if forms[0] != forms[1]:
@@ -80,7 +79,7 @@ def _differing(
 
 
 def _form(kind: FieldType) -> tuple[str, str, int]:
-    """Returns the parts of a field that decide its bytes: no bounds, no names of types in it."""
+    """Returns type, kind and size of an array as far as they decide the bytes of a field."""
     name = kind.name if kind.is_primitive else ""
     if kind.array in (SINGLE, FIXED):
         return "uint8" if name in _OCTETS else name, kind.array, kind.array_size

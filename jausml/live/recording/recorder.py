@@ -1,4 +1,4 @@
-"""Both sides of a running system into MCAP files, each with a capture beside it."""
+"""Recorder of both sides of a running system into MCAP files, each with a capture beside it."""
 
 from __future__ import annotations
 
@@ -25,20 +25,19 @@ from jausml.live.recording.schemas import installed_definition, modelled_definit
 from jausml.live.traffic.captures import CapturedFrame
 from jausml.live.traffic.frames import Datagram, PcapWriter
 
-CAPTURE = ".pcap"
-"""Ending of the capture that stands beside an MCAP file."""
+CAPTURE = ".pcap"  # ending of the capture beside an MCAP file
 
-_MOST_DIGITS = 4
-"""Of the number of a file in a row; a date has more."""
+_MOST_DIGITS = 4  # of the number of a file in a row; a date has more
 
 
 @dataclass(frozen=True)
 class SplitLimits:
-    """When a recording goes on in new files, and how many of them stay; None for no limit.
+    """Limits after which a recording continues in new files; None for no limit.
 
     Attributes:
         size: Bytes of a pair of files.
         duration: Seconds of a pair of files.
+        files: Number of pairs of files that are kept, the latest ones.
     """
 
     size: int | None = None
@@ -47,15 +46,15 @@ class SplitLimits:
 
     @property
     def splits(self) -> bool:
-        """Whether there is a row of files."""
+        """Whether the files of a recording are numbered."""
         return self.size is not None or self.duration is not None
 
 
 class FilePair:
-    """An MCAP file and the capture beside it, which are being written."""
+    """An MCAP file and the capture beside it, both open for writing."""
 
     def __init__(self, path: Path, compression: str, *, overwrites: bool) -> None:
-        """Creates both."""
+        """Creates both files (`OSError`: one exists, unless `overwrites`, or cannot be written)."""
         mode = "wb" if overwrites else "xb"
         self.path, self.begun = path, time.monotonic()
         self._paths = (path, path.with_suffix(CAPTURE))
@@ -70,7 +69,7 @@ class FilePair:
 
     @property
     def size(self) -> int:
-        """Bytes of both files that the system has."""
+        """Bytes of both files that were passed to the system."""
         return sum(self._whole)
 
     def flush(self) -> None:
@@ -80,7 +79,7 @@ class FilePair:
         self._whole = [stream.tell() for stream in self._streams]
 
     def sync(self) -> None:
-        """Waits until the disk has what the system has."""
+        """Waits until the disk has the bytes that were passed to the system."""
         for stream in self._streams:
             os.fsync(stream.fileno())
 
@@ -93,19 +92,24 @@ class FilePair:
             self.sync()
 
     def give_up(self) -> None:
-        """Leaves both files, of which the disk did not take all, as they were when it did."""
+        """Closes both files after an error of the disk, and cuts them to their last whole state."""
         with suppress(OSError):
             self._written.close()
         for path, size, end in zip(self._paths, self._whole, (END, b""), strict=True):
             with suppress(OSError):
-                os.truncate(path, size + len(end))  # a full disk takes no more than it has
+                os.truncate(path, size + len(end))  # it needs no new blocks of a full disk
                 with path.open("r+b") as stream:
                     stream.seek(size)
                     stream.write(end)
 
 
 class RecordingFiles:
-    """The files of a recording, one pair after the other."""
+    """The pairs of files of a recording.
+
+    Attributes:
+        paths: The MCAP files so far.
+        current: The pair that is written now.
+    """
 
     def __init__(
         self,
@@ -115,11 +119,11 @@ class RecordingFiles:
         *,
         overwrites: bool = False,
     ) -> None:
-        """Creates the first.
+        """Creates the first pair.
 
         Args:
-            path: The MCAP file. A row of files has numbers before the ending, and goes on where
-                one that is there ends.
+            path: The MCAP file. With limits, files have a number before the ending, which continues
+                the numbers of existing files.
         """
         need_library()
         self._path, self._limits, self._compression = path, limits, compression
@@ -129,7 +133,7 @@ class RecordingFiles:
         self._forget()
 
     def turn(self) -> bool:
-        """Begins new files if a limit is reached; returns whether it was."""
+        """Begins a new pair if a limit is reached; returns whether it did."""
         limits, current = self._limits, self.current
         is_full = limits.size is not None and current.size >= limits.size
         is_over = limits.duration is not None
@@ -142,7 +146,7 @@ class RecordingFiles:
         return True
 
     def _further(self) -> FilePair:
-        """Begins the next files; numbers that another recorder has taken meanwhile are left out."""
+        """Begins the next pair; skips numbers that another recorder took meanwhile."""
         while True:
             path = self._path.with_stem(f"{self._path.stem}_{self._next}")
             self._next += 1
@@ -157,7 +161,7 @@ class RecordingFiles:
         return part
 
     def _forget(self) -> None:
-        """Removes the oldest files of the row that are more than are kept."""
+        """Removes the oldest pairs beyond the limit."""
         if self._limits.files is None:
             return
         for _, path in sorted(self._row())[: -self._limits.files]:
@@ -166,9 +170,9 @@ class RecordingFiles:
             self.paths = [file for file in self.paths if file != path]
 
     def _row(self) -> list[tuple[int, Path]]:
-        """Returns the files of the row that are there, with their numbers.
+        """Returns the existing numbered MCAP files with their numbers.
 
-        Files of others, such as those with a date, are none of it, so that they stay.
+        Other files, such as those with a date, do not count, so that they are not removed.
         """
         stem, suffix = re.escape(self._path.stem), re.escape(self._path.suffix)
         form = re.compile(rf"{stem}_(0|[1-9][0-9]*){suffix}")
@@ -180,18 +184,19 @@ class RecordingFiles:
         ]
 
 
+# The ending of the topic of the calls of a service, where it is introspected.
 CALLS = "/_service_event"
-"""The ending of the topic of the calls of a service, where it is introspected."""
 
+# Where bridges tell how they are, with the accounts of connections and peers.
 DIAGNOSTICS = "/diagnostics"
-"""Where bridges tell how they are, with the accounts of connections and peers."""
 
+# The ending of the topic of the goals of an action, where it is introspected.
 GOALS = f"/_action/send_goal{CALLS}"
-"""The ending of the topic of the goals of an action, where it is introspected."""
 
-RESULTS = f"/_action/get_result{CALLS}"
-"""The same of its results."""
+RESULTS = f"/_action/get_result{CALLS}"  # the same of its results
 
+# What follows the name of an action in the topics on which others see what it does; the last ones
+# where it is introspected.
 ACTION_TOPICS = (
     "/_action/feedback",
     "/_action/status",
@@ -199,16 +204,13 @@ ACTION_TOPICS = (
     RESULTS,
     f"/_action/cancel_goal{CALLS}",
 )
-"""What follows the name of an action in the topics on which others see what it does; the last ones
-where it is introspected."""
 
 
 def topics_of(model: Model) -> dict[str, ros.MessageType | None]:
-    """Returns the topics of a model, each with its type.
+    """Returns the topics of a model with their types.
 
-    So are those on which services and actions are seen, and those on which bridges tell what
-    became of all messages. Their types are known where they are installed alone, and are none of
-    the model.
+    Included are the topics of services and actions, and the diagnostics of bridges. The model does
+    not have their types (None), which must be installed.
     """
     types_by_topic: dict[str, ros.MessageType | None] = {}
     for whole in model.instances(system.System, library=False):
@@ -220,7 +222,7 @@ def topics_of(model: Model) -> dict[str, ros.MessageType | None]:
 
 
 def _seen_calls(owner: bridge.Bridge) -> Iterator[str]:
-    """Yields the topics on which others see what services and actions of a bridge do."""
+    """Yields the topics of introspected services and actions of a bridge."""
     for call in owner.serviceConnections:
         if call.service is not None:
             yield _full(owner, call.service) + CALLS
@@ -234,12 +236,12 @@ def _full(owner: bridge.Bridge, name: str) -> str:
 
 
 class Recorder:
-    """The messages of both sides, each on its thread, and a third that writes them to the disk.
+    """Takes messages of both sides on their threads; a third thread writes them to the disk.
 
     Attributes:
-        fault: Why files cannot be written any more; None while they can.
-        lost: How many frames and messages came after that.
-        reached: When the disk had all that had come, by the clock; None for never.
+        fault: Why files can no longer be written; None while they can.
+        lost: Number of frames and messages after that.
+        reached: Time in seconds since 1970 up to which the disk has all messages; None for none.
     """
 
     def __init__(
@@ -253,7 +255,8 @@ class Recorder:
         """Begins without a message.
 
         Args:
-            offers: What is noted of the publishers of topics, as far as they are known by then.
+            types: Types of topics in the model, for those that are not installed.
+            offers: Metadata of rosbag2 on publishers by topic, which may grow.
         """
         self.captured = CapturedMessages()
         self.topics: Counter[str] = Counter()
@@ -272,7 +275,10 @@ class Recorder:
 
     @contextmanager
     def kept(self, period: float, begun: Callable[[], None]) -> Iterator[None]:
-        """Writes to the disk again and again, and ends the files after the block."""
+        """Writes to the disk once in `period` seconds, and ends the files after the block.
+
+        `begun` is called after each begin of new files.
+        """
         ended = Event()
         keeper = Thread(target=self._keep, args=(period, ended, begun), daemon=True)
         keeper.start()
@@ -289,14 +295,14 @@ class Recorder:
         """Writes a frame, and its messages.
 
         Args:
-            datagram: The datagram that it completes; None for a part of one.
+            datagram: The datagram that the frame completes; None for a part of one.
         """
         if datagram is not None and not self._selection.wants(datagram):
             return
         self._write(self._write_frame, frame, datagram)
 
     def take_topic(self, topic: str, kind: str, data: bytes, heard: int, published: int) -> None:
-        """Writes a message of ROS."""
+        """Writes a message of ROS (`heard`, `published`: nanoseconds since 1970, 0 if unknown)."""
         self._write(self._write_topic, topic, kind, data, heard, published or heard)
 
     def _write_frame(self, frame: CapturedFrame, datagram: Datagram | None) -> None:
@@ -314,7 +320,7 @@ class Recorder:
             self.topics[topic] += 1
 
     def _write(self, do: Callable[..., None], *arguments: Any) -> None:
-        """Writes to the files, alone; counts the messages that they can no longer take."""
+        """Calls `do` under the lock of the files; counts messages that can no longer be written."""
         with self._lock:
             if self.fault is not None:
                 self.lost += 1
@@ -330,7 +336,7 @@ class Recorder:
             now = time.time()
             self._write(self._parts.current.flush)
             try:
-                self._parts.current.sync()  # that may take long, and nobody has to wait for it
+                self._parts.current.sync()  # it may take long, so it does not hold the lock
             except OSError as error:
                 self.fault = error
             else:
@@ -342,7 +348,7 @@ class Recorder:
             begun()
 
     def _definition(self, topic: str, kind: str) -> str:
-        """Returns the definition of the type of a topic, empty where it is not known."""
+        """Returns the definition of the type of a topic, empty if it is unknown."""
         key = (topic, kind)
         if key not in self._known:
             definition = installed_definition(kind, self._installation)

@@ -1,4 +1,4 @@
-"""Topics of ROS while they are recorded: serialized messages as they come. Needs rclpy."""
+"""Subscriber of ROS topics for recordings, which takes serialized messages. Needs rclpy."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ if TYPE_CHECKING:
     Take = Callable[[str, str, bytes, int, int], None]
     """Takes topic, type, message, and when it was heard and published, in nanoseconds."""
 
-_LOOK = 0.1
-"""Seconds from one look for publishers to the next."""
+_LOOK = 0.1  # seconds from one look for publishers to the next
 
+# Seconds after which a node knows who publishes, after which publishers know a subscription, and
+# for which both is waited at most. Where multicast does not pass, a participant of DDS hears of
+# others only when they announce themselves again, every 3 seconds.
 _KNOWN, _MATCHED, _PATIENCE = 3.2, 0.5, 6.0
-"""Seconds after which a node knows who publishes, after which publishers know a subscription, and
-for which both is waited at most. Where multicast does not pass, a participant of DDS hears of
-others only when they announce themselves again, every 3 seconds."""
 
 _DEPTH = 1000
 
 
+# A quality of service as rosbag2 writes it, since version 9 of its metadata.
 _PROFILE = """\
 - history: {history}
   depth: {depth}
@@ -47,14 +47,13 @@ _PROFILE = """\
     nsec: {liveliness_lease_duration[1]}
   avoid_ros_namespace_conventions: {avoid_ros_namespace_conventions}
 """
-"""A quality of service as rosbag2 writes it, since version 9 of its metadata."""
 
 _POLICIES = ("history", "reliability", "durability", "liveliness")
 _DURATIONS = ("deadline", "lifespan", "liveliness_lease_duration")
 
 
 def _offer(publishers: Sequence[Any]) -> dict[str, str]:
-    """Returns the notes of rosbag2 on the publishers of a topic beside its channel."""
+    """Returns the metadata that rosbag2 writes on the publishers of a topic."""
     profiles = [publisher.qos_profile for publisher in publishers]
     hashes = {
         str(publisher.topic_type_hash)
@@ -85,14 +84,16 @@ def _drop(*_: object) -> None:
 
 
 class RosTopics:
-    """A node that subscribes to what is published, with the quality of service that is offered.
+    """A node that subscribes to all selected topics, with the offered quality of service.
 
     Attributes:
-        wanted: Full names of the topics that are wanted, None for all of the selection.
-        lost: How many messages of each topic did not come, as their numbers tell.
-        offers: What recordings note of the publishers of each topic.
-        early: How many of each topic were published before its publisher was heard, as the number
-            of the first tells; of those that were not there from the beginning.
+        heard: Subscriptions by topic.
+        missing: Topics whose type is not installed, with the type.
+        wanted: Full names of the topics to record, None for all of the selection.
+        lost: Numbers of lost messages by topic, by gaps of their sequence numbers.
+        offers: Metadata of rosbag2 on the publishers by topic.
+        early: Numbers of messages by topic that were published before the first one that came, by
+            its sequence number; only of topics that appeared after the beginning.
     """
 
     def __init__(self, selection: TrafficFilter) -> None:
@@ -113,7 +114,7 @@ class RosTopics:
         self._is_settled = Event()
 
     def open(self) -> None:
-        """Enters ROS."""
+        """Creates the node (`RecordingError`: there is no ROS)."""
         try:
             self._quiet.open()
         except RosFault as error:
@@ -121,7 +122,7 @@ class RosTopics:
         self._opened = time.monotonic()
 
     def begin(self, wanted: Collection[str] | None, take: Take) -> None:
-        """Starts to search for publishers; returns once the present ones are subscribed to."""
+        """Searches for publishers from now on; returns when it has subscribed to present ones."""
         if wanted is not None:
             self.wanted = frozenset(filter(self._selection.wants_topic, wanted))
         self._take = take
@@ -130,18 +131,18 @@ class RosTopics:
         self._is_settled.wait(_PATIENCE)
 
     def unpublished(self) -> list[str]:
-        """Returns the wanted topics that nobody is known to publish, which are waited for."""
+        """Returns the wanted topics without a known publisher, which it still waits for."""
         return sorted((self.wanted or frozenset()) - set(self.heard) - set(self.missing))
 
     def repeat_latched(self) -> None:
-        """Lets publishers of latched topics send their latest messages again.
+        """Subscribes anew to latched topics, so that their latest messages come again.
 
-        So they stand in each of several files. Callable from any thread.
+        So each of several files has them. Any thread may call it.
         """
         self._repeats = True
 
     def stop(self) -> None:
-        """Leaves ROS."""
+        """Ends the node."""
         self._quiet.close()
 
     def _look(self) -> None:
@@ -173,7 +174,7 @@ class RosTopics:
         publishers = self._quiet.node.get_publishers_info_by_topic(topic)
         offered = [qos_of(publisher.qos_profile) for publisher in publishers]
         if not offered:
-            return  # somebody waits for it, as we do
+            return  # only subscribers have the topic
         cls = message_class(kind)
         if cls is None:
             self.missing[topic] = kind
@@ -190,14 +191,14 @@ class RosTopics:
         self._subscribed = time.monotonic()
 
     def _noting(self, topic: str, kind: str, *, is_late: bool) -> Callable[[bytes, Any], None]:
-        """Returns the function that takes messages of a topic, and counts those that got lost."""
+        """Returns the callback of a topic, which counts lost messages."""
         expected = None
 
         def note(data: bytes, info: Any) -> None:
             nonlocal expected
             number = info.get("publication_sequence_number")
             if number is not None:
-                # Nothing tells whose a message is: a gap is one where a single one publishes.
+                # A message does not name its publisher: gaps count for a single publisher only.
                 gap = number - (1 if expected is None else expected)
                 is_told = expected is not None or is_late
                 if gap > 0 and is_told and self._quiet.node.count_publishers(topic) == 1:

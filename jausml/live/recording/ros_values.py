@@ -1,6 +1,6 @@
-"""Messages of ROS of a recording as plain values, read by the definition that stands beside them.
+"""Decoder of recorded messages of ROS into plain values, by their recorded definitions.
 
-Nothing of the recording is run, and no package needs to be installed. The bytes are those of CDR
+No code of the recording is run, and no package needs to be installed. The bytes are those of CDR
 (OMG DDSI-RTPS, encapsulation CDR_BE and CDR_LE).
 """
 
@@ -21,11 +21,11 @@ from jausml.live.recording.mcap_files import RecordingError
 Read: TypeAlias = "Callable[['_Bytes'], Any]"
 
 _PART = re.compile(r"^=+\nMSG: (\S+)\n", re.MULTILINE)
+# A type that ROS makes of a service or action, such as `std_srvs/SetBool_Request`.
 _PART_OF_CALL = re.compile(r"^(?:MSG: )?\w+/[A-Z][A-Za-z0-9]*(?:_[A-Z][A-Za-z0-9]*)+", re.MULTILINE)
-"""A type that ROS makes of a service or action, such as `std_srvs/SetBool_Request`."""
 
+# The member in the definition that ROS makes of a type without fields.
 _NO_MEMBER = "structure_needs_at_least_one_member"
-"""The member in the definition that ROS makes of a type without fields."""
 
 _HEAD = 4
 _ORDERS = {0: ">", 1: "<"}
@@ -33,7 +33,7 @@ _DEEPEST = 32
 
 
 class _Bytes:
-    """The bytes of a message, and how far they are read; alignment counts from behind the head."""
+    """The bytes of a message, and the position of the reader, by which values are aligned."""
 
     __slots__ = ("at", "data", "order")
 
@@ -43,13 +43,13 @@ class _Bytes:
         self.data, self.at, self.order = data[_HEAD:], 0, _ORDERS[data[1]]
 
     def number(self, code: str, size: int) -> Any:
-        """Returns the next number."""
+        """Returns the next number (`code`: of `struct`; `size`: its bytes)."""
         at = -(-self.at // size) * size
         self.at = at + size
         return struct.unpack_from(self.order + code, self.data, at)[0]
 
     def numbers(self, code: str, size: int, count: int) -> tuple[Any, ...]:
-        """Returns the next numbers."""
+        """Returns the next `count` numbers."""
         if not count:
             return ()
         at = -(-self.at // size) * size
@@ -59,7 +59,7 @@ class _Bytes:
         return struct.unpack_from(f"{self.order}{count}{code}", self.data, at)
 
     def text(self) -> str:
-        """Returns the next text, which ends with a zero."""
+        """Returns the next text, which ends with a zero byte."""
         size = self.number("I", 4)
         end = self.at + size
         if end > len(self.data):
@@ -69,7 +69,7 @@ class _Bytes:
         return octets.decode("utf-8", "replace")
 
     def wide_text(self) -> str:
-        """Returns the next text of wide characters: units of UTF-16, each in four bytes."""
+        """Returns the next text of wide characters: UTF-16 units of four bytes each."""
         units = self.numbers("I", 4, self.number("I", 4))
         try:
             return array("H", units).tobytes().decode(_UTF_16, "replace")
@@ -81,16 +81,16 @@ _UTF_16 = f"utf-16-{sys.byteorder[0]}e"
 
 
 class RosReader:
-    """Reads messages of one type.
+    """Reader of messages of one type.
 
-    Its values are objects by name, lists, tuples of numbers, texts and numbers.
+    Values are dictionaries, lists, tuples of numbers, texts and numbers.
     """
 
     def __init__(self, name: str, definition: str) -> None:
-        """Reads the definition of a type, and of all types in it, as `ros2msg` has them.
+        """Reads the definition of a type and of all types in it, in the form of `ros2msg`.
 
         Raises:
-            RecordingError: It is none, or lacks a type.
+            RecordingError: The definition is wrong, or lacks a type.
         """
         parts = defined_parts(name, definition)
         self._name = name
@@ -110,7 +110,7 @@ class RosReader:
 
 
 def defined_parts(name: str, definition: str) -> dict[str, str]:
-    """Returns the definitions in one of `ros2msg` by their short names, that of the type first."""
+    """Returns the definitions in a `ros2msg` text by short name, that of type `name` first."""
     first, *rest = _PART.split(
         _PART_OF_CALL.sub(lambda match: _in_camel_case(match[0]), definition)
     )
@@ -122,30 +122,30 @@ def defined_fields(name: str, parts: Mapping[str, str]) -> list[FieldDefinition]
     """Returns the fields of a type.
 
     Raises:
-        RecordingError: It is not defined, or its definition is none.
+        RecordingError: It is not defined, or its definition is wrong.
     """
     if name not in parts:
         raise RecordingError(f"the recording does not define {name}")
     definition = parse_definition(parts[name], "msg")
-    if definition.faults:  # a field that is left out would shift all that follow
+    if definition.faults:  # a missing field would shift all following ones
         raise RecordingError(f"its definition of {name} is wrong: {definition.faults[0].message}")
     return definition.sections[0].fields
 
 
 def _in_camel_case(name: str) -> str:
-    """Returns a type that ROS makes of a call as definitions may name types: in CamelCase."""
+    """Returns a type of a service or action without `_`, which definitions may not have."""
     package, slash, own = name.rpartition("/")
     return package + slash + own.replace("_", "")
 
 
 def _short(name: str) -> str:
-    """Returns a name as definitions have it: `nav_msgs/Odometry`."""
+    """Returns the short name of a type, such as `nav_msgs/Odometry`."""
     package, _, rest = name.partition("/")
     return f"{package}/{rest.rpartition('/')[2]}"
 
 
 def _record(name: str, parts: Mapping[str, str], known: dict[str, Read], depth: int) -> Read:
-    """Returns the reader of a type; `known` has those of types that were met before."""
+    """Returns the reader of a type; `known` has the readers made so far."""
     if name in known:
         return known[name]
     if depth > _DEEPEST:
@@ -164,7 +164,7 @@ def _record(name: str, parts: Mapping[str, str], known: dict[str, Read], depth: 
 
 
 def _nothing(source: _Bytes) -> dict[str, Any]:
-    """A type without fields has one octet on the wire."""
+    """Reads the one byte that a type without fields has on the wire."""
     source.number("B", 1)
     return {}
 

@@ -1,4 +1,4 @@
-"""Schemas of messages in MCAP files: `ros2msg` of ROS types, and JSON schemas of JAUS messages.
+"""Schemas of messages in MCAP files: `ros2msg` for ROS types, JSON schemas for JAUS messages.
 
 `ros2msg` is the text of the type's .msg file, and after it those of all types in it, each below a
 line of `=` and one with its name.
@@ -25,7 +25,7 @@ _ANY: Schema = {"type": "object"}
 
 
 def schema_of(entry: MessageEntry) -> Schema:
-    """Returns the schema of a message of a recording: its header and its fields."""
+    """Returns the JSON schema of a recorded JAUS message: its header and its fields."""
     body = entry.layout.body
     fields: Schema = _ANY
     if body is not None:
@@ -90,12 +90,14 @@ def _described(field: wire.Field) -> Schema:
 
 _LINE = "=" * 80
 
+# The field that rosidl gives a type without fields, on the wire too.
 _NO_FIELD = "uint8 structure_needs_at_least_one_member"
-"""The field that rosidl gives a type without fields, on the wire too."""
 
 _GOAL_ID = "unique_identifier_msgs/UUID goal_id"
 _CALL = "service_msgs/ServiceEventInfo info\n{0}_Request[<=1] request\n{0}_Response[<=1] response"
 
+# Types of topics of services and actions, and those in them: each has fields, or a section of the
+# file (REP 2012, rosidl action type support).
 _ROLES: dict[tuple[str, str], dict[str, str | int]] = {
     ("srv", "Event"): {"Event": _CALL, "Request": 0, "Response": 1},
     ("action", "FeedbackMessage"): {
@@ -115,21 +117,19 @@ _ROLES: dict[tuple[str, str], dict[str, str | int]] = {
         "Result": 1,
     },
 }
-"""Types of topics of services and actions, and those in them: each has fields, or a section of the
-file (REP 2012, rosidl action type support)."""
 
+# The text of a definition, and the types in it, e.g. `std_msgs/Header`.
 Part = tuple[str, list[str]]
-"""The text of a definition, and the types in it, e.g. `std_msgs/Header`."""
 
 
 def full_name(kind: ros.MessageType) -> str:
-    """Returns the name of a type as ROS says it, e.g. `nav_msgs/msg/Odometry`."""
+    """Returns the full name of a ROS type, e.g. `nav_msgs/msg/Odometry`."""
     return f"{package_of(kind)}/msg/{kind.name}"
 
 
 def modelled_definition(kind: ros.MessageType) -> str:
-    """Returns the definition of a type of a model."""
-    # It takes long to load, and types that are installed need none of it.
+    """Returns the `ros2msg` text of a type of a model."""
+    # It takes long to load, and installed types do not need it.
     from jausml_generators.ros_interfaces.definitions import section_of  # noqa: PLC0415
 
     known = {_short(kind): kind}
@@ -146,11 +146,11 @@ def modelled_definition(kind: ros.MessageType) -> str:
 
 
 def installed_definition(name: str, installation: Installation) -> str:
-    """Returns the definition of an installed type, empty when its package is not installed.
+    """Returns the `ros2msg` text of an installed type, empty when its package is not installed.
 
     Args:
-        name: Its full name, e.g. `nav_msgs/msg/Odometry`; what topics of services and actions have
-            too, e.g. `std_srvs/srv/SetBool_Event`.
+        name: Its full name, e.g. `nav_msgs/msg/Odometry`, or that of a type of topics of services
+            and actions, e.g. `std_srvs/srv/SetBool_Event`.
     """
 
     def part(short: str) -> Part:
@@ -170,7 +170,7 @@ def installed_definition(name: str, installation: Installation) -> str:
 def _interface_parts(
     package: str, kind: str, own: str, installation: Installation
 ) -> dict[str, Part]:
-    """Returns types, of a topic of a service or an action, that no file of their own defines."""
+    """Returns the types of a topic of a service or an action, which its file defines."""
     base, _, role = own.partition("_")
     if (kind, role) not in _ROLES:
         raise ValueError(f"{package}/{kind}/{own}")
@@ -195,7 +195,7 @@ def _text(installation: Installation, package: str, kind: str, own: str) -> str:
 
 
 def _part(text: str, package: str, without_fields: str = "") -> Part:
-    """Returns a definition and the types in it; for one without fields, another text."""
+    """Returns a definition and the types in it (`without_fields`: text for an empty one)."""
     fields = [field for part in parse_definition(text, "msg").sections for field in part.fields]
     inner = [
         f"{field.type.package or package}/{field.type.name}"

@@ -1,4 +1,4 @@
-"""A recording of ROS through the bridges of a model to JAUS, in its own time."""
+"""Replay of a recording of ROS through the bridges of a model to JAUS, at its own pace."""
 
 from __future__ import annotations
 
@@ -23,25 +23,26 @@ from jausml.live.workers.worker import Worker, WorkerError, bridge_code
 from jausml_generators.bridge.views import bridge_views
 from jausml_generators.common.components import own_bridges
 
-_TURN = 0.05
-"""Seconds after which a pause begins or ends at the latest."""
+_TURN = 0.05  # greatest seconds until a pause begins or ends
 
 _WORKER = Path(__file__).with_name("wire_worker.py")
 _SECONDS = 60.0
 
 
 class ReplayPace:
-    """The pace of a replay, which may be paused.
+    """The pace of a replay; `is_paused` pauses it.
 
     Attributes:
-        position: Seconds of the recording from the first message to the latest that has passed.
+        position: Seconds from the first message of the recording to the latest that passed.
     """
 
     def __init__(self, speed: float, most_each_second: float, stop: Event) -> None:
         """Begins at the start of the recording.
 
         Args:
-            most_each_second: How many messages pass at most; what comes faster is late.
+            speed: Seconds of the recording in one second.
+            most_each_second: Greatest number of messages; faster ones are delayed.
+            stop: Ends the replay.
         """
         self.is_paused = False
         self.position = 0.0
@@ -51,7 +52,7 @@ class ReplayPace:
         self._paused = 0.0
 
     def messages(self, messages: Iterable[RosMessage]) -> Iterator[RosMessage]:
-        """Yields messages when their time has come; the first at once."""
+        """Yields messages at their times, the first at once; ends with `stop`."""
         first, begin, free = None, 0.0, 0.0
         for message in messages:
             if first is None:
@@ -65,11 +66,11 @@ class ReplayPace:
             yield message
 
     def _now(self) -> float:
-        """Returns the time of a clock that stands during pauses."""
+        """Returns the seconds of a clock that stands still during pauses."""
         return time.monotonic() - self._paused
 
     def _waited(self, due: float) -> bool:
-        """Waits for a time; returns whether it has come, and not the end."""
+        """Waits for a time; returns False when the replay ended before."""
         while True:
             if self.is_paused:
                 begin = time.monotonic()
@@ -86,7 +87,13 @@ class ReplayPace:
 
 @dataclass(frozen=True)
 class Speakers:
-    """Bridges that have connections to JAUS alone."""
+    """Bridges with only their connections to JAUS.
+
+    Attributes:
+        bridges: Package, class and node name of each bridge.
+        topics: Types by topic.
+        commands: Names of connections that command, with their messages.
+    """
 
     model: Model
     bridges: tuple[tuple[str, str, str], ...]
@@ -95,15 +102,16 @@ class Speakers:
 
 
 def speakers_of(model: Model, *, allow_commands: bool) -> Speakers:
-    """Returns the bridges of a model as far as they speak.
+    """Returns the bridges of a model with only their connections to JAUS.
 
     Args:
-        model: A model without errors, of which nobody makes anything else: its bridges are changed.
+        model: A model without errors, which has no other use: its bridges are changed.
+        allow_commands: Whether connections that command stay.
     """
     whole = system_of(model)
     commands: list[str] = []
     for owner in own_bridges(whole):
-        commands += _quieted(owner, allow_commands=allow_commands)
+        commands += _keep_to_jaus(owner, allow_commands=allow_commands)
     editable: Any = whole
     for owner in own_bridges(whole):
         if not owner.bridgeConnections:
@@ -118,8 +126,8 @@ def speakers_of(model: Model, *, allow_commands: bool) -> Speakers:
     )
 
 
-def _quieted(owner: bridge.Bridge, *, allow_commands: bool) -> list[str]:
-    """Removes the parts of a bridge without JAUS; returns those that send unasked."""
+def _keep_to_jaus(owner: bridge.Bridge, *, allow_commands: bool) -> list[str]:
+    """Removes all but the connections to JAUS; returns those that command."""
     editable: Any = owner  # its collections are those of pyecore
     editable.serviceConnections.clear()
     editable.actionConnections.clear()
@@ -139,22 +147,22 @@ def _node(owner: bridge.Bridge) -> str:
 
 
 class WireReplay:
-    """Bridges on the network; close them at the end, which leaves in good order.
+    """Bridges on the network, until `close`.
 
     Attributes:
-        commands: The connections that command.
-        published: How many messages of each topic the bridges were given.
-        others: How many are on topics that no bridge takes.
-        refused: How many were not given, by the reason.
-        undefined: How many were given whose definition the recording does not have.
-        connections: What became of them, by connection, once it is closed.
+        commands: The connections that command, in words.
+        published: Numbers of messages given to the bridges, by topic.
+        others: Numbers of messages that no bridge takes, by topic.
+        refused: Numbers of messages not given, by reason.
+        undefined: Numbers of given messages without a definition in the recording, by topic.
+        connections: Statistics by connection, after `close`.
     """
 
     def __init__(self, model: Model, transport: dict[str, Any], *, allow_commands: bool) -> None:
         """Opens the bridges.
 
         Raises:
-            RecordingError: No bridge has anything to say, or the network cannot be used.
+            RecordingError: No bridge has a connection to JAUS, or the network cannot be used.
         """
         speakers = speakers_of(model, allow_commands=allow_commands)
         self.commands = speakers.commands
@@ -189,7 +197,7 @@ class WireReplay:
             self._worker.close()
 
     def run(self, messages: Iterable[RosMessage]) -> None:
-        """Gives the bridges messages as they come."""
+        """Gives messages to the bridges."""
         for message in messages:
             if message.topic not in self._topics:
                 self.others[message.topic] += 1

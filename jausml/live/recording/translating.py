@@ -1,4 +1,4 @@
-"""Captured JAUS messages through the maps of a model, by generated code, also into MCAP files."""
+"""Translation of captured JAUS messages by the maps of a model, with generated code."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ _WORDS = {
 
 @dataclass(frozen=True)
 class TranslatedMessage:
-    """A message of ROS."""
+    """A message of ROS (`time`: nanoseconds since 1970; `source`: JAUS id of the sender)."""
 
     route: Route
     time: int
@@ -51,24 +51,30 @@ class TranslatedMessage:
 
 
 class Untranslated(Counter[tuple[str, str]]):
-    """How many messages became nothing, by route and reason; with an example of each."""
+    """Numbers of messages without a translation, by route and reason, with examples."""
 
     def __init__(self) -> None:
         super().__init__()
         self.examples: dict[tuple[str, str], str] = {}
 
     def note(self, label: str, kind: str, text: str) -> None:
-        """Counts one."""
+        """Counts a message (`kind`: the error; `text`: its details)."""
         key = (label, _WORDS.get(kind, kind))
         self[key] += 1
         self.examples.setdefault(key, text)
 
 
 class Translator:
-    """The translations of a model; close it at the end."""
+    """The translations of a model, until `close`.
+
+    Attributes:
+        routes: The routes of JAUS messages to topics.
+        unmapped: Numbers of messages without a route, by message code.
+        untranslated: Numbers of messages whose translation failed.
+    """
 
     def __init__(self, model: Model) -> None:
-        """Starts the process of the translations."""
+        """Starts the process of the translations (`RecordingError`: there is no map to ROS)."""
         routed, self.routes = routes_of(model)
         if not self.routes:
             raise RecordingError("the model has no map from JAUS to ROS that could be used")
@@ -102,13 +108,13 @@ class Translator:
         yield from self._done(waiting)
 
     def out_of_range(self) -> dict[str, dict[str, int]]:
-        """Returns how often values did not fit their field, by route, then by what was done."""
+        """Returns numbers of values that did not fit their field, by route, then by policy."""
         route_counts = self._ask({})
         named = zip(self.routes, route_counts, strict=True)
         return {route.label: counts for route, counts in named if counts}
 
     def _takers_of(self, message: JausMessage) -> list[tuple[int, str]]:
-        """Returns routes, and the name of the join where it is no main message; joins first."""
+        """Returns indices of routes with the name of a join, empty for the main message."""
         key = (message.code, message.source)
         if key not in self._takers:
             takers = [
@@ -122,7 +128,7 @@ class Translator:
                 for index, route in enumerate(self.routes)
                 if route.code == key[0] and _wants(route.senders, key[1])
             ]
-            if len(self._takers) >= _MOST_KNOWN:  # inventions must not fill the memory
+            if len(self._takers) >= _MOST_KNOWN:  # forged messages must not fill the memory
                 self._takers.clear()
             self._takers[key] = takers
         return self._takers[key]
@@ -172,7 +178,7 @@ def _plan(route: Route) -> dict[str, Any]:
 
 
 def _plan_of_join(translated: TranslatedJoin) -> dict[str, Any]:
-    """Returns a join for the worker: its names for bridges and for the translation."""
+    """Returns a join as the worker takes it."""
     join = translated.join
     return {
         "name": str(join.name),
@@ -182,13 +188,12 @@ def _plan_of_join(translated: TranslatedJoin) -> dict[str, Any]:
     }
 
 
-Addresses = frozenset[str]
-"""JAUS ids; none means that of anybody."""
+Addresses = frozenset[str]  # JAUS ids; none means all
 
 
 @dataclass(frozen=True)
 class RecordedTopic:
-    """A topic of a recording."""
+    """A topic of a recording, with its full type name and `ros2msg` definition."""
 
     name: str
     type: str
@@ -200,7 +205,8 @@ class RouteJoin:
     """A joined report of a route.
 
     Attributes:
-        senders: Whose reports are meant; those of the subsystem of the main message by default.
+        code: Code of the report.
+        senders: Senders of the report; by default all of the subsystem of the main message.
     """
 
     translated: TranslatedJoin
@@ -210,7 +216,14 @@ class RouteJoin:
 
 @dataclass(frozen=True)
 class Route:
-    """A way of a JAUS message to topics."""
+    """The translation of a JAUS message to topics by a connection.
+
+    Attributes:
+        label: Bridge and connection in the model.
+        package: Package of the generated bridge.
+        base: Class of its base, which has the translations.
+        code: Code of the JAUS message.
+    """
 
     label: str
     package: str
@@ -224,24 +237,24 @@ class Route:
 
 
 def routes_of(model: Model) -> tuple[Model, list[Route]]:
-    """Returns a model of bridges that have routes alone, and these.
+    """Returns a model of bridges with only the connections of routes, and the routes.
 
-    They are those of the bridges of the model, or of all its maps when it has no system.
+    A model without a system gets a bridge with a connection for each map.
 
     Args:
-        model: A model without errors, of which nobody makes anything else: its bridges are changed.
+        model: A model without errors, which has no other use: its bridges are changed.
     """
     roots = model.documents[0].roots
     if not any(isinstance(root, system.System) for root in roots):
         model = _of_maps(model)
     sent: dict[bridge.Connection, Addresses] = {}
     for owner in own_bridges(system_of(model)):
-        sent.update(_turn(model, owner))
+        sent.update(_keep_to_ros(model, owner))
     return model, [route for view in bridge_views(model) for route in _routes(view, sent)]
 
 
 def _of_maps(model: Model) -> Model:
-    """Makes a model with a bridge that has a connection for each map to ROS."""
+    """Returns a model with one bridge, which has a connection for each map to ROS."""
     libraries = [root for root in model.documents[0].roots if isinstance(root, bridge.MapLibrary)]
     maps = {
         str(mapping.name): (mapping, True)
@@ -252,11 +265,11 @@ def _of_maps(model: Model) -> Model:
     return bridge_of_maps(model.metamodels, "maps", maps)
 
 
-def _turn(model: Model, owner: bridge.Bridge) -> dict[bridge.Connection, Addresses]:
-    """Leaves a bridge the connections to ROS, and makes such of others whose map can be turned.
+def _keep_to_ros(model: Model, owner: bridge.Bridge) -> dict[bridge.Connection, Addresses]:
+    """Removes the connections of a bridge to JAUS; adds ones to ROS whose map has that direction.
 
     Returns:
-        The made ones, with the address of the bridge, which sent their messages.
+        The added connections with the JAUS id of the bridge, which sent their messages.
     """
     editable: Any = owner  # its collections are those of pyecore
     editable.serviceConnections.clear()
@@ -320,7 +333,13 @@ def _addresses(peers: Iterable[jaus.Component]) -> Addresses:
 
 
 class CaptureReplay:
-    """The way of a capture into a file."""
+    """Translation of a capture into an MCAP file.
+
+    Attributes:
+        captured: The JAUS messages of the capture.
+        topics: Numbers of written messages by topic.
+        sources: JAUS ids of the senders by topic.
+    """
 
     def __init__(
         self, translator: Translator, file: McapFile, jaus: JausWriter | None = None

@@ -1,7 +1,7 @@
-"""The process in which recorded JAUS messages become messages of ROS, by generated translations.
+"""The process that translates recorded JAUS messages to ROS, by generated code.
 
 It answers each line of JSON on its input with one on its output; `jausml/live/workers` runs it. The
-bridges are not opened: nothing is shaped, and the time is that of the recording.
+bridges are not opened: no rate is limited, and the time is that of the recording.
 """
 
 from __future__ import annotations
@@ -18,8 +18,7 @@ from jausml_runtime.conversions import Time
 
 _NANO = 10**9
 
-Answer = typing.Any
-"""Hexadecimal digits of what was made; or kind and text of what is wrong."""
+Answer = typing.Any  # hexadecimal digits of what was made; or kind and text of what is wrong
 
 
 class RecordingClock:
@@ -34,7 +33,7 @@ class RecordingClock:
 
 
 class LatestReports:
-    """The latest joined reports."""
+    """The latest reports of a join, by subsystem."""
 
     def __init__(self, plan: dict[str, typing.Any], kind: typing.Any) -> None:
         self._plan, self._kind = plan, kind
@@ -42,11 +41,11 @@ class LatestReports:
         self._latest: dict[int, tuple[int, bytes]] = {}
 
     def keep(self, subsystem: int, at: int, data: bytes) -> None:
-        """Keeps a report of a subsystem, or of any one when the model names its sender."""
+        """Stores a report; if the model names its sender, for all subsystems."""
         self._latest[self._key(subsystem)] = at, data
 
     def fresh(self, subsystem: int, at: int) -> typing.Any:
-        """Returns the latest report if it is fresh."""
+        """Returns the latest fresh report; without one, None or a `StaleJoinError` by the map."""
         report = self._latest.get(self._key(subsystem))
         if report is not None and 0 <= at - report[0] <= self._plan["freshness"] * _NANO:
             return _decoder(self._kind)(report[1])
@@ -78,7 +77,7 @@ class ConnectionTranslation:
         self._clock = clock
 
     def run(self, subsystem: int, at: int, data: bytes) -> Answer:
-        """Returns the translation of a message."""
+        """Returns the translation of a message (`at`: nanoseconds since 1970)."""
         self._clock.nanoseconds = at
         try:
             joins = {join.parameter: join.fresh(subsystem, at) for join in self.joins.values()}
@@ -93,13 +92,13 @@ def _hints(method: typing.Any, module: typing.Any) -> dict[str, typing.Any]:
 
 
 def _class_of(hint: typing.Any) -> typing.Any:
-    """Returns the class of a parameter, which may be one of `X | None`."""
+    """Returns the class of a type hint, also of `X | None`."""
     inner = [argument for argument in typing.get_args(hint) if argument is not type(None)]
     return inner[0] if inner else hint
 
 
 def _decoder(kind: typing.Any) -> typing.Any:
-    """Returns the function that reads messages of a class of either side."""
+    """Returns the decoder of a message class, of JAUS or ROS."""
     return kind.from_cdr if hasattr(kind, "from_cdr") else kind.decode
 
 
@@ -108,17 +107,17 @@ def _encode(target: typing.Any) -> bytes:
 
 
 def _ignore(_seconds: float) -> None:
-    """Nobody waits for a translation of a recording."""
+    """Takes the time of a translation, which does not matter here."""
 
 
 class Work:
-    """All translations."""
+    """The translations of all routes."""
 
     def __init__(self) -> None:
         self._translations: list[ConnectionTranslation] = []
 
     def answer(self, request: dict[str, typing.Any]) -> Answer:
-        """Answers one line."""
+        """Returns the answer to a request."""
         if "routes" in request:
             clock = RecordingClock()
             self._translations = [
@@ -144,7 +143,7 @@ def _counts(connection: typing.Any) -> dict[str, int]:
 
 
 def main() -> None:
-    """Answers until the input ends."""
+    """Answers requests until the input ends."""
     work = Work()
     for line in sys.stdin:
         sys.stdout.write(json.dumps(work.answer(json.loads(line))) + "\n")

@@ -6,15 +6,13 @@ import io
 from collections.abc import Iterator
 from typing import BinaryIO
 
-MOST_UNPACKED = 256 << 20
-"""Bytes that a chunk or a message of a recording may have, unpacked."""
+MOST_UNPACKED = 256 << 20  # bytes that a chunk or a message of a recording may have, unpacked
 
-_STEP = 1 << 20
-_FEED = 1 << 10
-"""Compressed bytes that are unpacked at once: zstd makes 32 MiB of them at most."""
+_STEP = 1 << 20  # unpacked bytes that are read of lz4 at once
+_FEED = 1 << 10  # compressed bytes that are unpacked at once; zstd makes 32 MiB of them at most
 
+# Bytes that one byte of a compressed file may become; recordings are compressed less.
 _LARGEST_RATIO = 1000
-"""Bytes that one byte of a compressed file may become; recordings are compressed less."""
 
 
 class DamageError(Exception):

@@ -1,4 +1,4 @@
-"""The process in which recorded messages of ROS go through generated bridges to JAUS.
+"""The process that passes recorded messages of ROS to generated bridges, and so to JAUS.
 
 It answers each line of JSON on its input with one on its output; `jausml/live/workers` runs it. The
 bridges are on the real network, and what they have of ROS is in this process. When the input ends
@@ -21,8 +21,7 @@ from jausml_runtime.bridge.messages.limits import RosTypeError
 from jausml_runtime.component.process import running_transport
 from jausml_runtime.virtual import Link, RosGraph, VirtualRosNode
 
-_OFFERED = Qos(durability="transient_local", depth=1)
-"""The quality that meets any subscription."""
+_OFFERED = Qos(durability="transient_local", depth=1)  # the quality that meets any subscription
 
 
 class OpenBridges:
@@ -34,7 +33,7 @@ class OpenBridges:
         self._graph: typing.Any = None
 
     def answer(self, request: dict[str, typing.Any]) -> typing.Any:
-        """Answers one line."""
+        """Returns the answer to a request."""
         if "bridges" in request:
             return self._open(request)
         if "message" in request:
@@ -57,7 +56,7 @@ class OpenBridges:
         return {}
 
     def _publish(self, topic: str, kind: str, data: str) -> str:
-        """Publishes a message; returns the reason where that fails, else an empty text."""
+        """Publishes a message; returns the reason if that fails, else an empty text."""
         with self._graph.loop.lock:
             try:
                 self._graph.publish(topic, kind, bytes.fromhex(data), _OFFERED)
@@ -66,7 +65,7 @@ class OpenBridges:
         return ""
 
     def _close(self) -> dict[str, typing.Any]:
-        """Closes all; returns what became of messages, by connection."""
+        """Closes all bridges; returns their statistics by connection."""
         self._stack.close()
         return {
             f"{bridge.settings.name}.{connection.name}": _counts(connection.statistics)
@@ -84,12 +83,12 @@ def _counts(statistics: typing.Any) -> dict[str, typing.Any]:
 
 
 def _ignore(_where: str, _data: bytes) -> None:
-    """Nobody watches."""
+    """Takes a message for watchers, of which there are none."""
 
 
 def main() -> None:
-    """Answers until the input ends."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # who started us tells when to end
+    """Answers requests until the input ends."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent process ends it
     wire = OpenBridges()
     try:
         for line in sys.stdin:

@@ -1,1 +1,1 @@
-"""Running systems: a pure model of their state, and the sources that feed it."""
+"""Running systems: their state as immutable values, and the sources that it is made from."""

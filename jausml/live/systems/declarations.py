@@ -1,4 +1,4 @@
-"""Declarations of a running system by a model: its connections, and names of its components."""
+"""Declarations of a model for a running system: its connections, and names of its components."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def _declared(
     connection: bridge.Connection | bridge.RosServiceConnection | bridge.RosActionConnection,
     message: str,
 ) -> DeclaredConnection:
-    """Returns the declaration of any connection; topics, reports and rates not all have."""
+    """Returns the declaration of a connection of any kind, without topics and rate."""
     return DeclaredConnection(
         bridge=node_of(owner),
         name=str(connection.name),

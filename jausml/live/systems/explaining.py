@@ -1,4 +1,4 @@
-"""Why a message was not passed on, in sentences: the counter, and the state at that time."""
+"""Explanations, in sentences, why a bridge dropped a message: its counter, and the state then."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from jausml.live.systems.recorded_facts import BRIDGE
 from jausml.live.systems.state import ComponentState, ConnectionState, SystemState
 from jausml.live.systems.tables import shown_name, state_text
 
+# Reasons of drops by the counters of bridges. The documentation page of the counters has them, too.
 MEANINGS: Mapping[str, str] = {
     "aborted": "whoever executed the goal or the list gave it up",
     "absent_field": "a field that the map needs was absent",
@@ -54,15 +55,17 @@ MEANINGS: Mapping[str, str] = {
     "out of order": "it arrived after a newer one",
     "too old": "it waited in the queue for too long",
 }
-"""Why a message was not passed on, by its counter. The page of the counters is made of them."""
 
 
 @dataclass(frozen=True)
 class Explanation:
-    """Sentences about a connection at a time.
+    """Sentences about the last drop of a connection.
 
     Attributes:
-        at: The time that is explained: that of the last drop, if there is one.
+        at: Time of the last drop, in seconds since the beginning of the recording; the given time
+            if there is no drop.
+        counter: Sentences about the counters that rose.
+        state: Sentences about the state at that time.
     """
 
     at: float
@@ -73,30 +76,31 @@ class Explanation:
 def explained(
     system: RecordedSystem, model: Model | None, key: tuple[str, str], at: float
 ) -> Explanation:
-    """Returns the reason of the last drop of a connection, up to a time.
+    """Returns the reasons for the last drop of a connection up to a time.
 
     Args:
         system: The recording.
-        model: What says which components and connections there are.
+        model: The model of the system, for its declared components and connections.
         key: Bridge and name of the connection.
+        at: Seconds since the beginning of the recording.
     """
     drops = [
         mark
         for mark in system.marks
         if mark.subject == key and mark.kind == "drop" and mark.time <= at
     ]
-    # All that was counted in one status has one time.
-    risen = [drop for drop in drops if drop.time == drops[-1].time]
-    moment = risen[0].time if risen else at
+    # All counters of one status have the same time.
+    last_drops = [drop for drop in drops if drop.time == drops[-1].time]
+    moment = last_drops[0].time if last_drops else at
     state = system.state(moment, model)
     connection = state.connections.get(key)
     if connection is None or connection.told is None:
-        return Explanation(moment, (_untold(system, key),), ())
-    counters, sentences = _counters(connection, risen, at), _states(state, connection, moment)
+        return Explanation(moment, (_without_counters(system, key),), ())
+    counters, sentences = _counters(connection, last_drops, at), _states(state, connection, moment)
     return Explanation(moment, tuple(counters), tuple(sentences))
 
 
-def _untold(system: RecordedSystem, key: tuple[str, str]) -> str:
+def _without_counters(system: RecordedSystem, key: tuple[str, str]) -> str:
     name = f"{key[1]} of {key[0]}"
     if system.sources.get("ROS"):
         return (
@@ -107,22 +111,22 @@ def _untold(system: RecordedSystem, key: tuple[str, str]) -> str:
 
 
 def meaning(counter: str) -> str:
-    """Returns why messages are counted so, empty where nobody has said."""
+    """Returns the reason of a drop by its counter; empty for an unknown counter."""
     if counter.startswith("stale_join_"):
         return f"{MEANINGS['stale_join']}: {counter.removeprefix('stale_join_')}"
     reason = MEANINGS.get(counter) or MEANINGS.get(counter.removesuffix(", at most"))
     return reason or MEANINGS.get(counter.partition(" ")[0], "")
 
 
-def _counters(connection: ConnectionState, risen: list[Mark], at: float) -> Iterator[str]:
+def _counters(connection: ConnectionState, last_drops: list[Mark], at: float) -> Iterator[str]:
     name = shown_name(connection)
-    if not risen:
+    if not last_drops:
         yield f"Up to {at:.1f} s, no counter of {name} rose while it was recorded."
         if connection.drops:
             counts = ", ".join(f"{counter} {count}" for counter, count in connection.drops.items())
             yield f"What it had dropped before then, the recording cannot explain: {counts}."
         return
-    for mark in risen:
+    for mark in last_drops:
         yield (
             f"Between {_span(mark)}, {name} did not pass on {_times_of(mark.count, 'message')}: "
             f"its counter \u201c{mark.counter}\u201d rose from {mark.before} to {mark.after}."
@@ -148,8 +152,8 @@ def _states(state: SystemState, connection: ConnectionState, at: float) -> Itera
     for key, text in connection.peers.items():
         address = key.partition(" ")[2]
         if address:
-            beside = _beside(state.components.get(address))
-            yield f"To the bridge, its peer {address} was {text}; {beside}."
+            own_state = _own_state(state.components.get(address))
+            yield f"To the bridge, its peer {address} was {text}; {own_state}."
     if "override" in values:
         methods = values["override"]
         yield f"What it passes on, code of yours decides, which is not run here: {methods}."
@@ -164,14 +168,14 @@ def _states(state: SystemState, connection: ConnectionState, at: float) -> Itera
 
 
 def _bridge(state: SystemState, connection: ConnectionState) -> Iterator[str]:
-    """Yields the state of the bridge, as it reported it or as others heard it."""
+    """Yields a sentence on the state of the bridge, by its own status or by answers over JAUS."""
     bridge_state = state.connections.get((connection.bridge, BRIDGE))
     component = state.components.get(connection.jaus_id)
-    if bridge_state is not None and component is not None:  # who may have said something since
+    if bridge_state is not None and component is not None:  # its answers may be later than it
         node = dict(bridge_state.values).get("node", "unknown")
         yield (
             f"The bridge {connection.jaus_id} was {node} and in {component.state or 'no state'}, "
-            f"controlled by {_nobody(component.controller or '')}."
+            f"controlled by {_controller_text(component.controller or '')}."
         )
         return
     if component is None or component.told is None:
@@ -181,21 +185,21 @@ def _bridge(state: SystemState, connection: ConnectionState) -> Iterator[str]:
         )
         return
     yield f"The bridge {connection.jaus_id} was in {component.state or 'an unknown state'}" + (
-        f", controlled by {_nobody(component.controller or '')}."
+        f", controlled by {_controller_text(component.controller or '')}."
         if component.controller is not None
         else "; who controlled it, nobody asked."
     )
 
 
-def _nobody(controller: str) -> str:
+def _controller_text(controller: str) -> str:
     return controller if controller not in ("", "none") else "nobody"
 
 
-def _beside(component: ComponentState | None) -> str:
-    """Returns the state that a peer reported, in words."""
+def _own_state(component: ComponentState | None) -> str:
+    """Returns the state that a peer reported of itself, in words."""
     texts = [f"in {component.state}"] if component is not None and component.state else []
     if component is not None and component.controller is not None:
-        texts.append(f"controlled by {_nobody(component.controller)}")
+        texts.append(f"controlled by {_controller_text(component.controller)}")
     return f"it was {', '.join(texts)}" if texts else "of itself it said nothing"
 
 

@@ -1,7 +1,7 @@
-"""Reports of a system, folded into its state: pure functions from a state to the next.
+"""Functions that fold reports of a system into its state: each returns the next state.
 
-Folding in what is told touches whom it concerns alone; `fold_time` looks at everybody. Bridges tell
-in statuses of `/diagnostics` (`bridge/connections/reporting.py`).
+A report changes only the parts that it concerns; `fold_time` checks all parts. Bridges report in
+statuses of `/diagnostics` (`bridge/connections/reporting.py`).
 """
 
 from __future__ import annotations
@@ -37,9 +37,9 @@ _OF_A_BRIDGE = (
 )
 _LATENCY = re.compile(r"((?:source to bridge|in the bridge) (?:p50|p99|max)) \(us\)")
 _OF_A_PEER = "account of "
+# Prefixes of the counts of dropped messages, of failed calls, and of messages that reached no
+# connection.
 _FAILURES = ("dropped: ", "failed: ", "not taken: ")
-"""How counts of messages begin that were not passed on, those of calls, and those of messages that
-did not come as far as their connection."""
 
 _LOSSES = (
     "dropped by the kernel",
@@ -55,11 +55,28 @@ _COUNT = re.compile(r"\d{1,18}")
 _PEERS = ("peer", "search")
 _OF_A_CONNECTION = {_DECLARED, "translation"}
 
-MOST_VALUES = 256
-"""Values of one status that are kept."""
+MOST_VALUES = 256  # values of one status; further ones are left out
+LONGEST_TEXT = 500  # characters of one text; longer ones are cut
+MOST_CONNECTIONS = 4096  # of a system; further ones are counted as ignored
+MOST_COMPONENTS = 1024  # of a system; further ones are counted as ignored
 
-LONGEST_TEXT = 500
-"""Characters of one text that are kept."""
+# Seconds without an answer after which a component that no model declares is removed.
+FORGOTTEN = 60.0
+
+_PERIODS = 3  # missing statuses after which a bridge is gone
+_ANSWERED = (
+    *("name", "type", "state", "controller", "authority", "control_timeout", "services"),
+    *("machines", "round_trip"),
+)
+_UNANSWERED = 3  # queries after which a component is gone
+_STATES = {
+    "READY": Level.OK,
+    "STANDBY": Level.OK,
+    "INITIALIZE": Level.WARNING,
+    "SHUTDOWN": Level.WARNING,
+    "EMERGENCY": Level.ERROR,
+    "FAILURE": Level.ERROR,
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,9 +91,9 @@ class DiagnosticStatus:
 
 
 def connection_of(status: DiagnosticStatus, now: float) -> ConnectionState | None:
-    """Returns the connection or bridge of a status; None for a status of another maker.
+    """Returns the state of the connection or bridge in a status; None for other statuses.
 
-    Whatever a value cannot be read as is left out; as text it is among the values all the same.
+    A value that is not of the expected form is left out; `values` has its text all the same.
     """
     bridge, colon, name = status.name.rpartition(": ")
     values = tuple((cut(key), cut(value)) for key, value in status.values[:MOST_VALUES])
@@ -107,7 +124,7 @@ def connection_of(status: DiagnosticStatus, now: float) -> ConnectionState | Non
 
 
 def number(text: str) -> float | None:
-    """Returns the number that a text is, None when it is none or not finite."""
+    """Returns the number in a text; None if it is not a finite number."""
     try:
         value = float(text)
     except ValueError:
@@ -116,7 +133,7 @@ def number(text: str) -> float | None:
 
 
 def cut(text: str) -> str:
-    """Returns a text that is not longer than what is kept."""
+    """Returns a text, cut to `LONGEST_TEXT` characters."""
     return text if len(text) <= LONGEST_TEXT else text[: LONGEST_TEXT - 1] + "…"
 
 
@@ -138,46 +155,21 @@ def _latency(values: Iterable[tuple[str, str]]) -> dict[str, float]:
     return latencies
 
 
-MOST_CONNECTIONS = 4096
-"""Connections that are kept; more are counted as ignored."""
-
-MOST_COMPONENTS = 1024
-"""Components that are kept; more are counted as ignored."""
-
-FORGOTTEN = 60.0
-"""Seconds after which a component that answers no more, and that no model has, is history."""
-
-_PERIODS = 3
-_TOLD = (
-    *("name", "type", "state", "controller", "authority", "control_timeout", "services"),
-    *("machines", "round_trip"),
-)
-_UNANSWERED = 3
-_STATES = {
-    "READY": Level.OK,
-    "STANDBY": Level.OK,
-    "INITIALIZE": Level.WARNING,
-    "SHUTDOWN": Level.WARNING,
-    "EMERGENCY": Level.ERROR,
-    "FAILURE": Level.ERROR,
-}
-
-
 class AnswerSource(Enum):
-    """Where knowledge of a component comes from."""
+    """The source of an answer about a component."""
 
     ITSELF = "itself"
     DISCOVERY = "Discovery"
     NOBODY = "nobody"
-    """The component was asked, and no answer came in time."""
+    """No answer came in time."""
 
 
 @dataclass(frozen=True, slots=True)
 class ComponentAnswer:
-    """The state of a component as it reports it; None is what it does not report this time.
+    """An answer about a component; attributes that it does not report are None.
 
     Attributes:
-        round_trip: Seconds from a question to the answer.
+        round_trip: Seconds from the query to the report.
     """
 
     address: str
@@ -196,11 +188,11 @@ class ComponentAnswer:
 def expected(
     declarations: Iterable[DeclaredConnection], components: Mapping[str, str], now: float
 ) -> SystemState:
-    """Returns the state of a system of which a model is known, and nothing was heard."""
+    """Returns the state of a system by its model alone, before any report."""
     declared = tuple(declarations)
     state = SystemState(
         now,
-        {connection.key: _unheard(connection) for connection in declared},
+        {connection.key: _before_reports(connection) for connection in declared},
         {
             address: ComponentState(address, name, is_declared=True)
             for address, name in components.items()
@@ -216,16 +208,16 @@ def fold_model(
     components: Mapping[str, str],
     now: float,
 ) -> SystemState:
-    """Returns the state after a change of its model, with all that was heard."""
+    """Returns the state after a change of its model; all reports so far stay."""
     fresh = expected(declarations, components, now)
     heard = [connection for connection in state.connections.values() if connection.told is not None]
     declared = {connection.key: _declaration(fresh, connection) for connection in heard}
-    spoken_for = {connection.key for connection in declared.values() if connection is not None}
+    heard_keys = {connection.key for connection in declared.values() if connection is not None}
     connections = {
         **{
             key: connection
             for key, connection in fresh.connections.items()
-            if key not in spoken_for
+            if key not in heard_keys
         },
         **{
             connection.key: replace(connection, declaration=declared[connection.key])
@@ -252,7 +244,7 @@ def fold_model(
 
 
 def fold_source(state: SystemState, source: str, fault: str) -> SystemState:
-    """Returns the state after a source opened, or could not."""
+    """Returns the state after a source opened (empty `fault`), or failed to."""
     return fold_time(replace(state, sources={**state.sources, source: fault}), state.now)
 
 
@@ -274,12 +266,14 @@ def fold_statuses(
             if placeholder is not None and placeholder.told is None:
                 del connections[declaration.key]
         former = connections.get(latest.key)
-        connections[latest.key] = replace(_after(former, latest, now), declaration=declaration)
+        connections[latest.key] = replace(
+            _with_history(former, latest, now), declaration=declaration
+        )
     return replace(state, now=max(now, state.now), connections=connections, ignored=ignored)
 
 
 def fold_answer(state: SystemState, answer: ComponentAnswer, now: float) -> SystemState:
-    """Returns the state after a component told something."""
+    """Returns the state after an answer about a component."""
     former = state.components.get(answer.address)
     if former is None:
         if len(state.components) >= MOST_COMPONENTS:
@@ -289,7 +283,7 @@ def fold_answer(state: SystemState, answer: ComponentAnswer, now: float) -> Syst
     is_live = answer.source is AnswerSource.ITSELF
     changes: dict[str, Any] = {
         name: cut(value) if isinstance(value, str) else value
-        for name in _TOLD
+        for name in _ANSWERED
         if (value := getattr(answer, name)) is not None
     }
     changes["told"] = now if is_live else former.told
@@ -297,27 +291,27 @@ def fold_answer(state: SystemState, answer: ComponentAnswer, now: float) -> Syst
         changes["machines_told"] = now
     changes["unanswered"] = 0 if is_live else unanswered
     latest = replace(former, **changes)
-    components = {**state.components, answer.address: _judged_component(state, latest)}
+    components = {**state.components, answer.address: _component_with_level(state, latest)}
     return replace(state, now=max(now, state.now), components=components)
 
 
 def fold_time(state: SystemState, now: float) -> SystemState:
-    """Returns the state at a time: long silent parts are no longer heard."""
+    """Returns the state at a time: parts that were silent for long are marked as gone."""
     now = max(now, state.now)
     connections = {}
     for key, connection in state.connections.items():
         is_gone = connection.told is not None and now - connection.told > _patience(connection)
         if not (is_gone and connection.concerns_bridge):
-            connections[key] = _judged(state, connection, is_gone=is_gone)
+            connections[key] = _with_level(state, connection, is_gone=is_gone)
     components = {
-        address: _judged_component(state, component)
+        address: _component_with_level(state, component)
         for address, component in state.components.items()
         if component.is_declared or component.told is None or now - component.told < FORGOTTEN
     }
     return replace(state, now=now, connections=connections, components=components)
 
 
-def _unheard(declaration: DeclaredConnection) -> ConnectionState:
+def _before_reports(declaration: DeclaredConnection) -> ConnectionState:
     return ConnectionState(
         declaration.bridge,
         declaration.name,
@@ -328,7 +322,7 @@ def _unheard(declaration: DeclaredConnection) -> ConnectionState:
 
 
 def _declaration(state: SystemState, latest: ConnectionState) -> DeclaredConnection | None:
-    """Returns the declaration of a connection, whose bridge may have another name or id."""
+    """Returns the declaration of a connection by the id of its bridge, else by its node name."""
     node = latest.bridge.rpartition("/")[2]
     candidates = [
         declaration for declaration in state.declarations if declaration.name == latest.name
@@ -340,7 +334,9 @@ def _declaration(state: SystemState, latest: ConnectionState) -> DeclaredConnect
     return next(same_id, None) or next(same_node, None)
 
 
-def _after(former: ConnectionState | None, latest: ConnectionState, now: float) -> ConnectionState:
+def _with_history(
+    former: ConnectionState | None, latest: ConnectionState, now: float
+) -> ConnectionState:
     history = former.history if former is not None else ()
     if latest.rate is not None:
         history = (*history, latest.rate)[-HISTORY:]
@@ -352,7 +348,9 @@ def _patience(connection: ConnectionState) -> float:
     return max(SILENCE, _PERIODS * connection.period)
 
 
-def _judged(state: SystemState, connection: ConnectionState, *, is_gone: bool) -> ConnectionState:
+def _with_level(
+    state: SystemState, connection: ConnectionState, *, is_gone: bool
+) -> ConnectionState:
     if is_gone:
         reason = "its bridge says nothing any more"
         return replace(
@@ -365,7 +363,7 @@ def _judged(state: SystemState, connection: ConnectionState, *, is_gone: bool) -
     return connection
 
 
-def _gone(component: ComponentState, level: Level) -> ComponentState:
+def _without_state(component: ComponentState, level: Level) -> ComponentState:
     """Returns a component that no longer answers, without the state that it reported."""
     if component.is_gone and not component.state:
         return replace(component, level=level)
@@ -383,7 +381,7 @@ def _gone(component: ComponentState, level: Level) -> ComponentState:
     )
 
 
-def _judged_component(state: SystemState, component: ComponentState) -> ComponentState:
+def _component_with_level(state: SystemState, component: ComponentState) -> ComponentState:
     gone = Level.NOT_HEARD if component.is_declared else Level.STALE
     if component.told is None:
         fault = state.sources.get("JAUS", "")
@@ -392,7 +390,7 @@ def _judged_component(state: SystemState, component: ComponentState) -> Componen
         said = "does not answer" if component.unanswered else "was not asked"
         return replace(component, level=level, reason=fault or said)
     if component.unanswered >= _UNANSWERED:
-        return _gone(component, gone)
+        return _without_state(component, gone)
     if not component.state:
         return replace(component, level=Level.OK, reason="tells no state")
     level = _STATES.get(component.state, Level.WARNING)

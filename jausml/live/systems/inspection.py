@@ -1,4 +1,4 @@
-"""The last message of one connection on both sides, while somebody looks at it."""
+"""The last message of one connection on both sides, while a user looks at it."""
 
 from __future__ import annotations
 
@@ -19,20 +19,18 @@ if TYPE_CHECKING:
     from jausml.live.systems.ros_diagnostics import RosDiagnostics
     from jausml.live.systems.state import ConnectionState, DeclaredConnection, TopicName
 
-PAUSE = 1.0
-"""Seconds from one question for a report to the next."""
+PAUSE = 1.0  # seconds between two queries of a report
 
-MOST_LINES = 60
-"""Lines of a message that are shown."""
+MOST_LINES = 60  # of a shown message
 
 _NO_MODEL = "which it is says the model: jausml top MODEL"
 
 
 class Inspection:
-    """Subscribes to the topic and asks for the report of one connection at a time."""
+    """Subscribes to the topic of one connection at a time, and queries its report."""
 
     def __init__(self, operator: Operator | None, ros: RosDiagnostics | None) -> None:
-        """Looks at nothing yet."""
+        """Begins without a connection; without ROS or JAUS, `at` says so."""
         self._operator = operator
         self._ros = ros
         self._key: tuple[str, str] | None = None
@@ -41,26 +39,26 @@ class Inspection:
         self._jaus: list[str] = []
         self._next = 0.0
         self._threads = ThreadPoolExecutor(max_workers=1, thread_name_prefix="inspection")
-        self._question: Future[None] | None = None
+        self._pending: Future[None] | None = None
 
     def at(self, connection: ConnectionState) -> tuple[list[str], list[str]]:
-        """Returns the last message on the ROS side and on the JAUS side, as lines."""
+        """Returns the last message of a connection in ROS and in JAUS, as lines; never waits."""
         if connection.key != self._key:
             self.away()
             self._key = connection.key
             self._begin(connection)
-        self._ask(connection)
+        self._query_report(connection)
         return self._ros_lines(), list(self._jaus)
 
     def away(self) -> None:
-        """Looks at nothing any more."""
+        """Ends the subscription and the queries."""
         if self._ros is not None:
             self._ros.unwatch()
         self._key, self._topic, self._ros_fault, self._jaus = None, None, "", []
         self._next = 0.0
 
     def close(self) -> None:
-        """Looks at nothing, and never will."""
+        """Ends the subscription, the queries and the thread."""
         self.away()
         self._threads.shutdown()
 
@@ -86,8 +84,8 @@ class Inspection:
 
     # ---- JAUS -------------------------------------------------------------------------------
 
-    def _ask(self, connection: ConnectionState) -> None:
-        """Asks for the report once in a while; what others are sent cannot be seen."""
+    def _query_report(self, connection: ConnectionState) -> None:
+        """Queries the report once in `PAUSE`; messages to other components cannot be seen."""
         declaration, operator = connection.declaration, self._operator
         if operator is None:
             self._jaus = ["there is no JAUS here"]
@@ -98,15 +96,15 @@ class Inspection:
             self._jaus = [f"{message}: not observable; a command goes to its receiver alone"]
         elif not reporters_of(connection, declaration):
             self._jaus = [f"{declaration.message}: no component is known that could be asked"]
-        elif time.monotonic() >= self._next and (self._question is None or self._question.done()):
+        elif time.monotonic() >= self._next and (self._pending is None or self._pending.done()):
             self._next = time.monotonic() + PAUSE
             target = reporters_of(connection, declaration)[0]
-            self._question = self._threads.submit(
+            self._pending = self._threads.submit(
                 self._query, operator, connection.key, target, declaration.message
             )
 
     def _query(self, operator: Operator, key: tuple[str, str], target: str, name: str) -> None:
-        """Asks, on another thread: which message is meant may have to be asked too."""
+        """Queries a report; on another thread, as finding the message may take queries, too."""
 
         def take(report: EntryMessage | None) -> None:
             if self._key == key:
@@ -123,14 +121,14 @@ class Inspection:
 
 
 def topic_of(connection: ConnectionState, declaration: DeclaredConnection) -> TopicName:
-    """Returns the first topic of a connection, in the namespace that its bridge runs in."""
+    """Returns the first topic of a connection, in the namespace in which its bridge runs."""
     return placed(connection, declaration.bridge, declaration.topics[0])
 
 
 def placed(connection: ConnectionState, modelled: str, topic: TopicName) -> TopicName:
-    """Returns a topic in the namespace that the bridge of a connection runs in.
+    """Returns a topic in the namespace in which the bridge of a connection runs.
 
-    `modelled`: the node of the bridge by the model.
+    `modelled`: the full node name of the bridge in the model.
     """
     there = modelled.rpartition("/")[0] + "/"
     here = connection.bridge.rpartition("/")[0] + "/"
@@ -140,7 +138,7 @@ def placed(connection: ConnectionState, modelled: str, topic: TopicName) -> Topi
 
 
 def reporters_of(connection: ConnectionState, declaration: DeclaredConnection) -> list[str]:
-    """Returns the JAUS ids of the components that can be asked for a report."""
+    """Returns the JAUS ids of the components that send the report of a connection."""
     if declaration.direction == "to JAUS":
         return [connection.jaus_id]
     named = [key.partition(" ")[2] for key in connection.peers if key.startswith("peer ")]

@@ -1,4 +1,4 @@
-"""State machines of components as values: which state each is in, and its times (MachineStates)."""
+"""State machines of components as values: present states, and times in states (MachineStates)."""
 
 from __future__ import annotations
 
@@ -6,13 +6,12 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
-MOST_MACHINES = 64
-"""Machines of one component that are kept."""
+MOST_MACHINES = 64  # of one component; further ones are left out
 
 
 @dataclass(frozen=True, slots=True)
 class StateTime:
-    """How often a state was entered, and the seconds spent in it."""
+    """The number of entries to a state, and the seconds in it."""
 
     state: str
     entries: int
@@ -21,12 +20,12 @@ class StateTime:
 
 @dataclass(frozen=True, slots=True)
 class MachineState:
-    """A machine, named by its component; the model need not know it.
+    """A state machine as its component reports it; a model need not declare it.
 
     Attributes:
         service: URN of the service that has it.
         state: Path of the present state, empty before the start.
-        seconds: Seconds in it when that was told.
+        seconds: Seconds in the present state when it was reported.
     """
 
     service: str
@@ -36,7 +35,7 @@ class MachineState:
     times: tuple[StateTime, ...] = ()
 
     def later(self, seconds: float) -> MachineState:
-        """Returns the machine after it has stayed in its state for so long."""
+        """Returns the machine after it has stayed in its state for further seconds."""
         times = (
             replace(time, seconds=time.seconds + seconds) if time.state == self.state else time
             for time in self.times
@@ -45,12 +44,12 @@ class MachineState:
 
     @property
     def total(self) -> float:
-        """Seconds in all states that were told."""
+        """Seconds in all reported states."""
         return sum(time.seconds for time in self.times)
 
 
 def machines_as_json(machines: Sequence[MachineState]) -> list[dict[str, Any]]:
-    """Returns machines as objects, lists, texts and numbers."""
+    """Returns machines as JSON values."""
     return [
         asdict(machine)
         | {"state": machine.state or None, "times": [asdict(time) for time in machine.times]}

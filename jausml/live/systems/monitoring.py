@@ -1,4 +1,4 @@
-"""The present state of a running system, which sources on other threads feed."""
+"""The present state of a running system, with reports from sources on other threads."""
 
 from __future__ import annotations
 
@@ -41,23 +41,19 @@ from jausml.runtime.messages.machine_states import (
     ReportMachineStates,
 )
 
-ROUND = 1.0
-"""Seconds from one round of questions to the next; no component is asked twice in one."""
+ROUND = 1.0  # seconds between two rounds of queries; a component is queried once in a round
 
-DISCOVERY = 10
-"""Rounds from one question to everybody to the next."""
+DISCOVERY = 10  # rounds between two broadcasts of Discovery
 
-MOST_ASKED = 64
-"""Components that are asked in one round; more take turns."""
+MOST_ASKED = 64  # components that are queried in one round; more take turns
 
-_SELDOM = 10
-"""Rounds from one question to the next for a component that does not answer."""
+_SELDOM = 10  # rounds between two queries of a component that does not answer
 
 _UNANSWERED = 3
 
 
 class JausObserver:
-    """Observer that asks components on a thread of its own, and notes other messages too."""
+    """Observer that queries components on a thread of its own, and takes unasked reports, too."""
 
     def __init__(
         self,
@@ -65,18 +61,23 @@ class JausObserver:
         declared: Iterable[JausAddress],
         take: Callable[[ComponentAnswer], None],
     ) -> None:
-        """Asks nothing before `start`."""
+        """Sends nothing before `start`.
+
+        Args:
+            declared: Addresses of the components in the model.
+            take: Is called with each answer.
+        """
         self._operator = operator
         self._take = take
         self._known = dict.fromkeys(declared)
-        self._heard: set[JausAddress] = set()
-        self._asked: dict[JausAddress, float] = {}
+        self._senders: set[JausAddress] = set()
+        self._query_times: dict[JausAddress, float] = {}
         self._failures: dict[JausAddress, int] = {}
-        self._timed: set[JausAddress] = set()
+        self._with_timeout: set[JausAddress] = set()
         self._answers: dict[JausAddress, ComponentAnswer] = {}
-        self._untold: dict[JausAddress, int] = {}
-        self._followed: dict[JausAddress, EventSubscription] = {}
-        self._quiet: dict[JausAddress, int] = {}
+        self._unanswered_queries: dict[JausAddress, int] = {}
+        self._subscriptions: dict[JausAddress, EventSubscription] = {}
+        self._rounds_since_query: dict[JausAddress, int] = {}
         self._lives: dict[JausAddress, int] = {}
         self._turn = 0
         self._end = Event()
@@ -87,14 +88,14 @@ class JausObserver:
         operator.on_report(ReportMachineStates, self._machines)
 
     def start(self) -> None:
-        """Begins to ask."""
+        """Begins the queries."""
         self._thread.start()
 
     def stop(self) -> None:
-        """Asks no more."""
+        """Ends the queries and the subscriptions."""
         self._end.set()
         self._thread.join()
-        for address in list(self._followed):
+        for address in list(self._subscriptions):
             self._unfollow(address)
 
     def _run(self) -> None:
@@ -107,58 +108,58 @@ class JausObserver:
             if self._end.wait(ROUND):
                 return
             self._forget_replaced()
-            self._tell_found()
+            self._take_discovery()
             number += 1
 
     def _ask(self, number: int) -> None:
-        """Asks the next components for their states and controllers."""
+        """Queries states and controllers of the next components; notes missing answers."""
         for address in self._next(number):
-            if self._asked.pop(address, None) is not None:
+            if self._query_times.pop(address, None) is not None:
                 self._failures[address] = self._failures.get(address, 0) + 1
                 if self._failures[address] == _UNANSWERED:
                     self._unfollow(address)
-                self._timed.discard(address)
+                self._with_timeout.discard(address)
                 self._take(ComponentAnswer(str(address), source=AnswerSource.NOBODY))
-            self._asked[address] = time.perf_counter()
+            self._query_times[address] = time.perf_counter()
             self._operator.send(address, QueryStatus())
             self._operator.send(address, QueryControl())
             self._ask_machines(address)
 
     def _ask_machines(self, address: JausAddress) -> None:
-        """Asks for the states of machines, of components with that service alone.
+        """Queries and subscribes to the machine states of a component that provides them.
 
-        Who gives an event of them is asked seldom, in case that one of it was lost.
+        With a subscription a query is seldom sent, in case an event was lost.
         """
         answer = self._answers.get(address)
         services = answer.services if answer is not None else None
         if not any(service.startswith(f"{MACHINE_STATES}/") for service in services or ()):
             self._unfollow(address)
             return
-        if address not in self._followed:
-            self._followed[address] = self._operator.follow(
+        if address not in self._subscriptions:
+            self._subscriptions[address] = self._operator.follow(
                 address, QueryMachineStates(), ReportMachineStates, self._machines
             )
-        self._quiet[address] = self._quiet.get(address, 0) + 1
-        is_told = self._followed[address].active and address not in self._untold
-        if is_told and self._quiet[address] < _SELDOM:
+        self._rounds_since_query[address] = self._rounds_since_query.get(address, 0) + 1
+        is_told = self._subscriptions[address].active and address not in self._unanswered_queries
+        if is_told and self._rounds_since_query[address] < _SELDOM:
             return
-        self._quiet[address] = 0
-        self._untold[address] = self._untold.get(address, 0) + 1
-        if self._untold[address] > _UNANSWERED:
+        self._rounds_since_query[address] = 0
+        self._unanswered_queries[address] = self._unanswered_queries.get(address, 0) + 1
+        if self._unanswered_queries[address] > _UNANSWERED:
             self._take(ComponentAnswer(str(address), machines=(), source=AnswerSource.DISCOVERY))
         self._operator.send(address, QueryMachineStates())
 
     def _unfollow(self, address: JausAddress) -> None:
-        followed = self._followed.pop(address, None)
+        followed = self._subscriptions.pop(address, None)
         if followed is not None:
             followed.cancel()
 
     def _next(self, number: int) -> list[JausAddress]:
         for sender in self._operator.senders():
-            if sender != self._operator.own and sender not in self._heard:
-                # Who speaks at its start is not to wait for the next question to everybody.
+            if sender != self._operator.own and sender not in self._senders:
+                # A component that has just started need not wait for the next broadcast.
                 self._operator.survey.ask(sender)
-                self._heard.add(sender)
+                self._senders.add(sender)
                 self._known[sender] = None
         due = [
             address
@@ -169,8 +170,8 @@ class JausObserver:
         self._turn = begin + MOST_ASKED
         return (due[begin:] + due[:begin])[:MOST_ASKED]
 
-    def _tell_found(self) -> None:
-        """Reports the findings of Discovery about components, once."""
+    def _take_discovery(self) -> None:
+        """Takes what Discovery found out about components, as far as it has changed."""
         for subsystem in self._operator.survey.known():
             for address, component in subsystem.components.items():
                 services = tuple(map(label_of, component.services))
@@ -192,19 +193,19 @@ class JausObserver:
     def _control(self, report: ReportControl, sender: JausAddress) -> None:
         control = control_in(report)
         self._answered(sender, round_trip=self._trip(sender), **control)
-        if control["controller"] and sender not in self._timed:
+        if control["controller"] and sender not in self._with_timeout:
             self._operator.send(sender, QueryTimeout())
 
     def _timeout(self, report: ReportTimeout, sender: JausAddress) -> None:
-        self._timed.add(sender)
+        self._with_timeout.add(sender)
         self._answered(sender, **timeout_in(report))
 
     def _machines(self, report: ReportMachineStates, sender: JausAddress) -> None:
-        self._untold.pop(sender, None)
+        self._unanswered_queries.pop(sender, None)
         self._answered(sender, **machines_in(report))
 
     def _trip(self, sender: JausAddress) -> float | None:
-        asked = self._asked.pop(sender, None)
+        asked = self._query_times.pop(sender, None)
         return None if asked is None else time.perf_counter() - asked
 
     def _answered(self, sender: JausAddress, **fields: Any) -> None:
@@ -214,14 +215,14 @@ class JausObserver:
             self._take(ComponentAnswer(str(sender), **fields))
 
     def _forget_replaced(self) -> None:
-        """Forgets components that were replaced unseen, by the numbers of their packets."""
+        """Forgets components that were replaced by others, by the numbers of their packets."""
         for address, number in self._operator.lives().items():
             if number > self._lives.get(address, 0):
                 self._forget(address)
             self._lives[address] = number
 
     def _forget(self, address: JausAddress) -> None:
-        """Forgets a component that was gone: another one may have its place, and is asked anew."""
+        """Forgets the services of a component: another one may have its address now."""
         self._unfollow(address)
         self._answers.pop(address, None)
         self._operator.survey.forget(address)
@@ -233,38 +234,38 @@ class JausObserver:
 
 
 class Monitor:
-    """A state that goes on; its times are those of `time.monotonic`."""
+    """The present state of a system; its times are those of `time.monotonic`."""
 
     def __init__(self, state: SystemState) -> None:
-        """Goes on from a state."""
+        """Begins with a state."""
         self._state = state
         self._lock = Lock()
 
     def state(self) -> SystemState:
-        """Returns the state at present."""
+        """Returns the present state."""
         with self._lock:
             self._state = fold_time(self._state, time.monotonic())
             return self._state
 
     def take_statuses(self, statuses: list[DiagnosticStatus]) -> None:
-        """Takes a message of `/diagnostics`."""
+        """Folds the statuses of a message of `/diagnostics` into the state."""
         with self._lock:
             self._state = fold_statuses(self._state, statuses, time.monotonic())
 
     def take_answer(self, answer: ComponentAnswer) -> None:
-        """Folds an answer of a component into the state."""
+        """Folds an answer about a component into the state."""
         with self._lock:
             self._state = fold_answer(self._state, answer, time.monotonic())
 
     def take_model(
         self, declarations: Iterable[DeclaredConnection], components: dict[str, str]
     ) -> None:
-        """Folds the declarations of a model that has changed into the state."""
+        """Folds the declarations of a changed model into the state."""
         with self._lock:
             self._state = fold_model(self._state, declarations, components, time.monotonic())
 
     def take_source(self, source: str, fault: str) -> None:
-        """Notes that a source opened, or why it could not."""
+        """Notes that a source opened (empty `fault`), or why it failed to."""
         with self._lock:
             self._state = fold_source(self._state, source, fault)
 
@@ -288,7 +289,7 @@ def listening(monitor: Monitor) -> Iterator[RosDiagnostics | None]:
 
 @contextmanager
 def polling(monitor: Monitor, operator: Operator) -> Iterator[None]:
-    """Asks JAUS components as long as the block."""
+    """Queries JAUS components as long as the block."""
     monitor.take_source("JAUS", "")
     declared = _declared(monitor.state())
     observer = JausObserver(operator, declared, monitor.take_answer)
@@ -304,4 +305,4 @@ def _declared(state: SystemState) -> Iterator[JausAddress]:
         try:
             yield component_address(component.address)
         except ValueError:
-            continue  # what is no address is a finding of `jausml validate`
+            continue  # `jausml validate` reports addresses that are wrong

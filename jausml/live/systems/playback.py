@@ -1,7 +1,7 @@
-"""A recorded system at any moment: the fold of all that was told up to then, as the live view has.
+"""A recorded system at any time: its state by all reports up to then, as the live view has it.
 
-Facts are kept compressed in blocks, with the state before each of them, so that a moment costs no
-more than the facts of one block.
+Reports (`Fact`) are stored in compressed blocks, each with the state before it, so that the state
+at a time takes no more than the facts of one block.
 """
 
 from __future__ import annotations
@@ -22,17 +22,15 @@ from jausml.live.systems.folding import fold_model, fold_source, fold_time
 from jausml.live.systems.recorded_facts import Fact, Listener, fold_fact
 from jausml.live.systems.state import ComponentState, ConnectionState, SystemState
 
-BLOCK = 16
-"""Facts from one state that is kept to the next."""
+BLOCK = 16  # facts in a block
 
-MOST_STATES = 256
-"""States that are kept at most; of more, every second one is let go."""
+MOST_STATES = 256  # stored states; of more, every second one is dropped
 
-MOST_MARKS = 20_000
-"""Changes of a recording that are listed."""
+MOST_MARKS = 20_000  # listed changes of a recording
+AT_ONCE = 1000  # messages that `indexed` reads in one step
 
+# Prefix of the statuses of a bridge about each peer; their drops are those of connections, too.
 OF_PEERS = "account of "
-"""Statuses of bridges of what each peer sent: what was dropped is told of connections too."""
 
 NO_ROS = "the recording has no /diagnostics"
 NO_JAUS = "the recording has no JAUS messages"
@@ -40,14 +38,15 @@ NO_JAUS = "the recording has no JAUS messages"
 
 @dataclass(frozen=True, slots=True)
 class Mark:
-    """A change between two times.
+    """A change of a connection or component between two reports, at `since` and `time`.
 
     Attributes:
         kind: `drop`, `state` or `control`.
         bridge: Bridge of a connection; the address of a component.
         connection: Name of a connection; empty for a component.
-        counter: The reason of a drop, as the bridge counts it; empty for all others.
-        before: What it was before; for a drop the count.
+        since: Time of the report before, in seconds since the beginning.
+        counter: The counter of a drop, as the bridge names it; empty for other changes.
+        before: The former value; for a drop the count.
     """
 
     kind: str
@@ -61,18 +60,18 @@ class Mark:
 
     @property
     def subject(self) -> tuple[str, str]:
-        """The subject of the change, as states name it."""
+        """The bridge and name of the connection, by which states have it."""
         return self.bridge, self.connection
 
     @property
     def count(self) -> int:
-        """How many messages were dropped."""
+        """Number of dropped messages."""
         return int(self.after) - int(self.before) if self.kind == "drop" else 0
 
 
 @dataclass
 class _Block:
-    """Consecutive facts, and the state before them; None where it was dropped."""
+    """Consecutive facts, compressed, and the state before them; None where it was dropped."""
 
     time: float
     facts: bytes
@@ -81,15 +80,15 @@ class _Block:
 
 @dataclass
 class RecordedSystem:
-    """The contents of a recording, once all of it is read. Any thread may ask it.
+    """The contents of a recording, once all of it is read; any thread may call it.
 
     Attributes:
         duration: Seconds from the first message to the last.
-        damage: What of the file cannot be read; empty for a whole one.
-        marks: What changed, in the order of times.
-        unlisted: How many changes are more than are listed.
-        unreadable: How many messages could not be read.
-        sources: Of `ROS` and `JAUS`, why the recording tells nothing of them; empty if it does.
+        damage: The parts of the file that cannot be read, in words; empty for a whole one.
+        marks: The changes, in the order of times.
+        unlisted: Number of further changes beyond `MOST_MARKS`.
+        unreadable: Number of messages that cannot be read.
+        sources: For `ROS` and `JAUS`, why the recording has nothing of them; empty if it has.
     """
 
     duration: float = 0.0
@@ -102,7 +101,7 @@ class RecordedSystem:
     _last: tuple[int, list[Fact]] = field(default=(-1, []), repr=False)
 
     def state(self, at: float, model: Model | None = None) -> SystemState:
-        """Returns the state at a time, in seconds since the beginning, with what a model says."""
+        """Returns the state at a time, in seconds since the beginning, with a model if given."""
         at = max(0.0, at)
         index = bisect_right(self._blocks, at, key=lambda block: block.time) - 1
         state = SystemState()
@@ -115,7 +114,7 @@ class RecordedSystem:
         return fold_time(state, at)
 
     def _after(self, index: int, at: float) -> Iterator[SystemState | Fact]:
-        """Yields the latest state that is kept, and the facts from there up to a time."""
+        """Yields the latest stored state, and the facts from there up to a time."""
         first = index
         while first >= 0:
             before = self._blocks[first].before
@@ -134,12 +133,12 @@ class RecordedSystem:
         return facts
 
     def facts(self) -> Iterator[Fact]:
-        """Yields all that was told, in its order."""
+        """Yields all facts, in their order."""
         for index in range(len(self._blocks)):
             yield from self._facts(index)
 
     def keep(self, facts: list[Fact], before: SystemState) -> None:
-        """Keeps the next facts, and the state before them."""
+        """Stores the next facts, and the state before them."""
         packed = zlib.compress(pickle.dumps(facts), 1)
         self._blocks.append(_Block(facts[0].time, packed, before))
         kept = [block for block in self._blocks if block.before is not None]
@@ -148,7 +147,7 @@ class RecordedSystem:
                 block.before = None
 
     def note(self, marks: Iterable[Mark]) -> None:
-        """Lists changes."""
+        """Adds changes to the list."""
         for mark in marks:
             if len(self.marks) < MOST_MARKS:
                 self.marks.append(mark)
@@ -156,12 +155,8 @@ class RecordedSystem:
                 self.unlisted += 1
 
 
-AT_ONCE = 1000
-"""Messages that are read between two looks at how much was read."""
-
-
 def indexed(path: str) -> RecordedSystem:
-    """Returns an MCAP file once all of it is read.
+    """Reads all of an MCAP file and returns its contents.
 
     Raises:
         RecordingError: Nothing of the file can be read.
@@ -173,17 +168,17 @@ def indexed(path: str) -> RecordedSystem:
 
 
 class Indexing:
-    """Reads a recording piece by piece, in whatever process."""
+    """Reads a recording step by step, in any process."""
 
     def __init__(self, path: str) -> None:
-        """Begins without a message of the file."""
+        """Opens nothing before the first step."""
         self._steps = _indexing(path)
 
     def __call__(self, count: int) -> float | RecordedSystem:
-        """Reads so many messages more.
+        """Reads `count` further messages.
 
         Returns:
-            How much was read, up to 1; once that is all the system.
+            The share that was read, from 0 to 1; at the end the contents.
 
         Raises:
             RecordingError: Nothing of the file can be read.
@@ -218,10 +213,10 @@ def _indexing(path: str) -> Iterator[float | RecordedSystem]:
 
 
 def changes(former: SystemState, latest: SystemState, fact: Fact) -> Iterator[Mark]:
-    """Yields the changes of the state by a fact."""
+    """Yields the changes of connections and components by a fact."""
     if fact.answer is not None:
         address = fact.answer.address
-        yield from _of_component(former.components.get(address), latest.components.get(address))
+        yield from _component_marks(former.components.get(address), latest.components.get(address))
         return
     for key, connection in latest.connections.items():
         before = former.connections.get(key)
@@ -230,21 +225,23 @@ def changes(former: SystemState, latest: SystemState, fact: Fact) -> Iterator[Ma
             and before is not connection
             and not connection.name.startswith(OF_PEERS)
         ):
-            yield from _of_connection(before, connection)
+            yield from _connection_marks(before, connection)
 
 
-def _of_connection(former: ConnectionState, latest: ConnectionState) -> Iterator[Mark]:
+def _connection_marks(former: ConnectionState, latest: ConnectionState) -> Iterator[Mark]:
     since, time = former.told or 0.0, latest.told or 0.0
     for reason, count in latest.drops.items():
         before = former.drops.get(reason, 0)
-        before = before if before <= count else 0  # the bridge began anew
+        before = before if before <= count else 0  # the bridge was restarted
         if count > before:
             yield Mark("drop", since, time, *latest.key, reason, str(before), str(count))
     if latest.phase != former.phase:
         yield Mark("state", since, time, *latest.key, "", former.phase, latest.phase)
 
 
-def _of_component(former: ComponentState | None, latest: ComponentState | None) -> Iterator[Mark]:
+def _component_marks(
+    former: ComponentState | None, latest: ComponentState | None
+) -> Iterator[Mark]:
     if former is None or latest is None:
         return
     since = former.told or 0.0

@@ -1,4 +1,4 @@
-"""Facts of a system in a recording, in the values that the live view is fed with."""
+"""Facts of a system in a recording: statuses and answers, as the live view takes them."""
 
 from __future__ import annotations
 
@@ -32,16 +32,14 @@ from jausml.runtime.messages import (
 from jausml.runtime.messages.machine_states import ReportMachineStates
 from jausml.runtime.wire.message import DecodeError
 
-BRIDGE = "jaus state"
-"""The status in which a bridge tells its own state and controller."""
+BRIDGE = "jaus state"  # name of the status of a bridge with its own state and controller
 
-_ACCEPTED, _RELEASED = 0, 0
-"""Response codes of ConfirmControl and RejectControl (AS5710)."""
+_ACCEPTED, _RELEASED = 0, 0  # response codes of ConfirmControl and RejectControl (AS5710)
 
 
 @dataclass(frozen=True, slots=True)
 class Fact:
-    """The statuses or the answer at a time, in seconds since the beginning."""
+    """Statuses or an answer at a time, in seconds since the beginning."""
 
     time: float
     statuses: tuple[DiagnosticStatus, ...] = ()
@@ -49,7 +47,7 @@ class Fact:
 
 
 def fold_fact(state: SystemState, fact: Fact) -> SystemState:
-    """Returns the state after something was told."""
+    """Returns the state after a fact."""
     if fact.answer is not None:
         return fold_answer(state, fact.answer, fact.time)
     return fold_statuses(state, fact.statuses, fact.time)
@@ -67,7 +65,8 @@ def _rejected(report: RejectControl, _: str) -> dict[str, Any]:
     return {"controller": ""} if report.response_code == _RELEASED else {}
 
 
-_TELLING: dict[str, tuple[Any, Callable[[Any, str], dict[str, Any]]]] = {
+# Classes of messages, and functions that return the facts in them about the sender, by name.
+_READERS: dict[str, tuple[Any, Callable[[Any, str], dict[str, Any]]]] = {
     "ReportStatus": (ReportStatus, state_in),
     "ReportControl": (ReportControl, control_in),
     "ReportTimeout": (ReportTimeout, timeout_in),
@@ -76,17 +75,16 @@ _TELLING: dict[str, tuple[Any, Callable[[Any, str], dict[str, Any]]]] = {
     "RejectControl": (RejectControl, _rejected),
     "ReportMachineStates": (ReportMachineStates, machines_in),
 }
-"""The functions that read the facts in each message about its sender, by its name."""
 
-_ASKING = (QueryStatus.NAME, QueryControl.NAME)
+_QUERIES = (QueryStatus.NAME, QueryControl.NAME)
 
 
 class Listener:
-    """Takes the messages of a recording, in their order.
+    """Finds the facts in the messages of a recording, which are read in their order.
 
     Attributes:
-        unreadable: How many of them could not be read.
-        hears_ros: Whether bridges told anything.
+        unreadable: Number of messages that cannot be read.
+        hears_ros: Whether there is a message of `/diagnostics`.
         hears_jaus: Whether there is a JAUS message.
     """
 
@@ -95,7 +93,7 @@ class Listener:
         self.unreadable = 0
         self.hears_ros = self.hears_jaus = False
         self._recording = recording
-        self._asked: dict[str, set[tuple[str, str]]] = {}
+        self._open_queries: dict[str, set[tuple[str, str]]] = {}
 
     def facts(self, time: float, record: Found) -> Iterator[Fact]:
         """Yields the facts in a message; most have none."""
@@ -107,39 +105,39 @@ class Listener:
                 yield Fact(time, statuses)
                 for status in statuses:
                     if status.name.endswith(f": {BRIDGE}"):
-                        yield Fact(time, answer=_of_itself(status))
+                        yield Fact(time, answer=_own_answer(status))
             elif topic.startswith(JAUS_TOPICS):
                 self.hears_jaus = True
-                yield from self._said(time, topic, record)
+                yield from self._message_facts(time, topic, record)
         except (RecordingError, DecodeError, KeyError, TypeError, ValueError, AttributeError):
             self.unreadable += 1
 
-    def _said(self, time: float, topic: str, record: Found) -> Iterator[Fact]:
+    def _message_facts(self, time: float, topic: str, record: Found) -> Iterator[Fact]:
         source, _, name = topic.removeprefix(JAUS_TOPICS).partition("/")
-        self._asked.pop(source, None)
-        if name not in _TELLING and name not in _ASKING:
+        self._open_queries.pop(source, None)
+        if name not in _READERS and name not in _QUERIES:
             return
         value = self._recording.value_of(record)
         other = str(value["destination"])
-        if name in _ASKING:
+        if name in _QUERIES:
             yield from self._unanswered(time, other, (source, name))
             return
-        kind, told_by = _TELLING[name]
-        fields = told_by(kind.decode(bytes.fromhex(value["payload"])), other)
+        kind, read = _READERS[name]
+        fields = read(kind.decode(bytes.fromhex(value["payload"])), other)
         if fields:
             yield Fact(time, answer=ComponentAnswer(source, **fields))
 
     def _unanswered(self, time: float, asked: str, question: tuple[str, str]) -> Iterator[Fact]:
-        """Yields the fact that a component gets the same question again, without an answer."""
-        waiting = self._asked.setdefault(asked, set())
+        """Yields a fact if a component gets the same query again without having answered."""
+        waiting = self._open_queries.setdefault(asked, set())
         if question in waiting:
             yield Fact(time, answer=ComponentAnswer(asked, source=AnswerSource.NOBODY))
             waiting.clear()
         waiting.add(question)
 
 
-def _of_itself(status: DiagnosticStatus) -> ComponentAnswer:
-    """Returns the state of a bridge as it reports itself, so that nobody has to ask it."""
+def _own_answer(status: DiagnosticStatus) -> ComponentAnswer:
+    """Returns the state of a bridge in its own status, in the form of an answer."""
     values = dict(status.values)
     controller = values.get("controller")
     return ComponentAnswer(

@@ -1,4 +1,4 @@
-"""Reports of components, in the values that a state is folded of."""
+"""Reports of components as attributes of `ComponentAnswer`."""
 
 from __future__ import annotations
 
@@ -12,24 +12,24 @@ from jausml.runtime.messages.machine_states import ReportMachineStates
 
 
 def state_in(report: ReportStatus, _client: str = "") -> dict[str, Any]:
-    """Returns the state that a component reports."""
+    """Returns the name of the state that a component reports."""
     state = status_of(report)
     return {"state": state.name if state is not None else f"state {report.status}"}
 
 
 def control_in(report: ReportControl, _client: str = "") -> dict[str, Any]:
-    """Returns the controller of a component, as it reports; an empty text is nobody."""
+    """Returns the reported controller (an empty text for none) and its authority code."""
     controller = controller_of(report) if report.subsystem_id else ""
     return {"controller": controller, "authority": report.authority_code}
 
 
 def timeout_in(report: ReportTimeout, _client: str = "") -> dict[str, Any]:
-    """Returns the seconds after which control of a component lapses, as it reports."""
+    """Returns the reported seconds after which control of a component lapses."""
     return {"control_timeout": int(report.timeout)}
 
 
 def machines_in(report: ReportMachineStates, _client: str = "") -> dict[str, Any]:
-    """Returns the machines that a component reports."""
+    """Returns the reported state machines."""
     machines = tuple(
         MachineState(
             machine.machine_rec.service,

@@ -12,25 +12,23 @@ from jausml.live.systems.state import TopicName
 
 _DEPTH = 50
 
-MOST_ELEMENTS = 8
-"""Elements of an array that are shown."""
+MOST_ELEMENTS = 8  # of a shown array
 
-LONGEST_VALUE = 200
-"""Characters of a text that are shown."""
+LONGEST_VALUE = 200  # characters of a shown text
 
 
 class RosDiagnostics:
-    """A node without parameters, services or log, which spins in a thread."""
+    """A node that spins in a thread, and has no parameters, services or log."""
 
     def __init__(self, take: Callable[[list[DiagnosticStatus]], None]) -> None:
-        """Listens from `start` on (`take`: gets the statuses of each message)."""
+        """Listens from `start` on (`take`: is called with the statuses of each message)."""
         self._take = take
         self._latest: deque[Any] = deque(maxlen=1)
         self._watched: Any = None
         self._quiet = QuietNode("top")
 
     def start(self) -> None:
-        """Begins to listen."""
+        """Begins to listen (`RosFault`: there is no ROS)."""
         self._quiet.open(self._listen)
         self._quiet.spin()
 
@@ -39,10 +37,10 @@ class RosDiagnostics:
         self._quiet.close()
 
     def watch(self, topic: TopicName) -> str:
-        """Subscribes to a topic instead of the one before.
+        """Subscribes to a topic instead of the former one.
 
         Returns:
-            The reason why it cannot be watched, empty when it is.
+            The reason why it cannot be watched; empty when it is.
         """
         from jausml.runtime.bridge.ends.topics import Qos  # noqa: PLC0415
         from jausml.runtime.bridge.ros.parameters import profile_of, qos_of  # noqa: PLC0415
@@ -54,8 +52,8 @@ class RosDiagnostics:
         node = self._quiet.node
         publishers = node.get_publishers_info_by_topic(topic.name)
         offered = [qos_of(publisher.qos_profile) for publisher in publishers]
-        # A best effort subscription matches any publisher; but the earlier message of a latched
-        # one comes to a latched subscription only.
+        # A best effort subscription matches any publisher, but only a latched one gets the earlier
+        # message of latched publishers.
         is_latched = offered and all(profile.durability == "transient_local" for profile in offered)
         qos = (
             Qos("reliable", "transient_local", depth=1)
@@ -74,7 +72,7 @@ class RosDiagnostics:
         """Ends the subscription of `watch`."""
         if self._watched is not None:
             self._quiet.node.destroy_subscription(self._watched)
-        # A late message goes to the former list.
+        # A late message still goes to the former deque.
         self._watched, self._latest = None, deque(maxlen=1)
 
     def latest(self) -> list[str]:
@@ -102,7 +100,7 @@ class RosDiagnostics:
 
 
 def message_lines(message: Any, indent: str = "") -> Iterator[str]:
-    """Yields a line for each field of a message, with those of inner messages below."""
+    """Yields a line for each field of a message, with the fields of inner messages below."""
     for name in message.get_fields_and_field_types():
         value = getattr(message, name)
         if _is_message(value):

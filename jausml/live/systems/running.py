@@ -1,4 +1,4 @@
-"""A running system that is heard and asked, on a thread of its own."""
+"""A running system, whose parts are heard and queried on a thread of its own."""
 
 from __future__ import annotations
 
@@ -16,17 +16,15 @@ from jausml.live.systems.monitoring import Monitor, listening, polling
 from jausml.live.systems.ros_diagnostics import RosDiagnostics
 from jausml.live.systems.state import DeclaredConnection
 
-PERIOD = 0.25
-"""Seconds from one look at the state to the next."""
+PERIOD = 0.25  # seconds between two calls of `RunningSystem._look`
 
-LONGEST = 1.0
-"""Seconds after which a state is told that has not changed: its ages have."""
+LONGEST = 1.0  # seconds after which listeners get an unchanged state, as its ages have changed
 
 _REMEDY = "End it, or let it share the port"
 
 
 class RunningSystem:
-    """A running system, from `start` to `stop`; its state names sources that fail."""
+    """A running system, from `start` to `stop`; its state has the faults of sources."""
 
     def __init__(
         self,
@@ -40,9 +38,10 @@ class RunningSystem:
         """Sends nothing before `start`.
 
         Args:
-            declarations: The connections of the model, which are looked for.
+            declarations: The connections of the model.
             components: The names of its components by JAUS id.
-            timeout: Seconds that a question waits.
+            catalogue: Returns the messages that are known.
+            timeout: Seconds that a query waits for its report.
         """
         self.monitor = Monitor(expected(declarations, components, time.monotonic()))
         self._network, self._catalogue = network, catalogue
@@ -52,13 +51,13 @@ class RunningSystem:
         self._thread = Thread(target=self._run, name="running system", daemon=True)
 
     def start(self) -> None:
-        """Begins, once."""
+        """Starts the thread, once."""
         with self._beginning:
             if self._thread.ident is None:
                 self._thread.start()
 
     def stop(self) -> None:
-        """Ends all questions and subscriptions."""
+        """Ends all queries and subscriptions, and waits for that."""
         with self._beginning:
             has_begun = self._thread.ident is not None
         self._end.set()
@@ -74,7 +73,7 @@ class RunningSystem:
                 self._look()
 
     def _operator(self, stack: ExitStack) -> Operator | None:
-        """Returns the operator that asks, None where JAUS has no network; the state says why."""
+        """Returns the operator for queries; None, and a fault in the state, without a network."""
         silence_log()
         try:
             network = stack.enter_context(identified(self._network))
@@ -91,10 +90,10 @@ class RunningSystem:
         return None
 
     def _enter(self, operator: Operator | None, ros: RosDiagnostics | None) -> None:
-        """Uses the operator that asks and the diagnostics of ROS, as far as there are any."""
+        """Is called at the start; arguments are None where there is no JAUS or no ROS."""
 
     def _leave(self) -> None:
-        """Is called before both end."""
+        """Is called before operator and diagnostics end."""
 
     def _look(self) -> None:
         """Is called once in `PERIOD`."""

@@ -1,4 +1,7 @@
-"""State of a running system as values: declarations of its model, and reports of its parts."""
+"""State of a running system as values: declarations of its model, and reports of its parts.
+
+Parts are its connections and components. A part that reported before and is silent now is gone.
+"""
 
 from __future__ import annotations
 
@@ -9,14 +12,11 @@ from typing import Any
 
 from jausml.live.systems.machines import MachineState, machines_as_json
 
-HISTORY = 120
-"""Latest rates of a connection that are kept."""
+HISTORY = 120  # rates in the history of a connection
 
-SILENCE = 5.0
-"""Seconds of silence after which a part counts as gone, unless its period is longer."""
+SILENCE = 5.0  # seconds of silence after which a part is gone, unless its period is longer
 
-HEALTH = ("ok", "warning", "error")
-"""Words for the weights of a state."""
+HEALTH = ("ok", "warning", "error")  # words by weight
 
 
 class Level(Enum):
@@ -26,15 +26,15 @@ class Level(Enum):
     UNKNOWN = "unknown"
     """A source that could report it is missing."""
     STALE = "stale"
-    """No value is valid: its source has not begun, or is lost."""
+    """It has no valid value: its source has not begun, or is lost."""
     WARNING = "warning"
     NOT_HEARD = "not heard"
-    """Its bridge or the component is silent."""
+    """The bridge of the connection, or the component, is silent."""
     ERROR = "error"
 
     @property
     def weight(self) -> int:
-        """0 for a part that works, 1 for one to look at, 2 for one that does not work."""
+        """0 for a part that works, 1 for a warning or an unknown state, 2 for an error."""
         if self is Level.OK:
             return 0
         return 2 if self in (Level.NOT_HEARD, Level.ERROR) else 1
@@ -59,6 +59,9 @@ class DeclaredConnection:
 
     Attributes:
         direction: `to ROS` or `to JAUS`.
+        rate: Messages each second, None when the model states none.
+        message: Name of the JAUS message.
+        is_report: Whether it is a report, which can be queried, and no command.
         peers: JAUS ids of the components at the other end, as far as the model names them.
     """
 
@@ -83,10 +86,15 @@ class ConnectionState:
     """A connection of a bridge.
 
     Attributes:
-        phase: Its state by its bridge, such as `silent`; empty before a report.
+        phase: Its state as its bridge names it, such as `silent`; empty before a status.
+        age: Seconds since its last message at its last status.
+        told: Time of its last status in seconds; None before the first.
         declared_rate: Messages each second by the model, None when it states no rate.
         period: Seconds between its last two statuses, 0 before there were two.
         latency: Measured latency in microseconds by name, such as `in the bridge p99`.
+        drops: Numbers of dropped messages by counter.
+        peers: States of its peers in words, by the keys of its status.
+        values: All keys and values of its last status.
         concerns_bridge: Whether it is a status of the bridge itself, sent only in certain states.
     """
 
@@ -135,7 +143,10 @@ class ComponentState:
         control_timeout: Seconds after which control lapses unless it is requested again, 0 for
             never; None when unknown.
         machines: The state machines of its own services at its last report (MachineStates).
-        round_trip: Seconds of its last answer, None before the first one.
+        machines_told: Time of that report in seconds.
+        round_trip: Seconds from the last query to its report, None before the first one.
+        told: Time of its last report in seconds; None before the first.
+        unanswered: Number of queries since then without an answer.
     """
 
     address: str
@@ -157,7 +168,7 @@ class ComponentState:
 
     @property
     def present_machines(self) -> tuple[MachineState, ...]:
-        """Its machines at its last message: it reports changes alone."""
+        """Its machines at its last report of any kind, as it reports machines on changes only."""
         since = max(0.0, (self.told or 0.0) - self.machines_told)
         return tuple(machine.later(since) for machine in self.machines)
 
@@ -172,7 +183,8 @@ class SystemState:
     """A running system at one time.
 
     Attributes:
-        sources: By `ROS` and `JAUS`, why it cannot be heard; empty while it can.
+        sources: The faults of `ROS` and `JAUS`; empty while a source works.
+        ignored: Number of parts beyond the limits.
     """
 
     now: float = 0.0
@@ -183,9 +195,9 @@ class SystemState:
     ignored: int = 0
 
     def age_of(self, connection: ConnectionState) -> float | None:
-        """Returns the seconds since the last message of a connection, None before the first.
+        """Returns the seconds since the last message of a connection; None before the first.
 
-        It grows while the bridge is silent.
+        The age grows while the bridge is silent.
         """
         if connection.age is None or connection.told is None:
             return connection.age
@@ -198,10 +210,7 @@ class SystemState:
 
     @property
     def weight(self) -> int:
-        """0 when all parts work, 1 with one to look at, 2 with one that does not work.
-
-        It is 2 as well when no part was heard.
-        """
+        """The greatest weight of its parts; 2 if no part has reported."""
         return max(part.level.weight for part in self._parts()) if self.is_heard else 2
 
     def _parts(self) -> Iterator[ConnectionState | ComponentState]:
@@ -210,7 +219,7 @@ class SystemState:
 
 
 def state_as_json(state: SystemState) -> dict[str, Any]:
-    """Returns a state as objects, lists, texts and numbers."""
+    """Returns a state as JSON values."""
     heard = {
         name
         for name, parts in (("ROS", state.connections), ("JAUS", state.components))

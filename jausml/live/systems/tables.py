@@ -1,4 +1,4 @@
-"""Connections and components as cells of tables: texts, orders and filters."""
+"""Tables of connections and components: texts of cells, orders and filters."""
 
 from __future__ import annotations
 
@@ -12,19 +12,22 @@ from jausml.live.systems.machines import MachineState
 from jausml.live.systems.state import ComponentState, ConnectionState, SystemState
 
 _BARS = "▁▂▃▄▅▆▇█"
-LONGEST_CELL = 48
-"""Characters of a cell."""
+LONGEST_CELL = 48  # characters
 
-_MOST_SHARES = 4
-"""States of a machine whose shares of time are in the table; those with the most time."""
+_MOST_SHARES = 4  # states of a machine, those with the most time, whose shares are in the table
+
+# Titles of the tables of components and of state machines.
+COMPONENT_TITLES = ("state", "component", "name", "management", "controlled by", "ms", "reason")
+MACHINE_TITLES = ("component", "service", "machine", "state", "s in it", "entries", "share of time")
 
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """A column of the connections.
+    """A column of the table of connections.
 
     Attributes:
-        order: Returns what the connection is sorted by; None is last in either order.
+        text: Returns the text of a connection.
+        order: Returns the value by which connections are sorted; None is last in either order.
     """
 
     title: str
@@ -34,17 +37,17 @@ class Column:
 
 
 def shown_name(connection: ConnectionState) -> str:
-    """Returns bridge and name of a connection in one text."""
+    """Returns the bridge and the name of a connection in one text."""
     return f"{connection.bridge.lstrip('/')} {connection.name}"
 
 
 def state_text(connection: ConnectionState) -> str:
-    """Returns the state of a connection by its bridge, or else its level."""
+    """Returns the phase of a connection, or else its level."""
     return cell(connection.phase) or connection.level.value
 
 
 def sparkline(history: Sequence[float], declared: float | None, width: int = 12) -> str:
-    """Returns the latest rates as bars, of which the highest is the greatest or declared rate."""
+    """Returns the last `width` rates as bars, the highest for the greatest or declared rate."""
     latest = history[-width:]
     top = max([*latest, declared or 0.0], default=0.0)
     if top <= 0:
@@ -53,7 +56,7 @@ def sparkline(history: Sequence[float], declared: float | None, width: int = 12)
 
 
 def cell(text: str, most: int = LONGEST_CELL) -> str:
-    """Returns text of others as a cell: no control characters, and not too long."""
+    """Returns text without control characters, cut to `most` characters."""
     clean = printable(text[: most + 1])
     return clean if len(clean) <= most else clean[: most - 1] + "…"
 
@@ -81,6 +84,7 @@ def _peers(connection: ConnectionState) -> str:
     )
 
 
+# The columns of the table of connections.
 COLUMNS = (
     Column("state", state_text, lambda connection: -connection.level.weight),
     Column("connection", shown_name, shown_name),
@@ -119,22 +123,14 @@ COLUMNS = (
         "reason", lambda connection: connection.reason, lambda connection: connection.reason or None
     ),
 )
-"""The columns of the table of connections."""
-
-COMPONENT_TITLES = ("state", "component", "name", "management", "controlled by", "ms", "reason")
-"""The columns of the table of components."""
-
-
-MACHINE_TITLES = ("component", "service", "machine", "state", "s in it", "entries", "share of time")
-"""The columns of the table of state machines."""
 
 
 def arranged(
     state: SystemState, column: int, wanted: str = "", *, is_reversed: bool = False
 ) -> list[ConnectionState]:
-    """Returns the connections whose names hold a text, in the order of a column.
+    """Returns the connections whose names contain all words of a text, sorted by a column.
 
-    Their ages are those of the moment: they grow while their bridge says nothing.
+    Their ages are the present ones, which grow while their bridge is silent.
     """
     words = wanted.casefold().split()
     connections = sorted(
@@ -191,7 +187,7 @@ def machine_rows(state: SystemState) -> list[list[str]]:
 def _machine(machine: MachineState) -> list[str]:
     present = next((time for time in machine.times if time.state == machine.state), None)
     longest = machine.times[:_MOST_SHARES]
-    names = _told_apart([state_time.state for state_time in longest])
+    names = _short_names([state_time.state for state_time in longest])
     return [
         cell(machine.service.rpartition(":")[2]),
         cell(machine.machine),
@@ -205,8 +201,8 @@ def _machine(machine: MachineState) -> list[str]:
     ]
 
 
-def _told_apart(paths: Sequence[str]) -> list[str]:
-    """Returns paths of states without the states around all of them."""
+def _short_names(paths: Sequence[str]) -> list[str]:
+    """Returns paths of states without the outer states that all of them share."""
     names = [path.split(".") for path in paths]
     columns = zip(*(name[:-1] for name in names), strict=False)
     around = len(list(takewhile(lambda column: len(set(column)) == 1, columns)))
@@ -214,7 +210,7 @@ def _told_apart(paths: Sequence[str]) -> list[str]:
 
 
 def share_text(seconds: float, total: float) -> str:
-    """Returns a share of time in percent."""
+    """Returns a share of time in percent, `-` if there is no time."""
     return f"{seconds / total:.0%}" if total > 0 else "-"
 
 
@@ -231,7 +227,7 @@ def _control(component: ComponentState) -> str:
 
 
 def summary(state: SystemState) -> str:
-    """Returns in one line how the system is."""
+    """Returns the health of the system in one line, with counts and faults of sources."""
     weight = state.weight
     if not state.is_heard:
         words = "nothing is heard"

@@ -46,12 +46,11 @@ _STYLES = {
 }
 _PARTS = ("told", "ros", "jaus")
 
-_BEFORE_HISTORY = 3
-"""Index of the column after which the history of the rate stands."""
+_BEFORE_HISTORY = 3  # index of the column before the history of the rate
 
 
-def told_of(connection: ConnectionState) -> Text:
-    """Returns the declaration and the state of a connection."""
+def details_of(connection: ConnectionState) -> Text:
+    """Returns the state, the declaration and the values of a connection as lines."""
     text = titled(shown_name(connection), [f"{state_text(connection)}: {connection.reason}"])
     declaration = connection.declaration
     if declaration is not None:
@@ -83,7 +82,7 @@ class Connections(DataTable[Text]):
 
 
 class SystemView(App[None]):
-    """Shows a system, and looks again after each interval."""
+    """Shows a system, again after each interval."""
 
     TITLE = "jausml top"
     ENABLE_COMMAND_PALETTE = False
@@ -114,7 +113,12 @@ class SystemView(App[None]):
     def __init__(
         self, state: Callable[[], SystemState], inspection: Inspection, interval: float
     ) -> None:
-        """Shows nothing yet."""
+        """Takes the first state.
+
+        Args:
+            state: Returns the present state.
+            interval: Seconds between two states.
+        """
         super().__init__()
         self._observe = state
         self._inspection = inspection
@@ -138,7 +142,7 @@ class SystemView(App[None]):
         yield Footer()
 
     def on_mount(self) -> None:
-        """Begins to look."""
+        """Fills the tables, and begins the interval."""
         for name, titles in (("#components", COMPONENT_TITLES), ("#machines", MACHINE_TITLES)):
             table = self.query_one(name, DataTable)
             table.add_columns(*titles)
@@ -149,10 +153,10 @@ class SystemView(App[None]):
         self.set_interval(self._interval, self.look)
 
     def on_unmount(self) -> None:
-        """Ends the listeners of the panel."""
+        """Ends the inspection of the panel."""
         self._inspection.close()
 
-    # ---- what is shown ----------------------------------------------------------------------
+    # ---- contents ---------------------------------------------------------------------------
 
     def look(self) -> None:
         """Shows the present state."""
@@ -167,7 +171,7 @@ class SystemView(App[None]):
         self._show_details()
 
     def _set_titles(self) -> None:
-        """Names the columns, with a mark at the one that is sorted by."""
+        """Sets the titles of the columns, with a mark at the sorted one."""
         table = self.query_one(Connections)
         table.clear(columns=True)
         self._shown = []
@@ -225,7 +229,7 @@ class SystemView(App[None]):
             return
         ros, jaus = self._inspection.at(connection)
         texts = (
-            told_of(connection),
+            details_of(connection),
             titled("Last message in ROS", ros),
             titled("Last message in JAUS", jaus),
         )
@@ -240,7 +244,7 @@ class SystemView(App[None]):
         key = self._chosen_key()
         return None if key is None else self._state.connections.get(key)
 
-    # ---- what is done -----------------------------------------------------------------------
+    # ---- actions ----------------------------------------------------------------------------
 
     def action_filter(self) -> None:
         """Opens the filter."""
@@ -249,11 +253,11 @@ class SystemView(App[None]):
         field.focus()
 
     def on_input_changed(self) -> None:
-        """Filters as it is typed."""
+        """Filters by the text typed so far."""
         self._show()
 
     def on_input_submitted(self) -> None:
-        """Goes back to the table; the filter stays."""
+        """Returns to the table; the filter stays."""
         self.query_one(Connections).focus()
 
     def action_sort_next(self) -> None:
@@ -261,11 +265,11 @@ class SystemView(App[None]):
         self._sort((self._column + 1) % len(COLUMNS), is_reversed=False)
 
     def action_sort(self, column: int) -> None:
-        """Sorts by a column; by the same one again the other way round."""
+        """Sorts by a column; by the same one again in reverse order."""
         self._sort(column, is_reversed=column == self._column and not self._is_reversed)
 
     def action_reverse(self) -> None:
-        """Sorts the other way round."""
+        """Reverses the order."""
         self._sort(self._column, is_reversed=not self._is_reversed)
 
     def _sort(self, column: int, *, is_reversed: bool) -> None:
@@ -287,7 +291,7 @@ class SystemView(App[None]):
             self._inspection.away()
 
     def action_leave(self) -> None:
-        """Closes the filter, and shows all again; without one, closes the details."""
+        """Closes the filter and shows all connections; without one, closes the details."""
         field = self.query_one("#filter", Input)
         if field.has_class("open"):
             field.remove_class("open")

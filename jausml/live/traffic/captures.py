@@ -1,4 +1,4 @@
-"""Captures: pcap and pcapng, also gzipped, as streams that can be piped, and hexadecimal."""
+"""Readers of captures: pcap and pcapng streams, also gzipped, and hexadecimal text."""
 
 from __future__ import annotations
 
@@ -10,19 +10,18 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import BinaryIO, cast
 
-RAW_IP = 101
-"""LINKTYPE_RAW: a frame begins with its IP header."""
+RAW_IP = 101  # LINKTYPE_RAW: a frame begins with its IP header
 
 _LARGEST_PART = 1 << 27
 _NANO = 10**9
 
+# Byte order and ticks each second, by what the file begins with.
 _PCAP = {
     b"\xd4\xc3\xb2\xa1": ("<", 10**6),
     b"\xa1\xb2\xc3\xd4": (">", 10**6),
     b"\x4d\x3c\xb2\xa1": ("<", 10**9),
     b"\xa1\xb2\x3c\x4d": (">", 10**9),
 }
-"""Byte order and ticks each second, by what the file begins with."""
 
 _GZIP = b"\x1f\x8b"
 _MCAP = b"\x89MCA"
@@ -35,9 +34,14 @@ _BYTE_ORDERS = {b"\x4d\x3c\x2b\x1a": "<", b"\x1a\x2b\x3c\x4d": ">"}
 _OPTION_RESOLUTION = 9
 _OPTION_OFFSET = 14
 
+_COMMENT = re.compile(r"(?:#|//|;).*")
+_BYTE_PREFIX = re.compile(r"(?<![0-9A-Fa-f])0[xX]|\\x")
+_SEPARATORS = str.maketrans("", "", " \t\r\n:,-_\v\f")
+_WRONG = re.compile(r"[^0-9A-Fa-f \t\r\n:,\-_\v\f]")
+
 
 class TrafficError(ValueError):
-    """Traffic that cannot be read; the text says where."""
+    """Traffic that cannot be read; the text has the reason and the place."""
 
 
 class CaptureError(TrafficError):
@@ -57,8 +61,10 @@ class CapturedFrame:
     """A frame of a capture.
 
     Attributes:
-        number: Its number in the file, from 1 as Wireshark counts.
-        nanoseconds: The time to the nanosecond, which no float holds; None as with it.
+        number: Its number in the file, from 1 as in Wireshark.
+        time: Seconds since 1970; None if the capture has no time.
+        is_cut: Whether the capture has only the beginning of the frame.
+        nanoseconds: The exact time in nanoseconds; None as `time`.
     """
 
     number: int
@@ -70,12 +76,12 @@ class CapturedFrame:
 
 
 def read_frames(stream: BinaryIO) -> Iterator[CapturedFrame]:
-    """Yields the frames of a capture as they come."""
+    """Yields the frames of a capture as they come (`CaptureError`: it is malformed)."""
     file = _File(stream)
     magic = file.read(4, "the file header")
     if magic.startswith(_GZIP):
-        again = cast("BinaryIO", _Again(magic, stream))
-        file = _File(cast("BinaryIO", gzip.GzipFile(fileobj=again, mode="rb")))
+        rejoined = cast("BinaryIO", _Rejoined(magic, stream))
+        file = _File(cast("BinaryIO", gzip.GzipFile(fileobj=rejoined, mode="rb")))
         magic = file.read(4, "the file header")
     if magic in _PCAP:
         yield from _pcap(file, *_PCAP[magic])
@@ -89,20 +95,20 @@ def read_frames(stream: BinaryIO) -> Iterator[CapturedFrame]:
 
 
 def is_capture(beginning: bytes) -> bool:
-    """Tells whether a file begins as a capture, or as a compressed file."""
+    """Returns whether the first four bytes are those of a capture or a gzip file."""
     is_plain = beginning in _PCAP or beginning == _SECTION_HEADER.to_bytes(4, "big")
     return is_plain or beginning.startswith(_GZIP)
 
 
-class _Again:
-    """A stream of which the beginning was read already."""
+class _Rejoined:
+    """A stream whose beginning was read already."""
 
     def __init__(self, beginning: bytes, stream: BinaryIO) -> None:
         self._beginning = beginning
         self._stream = stream
 
     def read(self, size: int = -1) -> bytes:
-        """Returns the beginning, in pieces, then what the stream gives."""
+        """Returns bytes of the beginning, then of the stream."""
         if not self._beginning:
             return self._stream.read(size)
         end = len(self._beginning) if size < 0 else size
@@ -111,14 +117,14 @@ class _Again:
 
 
 class _File:
-    """A file that is read from the beginning to the end."""
+    """A file that is read from the beginning to the end, with its offset for errors."""
 
     def __init__(self, stream: BinaryIO) -> None:
         self._stream = stream
         self.offset = 0
 
     def read(self, size: int, what: str, begin: int | None = None) -> bytes:
-        """Returns exactly as many bytes."""
+        """Returns exactly `size` bytes (`what`: their name, `begin`: offset, for errors)."""
         start = self.offset if begin is None else begin
         if size > _LARGEST_PART:
             raise CaptureError(f"{what} cannot have {size} bytes", start)
@@ -128,7 +134,7 @@ class _File:
         return data
 
     def read_or_end(self, size: int, what: str) -> bytes | None:
-        """Returns exactly as many bytes, None at the end of the file."""
+        """Returns exactly `size` bytes, None at the end of the file."""
         start = self.offset
         data = self._read_fully(size)
         if data and len(data) < size:
@@ -137,7 +143,7 @@ class _File:
 
     def _read_fully(self, size: int) -> bytes:
         data = self._read(size)
-        while 0 < len(data) < size:  # a pipe gives what it has
+        while 0 < len(data) < size:  # a pipe may return fewer bytes
             more = self._read(size - len(data))
             if not more:
                 break
@@ -155,7 +161,7 @@ class _File:
 def _pcap(file: _File, order: str, ticks_each_second: int) -> Iterator[CapturedFrame]:
     header = file.read(20, "the file header", 0)
     (network,) = struct.unpack(f"{order}16xI", header)
-    link_type = network & 0xFFFF  # the upper half tells of check sums after the frames
+    link_type = network & 0xFFFF  # the upper half describes checksums after the frames
     record = struct.Struct(f"{order}IIII")
     number = 0
     while True:
@@ -171,7 +177,7 @@ def _pcap(file: _File, order: str, ticks_each_second: int) -> Iterator[CapturedF
 
 
 class _Pcapng:
-    """A pcapng file: blocks, in sections that each tell their byte order."""
+    """A pcapng file: blocks, in sections with a byte order each."""
 
     def __init__(self, file: _File) -> None:
         self._file = file
@@ -266,14 +272,8 @@ class _Pcapng:
         return CapturedFrame(self._number, seconds, link_type, data[:kept], kept < length, time)
 
 
-_COMMENT = re.compile(r"(?:#|//|;).*")
-_BYTE_PREFIX = re.compile(r"(?<![0-9A-Fa-f])0[xX]|\\x")
-_SEPARATORS = str.maketrans("", "", " \t\r\n:,-_\v\f")
-_WRONG = re.compile(r"[^0-9A-Fa-f \t\r\n:,\-_\v\f]")
-
-
 def parse_hex(line: str) -> bytes:
-    r"""Returns the bytes of a line; a blank line or a comment has none.
+    r"""Returns the bytes in a line of hexadecimal text; empty for a blank line or a comment.
 
     Blanks, colons, commas, hyphens, `0x` and `\x` may stand between bytes; `#`, `;` and `//`
     begin a comment.

@@ -1,9 +1,8 @@
-"""UDP datagrams in frames, and frames of datagrams: link layer, IPv4 and IPv6 with fragments, UDP.
+"""UDP datagrams in frames, over IPv4 and IPv6 with fragments, and frames of datagrams.
 
-JUDP on other ports is found too, which processes that share the port of a host say to each other:
-only one of them owns the port; the others have one of a known range, or one that the system picks,
-which peers learn from their datagrams (AS5669A). Multicast shows these ports, since it goes to the
-known one.
+JUDP on other ports is found, too: of processes that share the port of a host, one owns it; the
+others have a port of a known range, or any port, which peers learn from their datagrams (AS5669A).
+Multicast shows these ports, since it goes to the known one.
 """
 
 from __future__ import annotations
@@ -47,27 +46,27 @@ class Endpoint(NamedTuple):
 
 
 class OtherPorts:
-    """Endpoints that speak JUDP, learnt from what was seen.
+    """Endpoints that are known to speak JUDP by their datagrams.
 
     Attributes:
-        unclaimed: Datagrams that look like JUDP, between endpoints of which none is known.
+        unclaimed: Number of datagrams in the form of JUDP between unknown endpoints.
     """
 
     def __init__(self, port: int) -> None:
         self.unclaimed = 0
-        # Hex needs no runtime, captures do.
+        # Imported here, as hexadecimal text does not need the runtime.
         from jausml.runtime.transports.ports import neighbour_ports  # noqa: PLC0415
 
         self._neighbours = neighbour_ports(port)
         self._known: set[Endpoint] = set()
 
     def learn(self, *endpoints: Endpoint) -> None:
-        """Remembers endpoints that speak JUDP."""
+        """Adds endpoints that speak JUDP, up to a limit."""
         if len(self._known) < _MOST_ENDPOINTS:
             self._known.update(endpoints)
 
     def takes(self, source: Endpoint, destination: Endpoint) -> bool:
-        """Whether a datagram on other ports, which has the form of JUDP, is of a speaker."""
+        """Returns whether one end of a datagram in the form of JUDP is known; else counts it."""
         if source in self._known or destination in self._known:
             return True
         if source.port in self._neighbours or destination.port in self._neighbours:
@@ -77,7 +76,7 @@ class OtherPorts:
 
 
 def is_judp(data: bytes) -> bool:
-    """Returns whether a datagram has the form of JUDP from its first to its last byte."""
+    """Returns whether all bytes of a datagram have the form of JUDP."""
     offset = 1
     if data[:1] != bytes([_JUDP_VERSION]) or len(data) < 1 + _LEAST_SIZE:
         return False
@@ -94,9 +93,9 @@ class Datagram:
     """A UDP datagram.
 
     Attributes:
-        time: Seconds since 1970, None when nobody told.
-        number: Number of the frame or line that ended it, from 1.
-        nanoseconds: The time to the nanosecond, None when nobody told.
+        time: Seconds since 1970, None if unknown.
+        number: Number of the frame or line that completed it, from 1.
+        nanoseconds: The exact time in nanoseconds, None if unknown.
     """
 
     data: bytes
@@ -108,7 +107,7 @@ class Datagram:
 
 
 class _Cut(Exception):  # noqa: N818 - it is no error of ours: the capture kept too few bytes
-    """A frame ends within a header or within the datagram."""
+    """A frame that ends within a header or within the datagram."""
 
 
 @dataclass
@@ -119,7 +118,7 @@ class _Fragments:
     size: int | None = None
 
     def whole(self) -> bytes | None:
-        """Returns the packet's content when all is there."""
+        """Returns the content of the packet, None while a fragment is missing."""
         if self.size is None:
             return None
         data = bytearray()
@@ -131,7 +130,11 @@ class _Fragments:
 
 
 class UdpReader:
-    """Finds the UDP datagrams of a port in frames, and JUDP of its speakers on other ports."""
+    """Finds the UDP datagrams of a port in frames, and JUDP on other ports.
+
+    Attributes:
+        skipped: Numbers of skipped frames and packets, by reason.
+    """
 
     def __init__(self, port: int) -> None:
         self.skipped: Counter[str] = Counter()
@@ -140,7 +143,7 @@ class UdpReader:
         self._pending: OrderedDict[tuple[bytes, bytes, int], _Fragments] = OrderedDict()
 
     def read(self, frame: CapturedFrame) -> Datagram | None:
-        """Returns the datagram that a frame holds or completes."""
+        """Returns the datagram that a frame holds or completes, None without one."""
         try:
             packet = self._ip_packet(frame)
             if packet is None:
@@ -154,16 +157,16 @@ class UdpReader:
 
     @property
     def unfinished(self) -> int:
-        """IP packets whose fragments are not all there."""
+        """Number of IP packets with missing fragments."""
         return len(self._pending)
 
     def _ip_packet(self, frame: CapturedFrame) -> bytes | None:
-        """Returns the packet behind the link layer when it is IP."""
+        """Returns the IP packet in a frame, None for another protocol."""
         data, link = frame.data, frame.link_type
         if link in _RAW_IP:
             return data or None
         if link in (_NULL, _LOOP):
-            return data[4:] or None  # the address family; IP tells its version itself
+            return data[4:] or None  # without the address family, as IP has its version itself
         if link == _ETHERNET:
             at = 12
         elif link == _LINUX_COOKED:
@@ -186,10 +189,10 @@ class UdpReader:
             return None
         hosts = packet[12:16], packet[16:20]
         start = 4 * (packet[0] & 0xF)
-        # A length of 0 comes from network cards that cut packets themselves.
+        # The length is 0 if the network card divides packets (TCP segmentation offload).
         content = packet[start : length or None]
         if start < 20 or len(packet) < length:
-            # The ports tell whether it concerns us, if they are there.
+            # Datagrams of other ports do not matter.
             if fragment & 0x1FFF or not self._is_ours(content):
                 return None
             raise _Cut
@@ -223,7 +226,7 @@ class UdpReader:
     def _joined(
         self, key: tuple[bytes, bytes, int], content: bytes, offset: int, *, last: bool
     ) -> bytes | None:
-        """Returns the content of a packet once all its fragments are there."""
+        """Returns the content of a packet, None while a fragment is missing."""
         if last and not offset:
             return content
         fragments = self._pending.setdefault(key, _Fragments())
@@ -268,7 +271,7 @@ class UdpReader:
 
 
 class PcapWriter:
-    """Writes frames of raw IP."""
+    """Writer of pcap files with frames of raw IP and times in nanoseconds."""
 
     def __init__(self, stream: BinaryIO) -> None:
         self._stream = stream
@@ -284,7 +287,7 @@ class PcapWriter:
 
 
 def frame_of(datagram: Datagram) -> CapturedFrame:
-    """Returns a frame with a datagram that was heard without one, over IPv4."""
+    """Returns an IPv4 frame with a datagram (`ValueError`: its endpoints are unknown)."""
     source, destination = datagram.source, datagram.destination
     if source is None or destination is None:
         raise ValueError("nobody told where the datagram came from")

@@ -1,6 +1,6 @@
-"""Listening to a network without taking part: to the group of JAUS, or all of an interface.
+"""Passive listeners to a network: to the multicast group of JAUS, or to all of an interface.
 
-What captures an interface does what tcpdump does, for UDP on Linux, and needs CAP_NET_RAW too.
+The capture of an interface works like tcpdump, for UDP on Linux, and needs CAP_NET_RAW, too.
 """
 
 from __future__ import annotations
@@ -28,10 +28,13 @@ _ADDRESS_OF_INTERFACE = 0x8915  # SIOCGIFADDR
 _LARGEST = 1 << 16
 _BUFFER = 1 << 24
 _TURN = 0.1
-_EVERYWHERE = "0.0.0.0"  # noqa: S104 - what the user says for all interfaces
+_EVERYWHERE = "0.0.0.0"  # noqa: S104 - the option for all interfaces
 _NANO = 10**9
 
-# UDP over IPv4; IPv6, whose headers the reader of frames looks through.
+_LARGEST_DATAGRAM = 65535
+_LONGEST_WAIT = 3600.0  # seconds; a socket does not take any number
+_IP_MULTICAST_ALL = 49  # Linux; the socket module does not name it
+# A filter of the kernel for UDP over IPv4, and IPv6, whose headers `frames` reads.
 _FILTER = (
     (0x30, 0, 0, 0),  # the first byte
     (0x74, 0, 0, 4),  # its upper half, the version
@@ -45,7 +48,7 @@ _FILTER = (
 
 
 class InterfaceCapture:
-    """Capture of all frames of an interface, also of other hosts, without taking part."""
+    """Capture of all UDP frames of an interface (its IPv4 address), also of other hosts."""
 
     def __init__(self, interface: str) -> None:
         try:
@@ -77,7 +80,7 @@ class InterfaceCapture:
         self._socket.close()
 
     def frames(self) -> Iterator[CapturedFrame | None]:
-        """Yields frames as they pass, and None while none does, so that one can end."""
+        """Yields frames as they pass, and None after a while without one, so that one can end."""
         number = 0
         while True:
             try:
@@ -86,7 +89,7 @@ class InterfaceCapture:
                 yield None
                 continue
             _, protocol, direction, hardware, *_ = address
-            # What leaves by the loopback interface comes in there again.
+            # Each frame of the loopback interface is both outgoing and incoming.
             is_double = hardware == _LOOPBACK and direction == _OUTGOING
             if protocol in (_IPV4, _IPV6) and not is_double:
                 number += 1
@@ -94,13 +97,13 @@ class InterfaceCapture:
                 yield CapturedFrame(number, now / _NANO, RAW_IP, data, nanoseconds=now)
 
     def lost(self) -> int:
-        """Returns how many frames the system had to drop since the last call."""
+        """Returns the number of frames that the system dropped since the last call."""
         statistics = self._socket.getsockopt(_SOL_PACKET, _PACKET_STATISTICS, 8)
         return int(struct.unpack("II", statistics)[1])
 
 
 def _attach_filter(sock: socket.socket) -> None:
-    """Lets the system pass on frames that may be JUDP alone: ROS has much UDP too."""
+    """Has the kernel drop frames that cannot be UDP."""
     code = b"".join(struct.pack("HBBI", *instruction) for instruction in _FILTER)
     kept = ctypes.create_string_buffer(code, len(code))
     program = struct.pack("HL", len(_FILTER), ctypes.addressof(kept))
@@ -108,7 +111,7 @@ def _attach_filter(sock: socket.socket) -> None:
 
 
 def _time_of(ancillary_data: list[tuple[int, int, bytes]]) -> int:
-    """Returns when the system saw a frame, in nanoseconds since 1970."""
+    """Returns the time of a frame by the kernel, in nanoseconds since 1970."""
     for level, kind, data in ancillary_data:
         if (level, kind) == (socket.SOL_SOCKET, _SO_TIMESTAMPNS):
             seconds, rest = struct.unpack("ll", data[:16])
@@ -117,7 +120,7 @@ def _time_of(ancillary_data: list[tuple[int, int, bytes]]) -> int:
 
 
 def _name_of(address: str) -> str:
-    """Returns the name of the interface that has an address."""
+    """Returns the name of the interface with an address (`OSError`: there is none)."""
     import fcntl  # noqa: PLC0415 - Windows has none
 
     wanted = socket.inet_aton(address)
@@ -133,16 +136,11 @@ def _name_of(address: str) -> str:
     raise OSError(0, "no interface has this address")
 
 
-_LARGEST_DATAGRAM = 65535
-_LONGEST_WAIT = 3600.0  # seconds; a socket does not take any number
-_IP_MULTICAST_ALL = 49  # Linux; the socket module does not name it
-
-
 class MulticastListener:
-    """Hears the JUDP multicast group of an interface (AS5669A).
+    """Listener to the JUDP multicast group of an interface (AS5669A).
 
-    A host hands unicast to the one process that owns the port, so none of it is heard here; a
-    capture shows that.
+    Unicast does not come here, as the host gives it to the process that owns the port; a capture
+    of the interface has it.
     """
 
     def __init__(self, settings: TransportSettings) -> None:
@@ -178,7 +176,7 @@ class MulticastListener:
         self._socket.close()
 
     def datagrams(self, duration: float | None = None) -> Iterator[Datagram]:
-        """Yields datagrams as they arrive."""
+        """Yields datagrams as they arrive, for `duration` seconds or without end."""
         end = None if duration is None else time.monotonic() + duration
         number = 0
         while True:
@@ -196,7 +194,7 @@ class MulticastListener:
 
 
 def _remedy(error: OSError, settings: TransportSettings) -> str:
-    """Returns the holder of a port that is taken, and how its traffic is seen all the same."""
+    """Returns, for a port in use, its holder and the command of a capture; else empty."""
     if error.errno != errno.EADDRINUSE:
         return ""
     from jausml.runtime.transports.ports import who_holds  # noqa: PLC0415 - for errors alone

@@ -1,4 +1,4 @@
-"""Observer of JUDP datagrams: what a bystander reads in them (AS5669A), and text of it."""
+"""Decoder of observed JUDP datagrams (AS5669A), and text of their messages."""
 
 from __future__ import annotations
 
@@ -43,18 +43,37 @@ _FRAGMENTS = {
     DataFlags.LAST: "the last packet of a message of several, of which others are missing",
 }
 
+_SHOWN_OCTETS = 64
+_PRIORITIES = {
+    Priority.LOW: "low priority",
+    Priority.HIGH: "high priority",
+    Priority.SAFETY_CRITICAL: "safety critical",
+}
+_BROADCASTS = {Broadcast.LOCAL: "local broadcast", Broadcast.GLOBAL: "global broadcast"}
+_ACKNOWLEDGEMENTS = {
+    AckNak.REQUESTED: "acknowledgement wanted",
+    AckNak.NAK: "negative acknowledgement",
+    AckNak.ACK: "acknowledgement",
+}
+_DATA_FLAGS = {
+    DataFlags.FIRST: "first packet",
+    DataFlags.MIDDLE: "middle packet",
+    DataFlags.LAST: "last packet",
+}
+
 
 @dataclass(frozen=True)
 class Observation:
-    """A message of the transport as it was seen, or a datagram that cannot be read.
+    """A packet of the transport in a datagram, or a datagram that cannot be read.
 
     Attributes:
-        packet: Its header and payload, None when the datagram cannot be read.
-        data_size: What its header says: bytes of the header, the payload and the sequence number.
-        payload: Code and body of the JAUS message; that of several packets stands with the packet
-            that completes it, and is empty with the others.
-        error: Why there is no message, empty when there is one or none is due; of a packet of
-            several, which place it has.
+        packet: Header and payload; None when the datagram cannot be read.
+        data_size: Bytes of header, payload and sequence number, by the header.
+        payload: Code and body of the JAUS message; of a message of several packets, only the last
+            received one has it.
+        message: The decoded message, None without one.
+        error: Why there is no message, or the place of a packet among several; else empty.
+        is_fragment: Whether it is one of several packets of a message.
     """
 
     datagram: Datagram
@@ -67,11 +86,11 @@ class Observation:
 
     @property
     def is_problem(self) -> bool:
-        """Whether something cannot be read; a packet that waits for others is none."""
+        """Whether it cannot be read; False for a packet that waits for others."""
         return bool(self.error) and not self.is_fragment
 
     def to_json(self) -> dict[str, Any]:
-        """Returns header, payload, and the decoded message, the fault, or the awaited part."""
+        """Returns header, payload, and decoded message or error, as JSON values."""
         fields: dict[str, Any] = {}
         datagram, packet = self.datagram, self.packet
         if datagram.source is not None:
@@ -106,23 +125,23 @@ def _parts(address: JausAddress) -> dict[str, int]:
 
 
 class _Reasons(Counters):
-    """Keeps why a datagram, or a part of it, cannot be read."""
+    """Counters that keep the names of the reasons why a datagram cannot be read."""
 
     def __init__(self) -> None:
         super().__init__()
         self.names: list[str] = []
 
     def count(self, name: str, *_: object, **__: object) -> None:
-        """Keeps a reason instead of logging it."""
+        """Keeps the name of a reason, without a log message."""
         self.names.append(name)
 
 
 class Observer:
-    """Reads datagrams in their order and puts messages of several packets together.
+    """Reads datagrams in their order, and joins messages of several packets.
 
     Attributes:
-        host_frames: Datagrams on the network that pass between jausml processes of one host, which
-            share the port so; they are no JUDP.
+        host_frames: Number of datagrams that are no JUDP, but pass between jausml processes of one
+            host, which share its port in this way.
     """
 
     def __init__(
@@ -147,18 +166,18 @@ class Observer:
         reasons = _Reasons()
         sizes = _data_sizes(datagram.data)
         for packet in parse_datagram(datagram.data, reasons):
-            # Sizes of messages that cannot be read stand between those of the others.
+            # Between the sizes of these messages are those of messages that cannot be read.
             least = EMPTY_MESSAGE_SIZE + len(packet.payload)
             size = next(
                 (candidate for candidate in sizes if candidate - least in _HEADER_COMPRESSION),
                 least,
             )
-            yield self._observed(Observation(datagram, packet, size), packet, now)
+            yield self._with_message(Observation(datagram, packet, size), packet, now)
         for name in reasons.names:
             yield Observation(datagram, error=_reason(name, datagram.data))
 
-    def _observed(self, seen: Observation, packet: Packet, now: float) -> Observation:
-        """Returns an observation with its message."""
+    def _with_message(self, seen: Observation, packet: Packet, now: float) -> Observation:
+        """Returns an observation with its payload and message, or the error."""
         if packet.acknowledge >= AckNak.NAK:
             return seen
         payload = packet.payload
@@ -179,13 +198,13 @@ class Observer:
 
 
 def ends_of(datagram: Datagram) -> set[str]:
-    """Returns the JAUS ids of senders and receivers of the messages that can be read."""
+    """Returns the JAUS ids of senders and receivers of the readable messages in a datagram."""
     packets = parse_datagram(datagram.data, _Reasons())
     return {str(end) for packet in packets for end in (packet.source, packet.destination)}
 
 
 def _data_sizes(data: bytes) -> Iterator[int]:
-    """Yields the data sizes of the messages of a datagram, as far as they lead."""
+    """Yields the data sizes of the messages of a datagram, up to the first wrong one."""
     offset = 1
     while offset + EMPTY_MESSAGE_SIZE <= len(data):
         size = data[offset + 1] | data[offset + 2] << 8
@@ -205,27 +224,8 @@ def _reason(name: str, data: bytes) -> str:
     return f"{_REASONS.get(name, name)} ({len(data)} bytes)"
 
 
-_SHOWN_OCTETS = 64
-_PRIORITIES = {
-    Priority.LOW: "low priority",
-    Priority.HIGH: "high priority",
-    Priority.SAFETY_CRITICAL: "safety critical",
-}
-_BROADCASTS = {Broadcast.LOCAL: "local broadcast", Broadcast.GLOBAL: "global broadcast"}
-_ACKNOWLEDGEMENTS = {
-    AckNak.REQUESTED: "acknowledgement wanted",
-    AckNak.NAK: "negative acknowledgement",
-    AckNak.ACK: "acknowledgement",
-}
-_DATA_FLAGS = {
-    DataFlags.FIRST: "first packet",
-    DataFlags.MIDDLE: "middle packet",
-    DataFlags.LAST: "last packet",
-}
-
-
 def lines(observation: Observation) -> Iterator[str]:
-    """Yields the lines of an observation; the fields are indented."""
+    """Yields an observation as lines of text, with indented fields."""
     packet, message = observation.packet, observation.message
     head = [*_place(observation), *(_header(packet) if packet is not None else ())]
     if message is not None:
@@ -243,7 +243,7 @@ def lines(observation: Observation) -> Iterator[str]:
 
 
 def _place(observation: Observation) -> Iterator[str]:
-    """Yields when and between which endpoints a datagram was seen, where that is known."""
+    """Yields the time and the endpoints of a datagram, as far as known."""
     datagram = observation.datagram
     if datagram.time is not None:
         yield _clock(datagram.time)
@@ -252,7 +252,7 @@ def _place(observation: Observation) -> Iterator[str]:
 
 
 def _clock(time: float) -> str:
-    """Returns the time of day in UTC; the time itself when no calendar holds it."""
+    """Returns the time of day in UTC; for a time out of range its seconds."""
     try:
         return f"{datetime.fromtimestamp(time, timezone.utc):%H:%M:%S.%f}"
     except (OverflowError, ValueError, OSError):
@@ -272,7 +272,7 @@ def _header(packet: Packet) -> Iterator[str]:
 
 
 def _address(address: JausAddress) -> str:
-    """Returns an address with `*` for parts that mean all."""
+    """Returns an address with `*` for wildcards."""
     everyone = (65535, 255, 255)
     parts = (address.subsystem, address.node, address.component)
     shown = ("*" if part == wild else str(part) for part, wild in zip(parts, everyone, strict=True))

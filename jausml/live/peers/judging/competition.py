@@ -1,4 +1,4 @@
-"""Competitions as data: tasks, what points are given for in each, and the score of a run."""
+"""Competitions as data: tasks with their parts and points, and the score of a run."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ _GIVEN = (Verdict.PASS, Verdict.NOTE)
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """A part of a task, and the points that it is worth.
+    """A part of a task, with its points.
 
     Attributes:
-        needs: Names of parts of the same task without which nothing can be said of it.
-        is_last: Whether it comes after all tasks, since the target cannot go on afterwards.
+        needs: Names of parts of the same task without which it cannot be judged.
+        is_last: Whether it comes after all tasks, since it ends the target.
     """
 
     check: Check
@@ -36,11 +36,11 @@ class Part:
 
 @dataclass(frozen=True, slots=True)
 class Task:
-    """A task, whose parts are taken one after the other without letting go of the target.
+    """A task, whose parts are judged in order; the target stays controlled between them.
 
     Attributes:
-        rule: What the rules say of it, in words of ours.
-        is_unasked: Whether it begins before the judge has sent anything.
+        rule: The rules of the task, in our words.
+        is_unasked: Whether the target begins it, before the judge has sent anything.
     """
 
     name: str
@@ -50,14 +50,14 @@ class Task:
     is_unasked: bool = False
 
 
+# Makes a part from the name and the source of its task.
 PartOf = Callable[[str, str], Part]
-"""Makes a part of a task by the name of that, with the source of it."""
 
 
 def part(
     name: str, points: float, title: str, *needs: str, is_last: bool = False
 ) -> Callable[..., PartOf]:
-    """Declares a part of a task, and takes its steps."""
+    """Returns a function that makes a part of a task from its steps."""
 
     def of(*steps: Step) -> PartOf:
         return lambda task_name, source: Part(
@@ -70,7 +70,7 @@ def part(
 def task(
     name: str, title: str, rule: str, source: str, *parts: PartOf, is_unasked: bool = False
 ) -> Task:
-    """Declares a task."""
+    """Returns a task, whose parts have its name and source."""
     return Task(name, title, rule, tuple(factory(name, source) for factory in parts), is_unasked)
 
 
@@ -79,9 +79,9 @@ class Competition:
     """Tasks in their order.
 
     Attributes:
-        source: Where the rules are published, and what of the points is ours.
-        not_covered: What the rules ask for and this judge does not look at, or that is not public.
-        skips_count: Whether points are lost for what could not be judged, e.g. without control.
+        source: The publication of the rules, and which points are ours.
+        not_covered: Demands of the rules that are not judged, or not public.
+        skips_count: Whether parts that cannot be judged, e.g. without control, lose their points.
     """
 
     name: str
@@ -94,7 +94,7 @@ class Competition:
 
 @dataclass(frozen=True, slots=True)
 class Score:
-    """The points of a part."""
+    """The result of a part."""
 
     task: Task
     part: Part
@@ -102,13 +102,19 @@ class Score:
 
     @property
     def points(self) -> float:
-        """The points that were given."""
+        """The points for it: all or none."""
         return self.part.points if self.result.verdict in _GIVEN else 0.0
 
 
 @dataclass(frozen=True, slots=True)
 class Sheet:
-    """The score of a run (`begun`: time of day, in UTC)."""
+    """The score sheet of a run.
+
+    Attributes:
+        target: JAUS id of the judged component.
+        begun: Date and time in UTC.
+        services: The reported services of the target.
+    """
 
     competition: Competition
     target: str
@@ -128,21 +134,21 @@ class Sheet:
         return tuple(score for score in self.scores if score.task is task)
 
     def counts(self, score: Score) -> bool:
-        """Whether the points of a part belong to what could be reached."""
+        """Returns whether the points of a part count among the possible ones."""
         return self.competition.skips_count or score.result.verdict is not Verdict.SKIPPED
 
     def reached(self, task: Task | None = None) -> float:
-        """Returns the points that were given, of one task or in all."""
+        """Returns the reached points, of one task or of all."""
         return round(sum(score.points for score in self._chosen(task)), 2)
 
     def possible(self, task: Task | None = None) -> float:
-        """Returns the points that could be reached."""
+        """Returns the possible points, of one task or of all."""
         chosen = (score.part.points for score in self._chosen(task) if self.counts(score))
         return round(sum(chosen), 2)
 
     @property
     def is_full(self) -> bool:
-        """Whether there are full marks."""
+        """Whether all possible points were reached."""
         return not self.interrupted and self.reached() == self.possible() > 0
 
     def _chosen(self, task: Task | None) -> Sequence[Score]:
@@ -150,7 +156,12 @@ class Sheet:
 
 
 class Judge:
-    """Lets a target take the tasks of a competition."""
+    """Judge of the tasks of a competition.
+
+    Attributes:
+        scores: The scores so far.
+        interrupted: Whether a user interrupted the run.
+    """
 
     def __init__(self, tasks: Iterable[Task], on_score: Callable[[Score], None]) -> None:
         self._tasks = tuple(tasks)
@@ -159,14 +170,14 @@ class Judge:
         self.interrupted = False
 
     def meet(self, session: Session) -> bool:
-        """Takes the tasks that begin without a word, and returns whether the target was heard."""
+        """Judges the tasks that the target begins; returns whether it got any points for them."""
         for task in self._tasks:
             if task.is_unasked:
                 self._take(session, task, task.parts)
         return any(score.result.verdict in _GIVEN for score in self.scores)
 
     def run(self, session: Session) -> None:
-        """Takes all other tasks; parts after which the target cannot go on come last."""
+        """Judges all other tasks; parts that end the target come last."""
         try:
             for task in self._tasks:
                 if not task.is_unasked:
@@ -198,7 +209,7 @@ class Judge:
             self.note(Score(task, part, result))
 
     def note(self, score: Score) -> None:
-        """Keeps a score and tells of it."""
+        """Adds a score, and passes it to `on_score`."""
         self.scores.append(score)
         self._on_score(score)
 

@@ -1,7 +1,7 @@
-"""The competitions that can be judged, a run of one, and tasks of the IOP challenge, 2013 to 2020.
+"""The competitions by name, the run of one, and the tasks of the IOP challenge, 2013 to 2020.
 
-Tool and table of points of the IOP challenge of the Intelligent Ground Vehicle Competition are not
-public: services and parts are as teams quote the rules, and the points are ours.
+The tool and the points of the IOP challenge of the Intelligent Ground Vehicle Competition are not
+public: services and parts are those in quotes of the rules by teams, and the points are ours.
 """
 
 from __future__ import annotations
@@ -36,15 +36,16 @@ from jausml.runtime.messages import ReportServices
 
 RULES = "IGVC, IOP Challenge, as quoted by teams"
 
+# Services of the component for platform management.
 PLATFORM = ("Transport", "Events", "AccessControl", "Liveness", "Discovery")
-"""Services of the component for platform management."""
 
+# Services of the component for navigation and reporting.
 REPORTING = (
     *("Transport", "Events", "AccessControl", "Management", "Liveness"),
     *("LocalWaypointDriver", DRIVER, "VelocityStateSensor", "LocalPoseSensor", "PrimitiveDriver"),
 )
-"""Services of the component for navigation and reporting."""
 
+# Conformance checks of the core services.
 _CHECKS = (
     *("liveness.pulse", "liveness.event"),
     *("events.create-periodic", "events.report", "events.update", "events.cancel"),
@@ -52,7 +53,6 @@ _CHECKS = (
     *("management.resume", "management.standby-command", "management.resume-by-other"),
     *("management.emergency", "management.clear"),
 )
-"""Checks of conformance of the services that both parts of the challenge build on."""
 
 _QUERIES = (
     ("VelocityStateSensor", "QueryVelocityState"),
@@ -136,18 +136,18 @@ def _answers(session: Session, service: str, query: str) -> None:
 
 
 def _let_go(session: Session) -> None:
-    """The leftovers of a part in the target do not count for the next one."""
+    """Resets the target after a part, so that the next one is independent."""
     session.require(session.tidy(), "the target does not answer any more")
 
 
 CONFORMANCE = "conformance"
 
+# Id of the judge by competition, where the rules fix it.
 ID = {"igvc-jaus": "42.1.1", "igvc-iop": "42.1.1"}
-"""Id of the judge by competition, where the rules fix it."""
 
 
 class ConformanceJudge(Judge):
-    """Gives a point for each check of conformance that applies to the target."""
+    """Judge that gives a point for each conformance check that applies to the target."""
 
     def __init__(self, selection: CheckFilter, on_score: Callable[[Score], None]) -> None:
         self._selection = selection
@@ -192,7 +192,7 @@ _COMPETITIONS: dict[str, Callable[[Course], Competition]] = {
 
 
 def task_names(name: str) -> set[str]:
-    """Returns the names of the tasks of a competition and of their parts."""
+    """Returns the names of the tasks and parts of a competition."""
     if name == CONFORMANCE:
         return known_names()
     tasks = competition(name).tasks
@@ -213,14 +213,16 @@ def judged(
     quiet: float = 0.3,
     wire: RawEndpoint | None = None,
 ) -> Sheet:
-    """Lets a component take the tasks of a competition.
+    """Judges the tasks of a competition with a component.
 
     Args:
-        only: Names of tasks or of parts, whose needs are taken too; all when empty.
+        only: Names of tasks and parts, whose needs are judged, too; empty for all.
+        timeout: Seconds to wait for an answer.
+        quiet: Seconds to wait for messages that must not come.
 
     Raises:
         OSError: The network cannot be used.
-        TargetNotReached: Nothing came from the target.
+        TargetNotReached: No message came from the target.
     """
     judge: Judge
     if rules.name == CONFORMANCE:

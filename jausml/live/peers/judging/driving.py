@@ -1,4 +1,4 @@
-"""Drive along waypoints, what the target tells on the way, and steps with messages by names."""
+"""Drive along waypoints, judged by reports of the target, and steps with messages by names."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _DAY = 86400.0
 
 @dataclass(frozen=True, slots=True)
 class Topic:
-    """A topic of a service: QueryNAME and ReportNAME.
+    """A query and its report of a service: QueryNAME and ReportNAME.
 
     Attributes:
         presence: Presence vector of the query; None when it has none.
@@ -47,13 +47,13 @@ class Topic:
 
 
 def message_of(session: Session, service: str, name: str, **fields: Any) -> EntryMessage:
-    """Returns a message of a service; the record of its body need not be named."""
+    """Returns a message of a service; `fields` may leave out the record of its body."""
     entry = session.catalogue.message(name, service)
     return message_class(entry)(entry.completed(fields) if fields else {})
 
 
 def fields_of(message: EntryMessage) -> dict[str, Any]:
-    """Returns the fields of a message of one record that are present."""
+    """Returns the present fields of a message with one record."""
     (record,) = message.fields.values()
     return {name: value for name, value in record.items() if name != PRESENCE}
 
@@ -112,8 +112,7 @@ def _seconds(report: dict[str, Any]) -> float:
 
 
 T = TypeVar("T")
-Place: TypeAlias = tuple[float, float]
-"""x and y in metres."""
+Place: TypeAlias = tuple[float, float]  # x and y in metres
 
 DRIVER = "LocalWaypointListDriver"
 ACTIVE = Topic(DRIVER, "ActiveElement")
@@ -121,11 +120,9 @@ SPEED = Topic(DRIVER, "TravelSpeed")
 WAYPOINT = Topic(DRIVER, "LocalWaypoint", presence=0)
 POSE = Topic("LocalPoseSensor", "LocalPose", presence=3)
 
-RADIUS = 0.5
-"""Metres within which a waypoint counts as reached; the published rules name none."""
+RADIUS = 0.5  # metres within which a waypoint counts as reached; the published rules name none
 
-TRAVEL_SPEED = 1.0
-"""Speed in m/s of ExecuteList, as the rules have it."""
+TRAVEL_SPEED = 1.0  # speed in m/s of ExecuteList, as the rules have it
 
 _PERIOD = 0.2
 _PATIENCE = 3.0
@@ -135,11 +132,11 @@ _QUOTED = 3
 
 @dataclass(frozen=True)
 class Course:
-    """Where the target is to drive.
+    """The waypoints of a drive.
 
     Attributes:
         waypoints: x and y in metres, in the local frame of the target: x forward, y right.
-        seconds: How long it may take from one to the next.
+        seconds: Greatest time from one to the next.
     """
 
     waypoints: tuple[Place, ...] = ((2.0, 0.0), (2.0, 2.0), (0.0, 2.0), (0.0, 0.0))
@@ -148,11 +145,13 @@ class Course:
 
 @dataclass(frozen=True)
 class Sample:
-    """The reports of the target at a time; None for one that did not come.
+    """The reports of the target at a time; None for a missing one.
 
     Attributes:
         time: Seconds since ExecuteList.
-        evidence: What was sent and seen.
+        active: UID of the active element.
+        speed: Reported travel speed in m/s.
+        evidence: The sent and received messages.
     """
 
     time: float
@@ -206,7 +205,7 @@ class Drive:
         )
 
     def _is_over(self) -> bool:
-        """Whether the list has ended, all is reached, or the next waypoint takes too long."""
+        """Returns whether the list has ended, or the next waypoint or the end takes too long."""
         if not self.samples:
             return False
         latest = self.samples[-1]
@@ -218,7 +217,7 @@ class Drive:
 
     @property
     def _departure(self) -> int | None:
-        """Returns the place of the first sample away from the start."""
+        """The index of the first sample away from the start."""
         start = next((sample.place for sample in self.samples if sample.place is not None), None)
         away = (
             at
@@ -245,7 +244,7 @@ class Drive:
         )
 
     def _arrivals(self) -> list[int | None]:
-        """Returns the sample of the arrival at each waypoint, in their order."""
+        """Returns the index of the first sample at each waypoint in order, None if not reached."""
         arrivals: list[int | None] = []
         departure = self._departure
         since = len(self.samples) if departure is None else departure
@@ -263,7 +262,7 @@ class Drive:
         end = arrivals[number - 1]
         return self.samples[max(former, default=0) : None if end is None else end + 1]
 
-    # ---- what is judged ---------------------------------------------------------------------
+    # ---- steps ------------------------------------------------------------------------------
 
     def reaches(self, number: int) -> Step:
         """The target was at a waypoint, after those before it."""
@@ -332,13 +331,13 @@ class Drive:
 
 
 def _quote(session: Session, samples: Sequence[Sample], name: str) -> None:
-    """Shows the values of a topic in some samples."""
+    """Adds messages of a topic in some samples to the trace."""
     for sample in samples[:_QUOTED]:
         session.trace.quote(line for line in sample.evidence if name in line.text)
 
 
 def _latest(session: Session, client: Client, topic: Topic) -> dict[str, Any]:
-    """Returns the fields of the last report of a topic that came; none without a good one."""
+    """Returns the fields of the last report of a topic; empty if none came, or it is malformed."""
     kind = topic.report(session)
     for received in reversed(client.inbox):
         if received.code == kind.CODE:

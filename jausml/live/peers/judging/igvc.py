@@ -45,11 +45,9 @@ from jausml.runtime.clients.discovery_client import query_services
 
 RULES = "IGVC 2011, JAUS Challenge"
 
-INTERVAL = 5.0
-"""Seconds between two questions of an entry that is not answered."""
+INTERVAL = 5.0  # seconds between two queries of an entry until it is answered
 
-PATIENCE = 30.0
-"""Seconds in which an entry must begin to ask; it may just be starting."""
+PATIENCE = 30.0  # seconds until the first query of an entry, which may just be starting
 
 _LENIENCE = 1.0
 _FASTEST = 5.0
@@ -65,15 +63,15 @@ VELOCITY = Topic("VelocityStateSensor", "VelocityState", presence=0x0140)
 VELOCITY_IN_WORDS = Topic("VelocityStateSensor", "VelocityState", presence=0x0141)
 POSE = Topic("LocalPoseSensor", "LocalPose", presence=0x0103)
 
+# The services that the tasks need.
 SERVICES = (
     *("Discovery", "AccessControl", "Management"),
     *("VelocityStateSensor", "LocalPoseSensor", DRIVER),
 )
-"""The services that the tasks need."""
 
 
 class Handshake:
-    """The questions of an entry that introduces itself: when the last came, and from where."""
+    """The queries of an entry that introduces itself: time and endpoint of the last one."""
 
     def __init__(self) -> None:
         self._heard = 0.0
@@ -290,7 +288,7 @@ def waypoint_navigation(course: Course, rules: str) -> Task:
 
 
 def _waypoint(drive: Drive, number: int, points: float) -> tuple[PartOf, ...]:
-    """Returns the parts of the points of a waypoint: reaching it, and the reports on the way."""
+    """Returns the parts of a waypoint: reaching it, and the reports on the way to it."""
     reached, further = f"reached-{number}", 0.2 * points
     return (
         part(reached, 0.4 * points, f"Reaches waypoint {number} in its turn", "drive")(

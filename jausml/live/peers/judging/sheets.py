@@ -15,8 +15,7 @@ from jausml.live.peers.judging.competition import Score, Sheet, Task
 from jausml.live.peers.rendering import printable
 from jausml.views.pages import page_head
 
-SCHEMA = 1
-"""Version of the layout of JSON."""
+SCHEMA = 1  # version of the layout of JSON
 
 _ID_WIDTH = 36
 
@@ -28,7 +27,7 @@ def task_lines(task: Task) -> Iterator[str]:
 
 
 def score_lines(score: Score) -> Iterator[str]:
-    """Yields the points of a part; of lost ones the reason, and what was sent and seen."""
+    """Yields the points of a part; for lost points also the rule and the messages."""
     check, verdict = score.part.check, score.result.verdict
     points = f"{score.points:g}/{score.part.points:g}"
     mark = {Verdict.FAIL: "LOST", Verdict.SKIPPED: "skip"}.get(verdict, "")
@@ -45,7 +44,7 @@ def score_lines(score: Score) -> Iterator[str]:
 
 
 def ending(sheet: Sheet) -> Iterator[str]:
-    """Yields the points of each task, the sum, and what was not looked at."""
+    """Yields the points of each task, the sum, and what was not judged."""
     yield ""
     for task in sheet.tasks:
         yield f"{task.title:40} {sheet.reached(task):6g} of {sheet.possible(task):g}"
@@ -124,7 +123,7 @@ _ARROWS = {"sent": "→", "received": "←", "remark": "·"}
 
 
 def render_html(sheet: Sheet) -> str:
-    """Returns a sheet as a page; but for times it is the same for the same run."""
+    """Returns a sheet as an HTML page; it is the same for the same run, except times."""
     return "\n".join(_lines(sheet)) + "\n"
 
 

@@ -1,1 +1,1 @@
-"""Peers of other makes, to try a robot before the real ones are there: habits on the wire."""
+"""Simulated peers of other makes, with their habits on the wire, to try a robot without them."""

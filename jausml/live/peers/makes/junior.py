@@ -1,6 +1,6 @@
-"""A component on Junior's API and the node manager below it, as peers of other makes meet them.
+"""A component on Junior's API and the node manager below it, as other peers see them.
 
-Written from how Junior behaves on the wire, with sockets and a thread of its own. It has these
+It is modelled on Junior's behaviour on the wire, with its own sockets and thread, and has these
 habits of Junior:
 
 - a receive buffer of 70,000 bytes, of which a manager takes ten datagrams in each round, with a
@@ -15,7 +15,7 @@ habits of Junior:
 
 A vehicle whose author wrote the events by himself makes another event of each CreateEvent.
 
-What the JAUS Tool Set generates stands on Junior. Such a component is a waypoint
+Components of the JAUS Tool Set are based on Junior. Such a component is a waypoint
 driver with AccessControl and Management, which announces its leaf services alone:
 
 - ReportServices has one record of the node for each service, in all of them the same component.
@@ -62,7 +62,7 @@ GLOBAL = 2
 
 
 class Loose(NamedTuple):
-    """A packet that waits for the others of its message."""
+    """A packet that waits for the other packets of its message (`place`: FIRST to LAST)."""
 
     source: int
     sequence: int
@@ -74,10 +74,10 @@ class JuniorPeer:
     """One component of another host that runs Junior.
 
     Attributes:
-        thrown_away: Loose packets that had to make room.
-        alive: Whether the component runs; its node manager goes on without it.
-        transmissions: How often an acknowledged packet is sent at most; more than Junior's four
-            suit tests on a busy computer.
+        thrown_away: Number of loose packets that were dropped for newer ones.
+        alive: Whether the component runs; its node manager runs without it, too.
+        transmissions: Greatest number of sendings of an acknowledged packet; tests on a busy
+            computer need more than Junior's four.
     """
 
     def __init__(self, address: JausAddress, place: Place) -> None:
@@ -114,16 +114,16 @@ class JuniorPeer:
         self._multicast.close()
 
     def restart(self) -> None:
-        """Restarts the component, with its first number and an empty memory."""
+        """Restarts the component, with sequence number 1 and no loose packets."""
         with self._state:
             self._start_component()
 
     def end(self) -> None:
-        """Ends the component alone: acknowledgements stop."""
+        """Ends the component, but not its node manager: acknowledgements stop."""
         self.alive = False
 
     def send(self, destination: JausAddress, payload: bytes, *, acknowledge: bool = False) -> bool:
-        """Sends a message, and waits as long as that takes; returns whether it went well."""
+        """Sends a message and waits for that; returns False without acknowledgement."""
         parts = [payload[at : at + PACKET_SIZE] for at in range(0, len(payload), PACKET_SIZE)]
         places = [FIRST, *[MIDDLE] * (len(parts) - 2), LAST] if len(parts) > 1 else [SINGLE]
         for count, (part, place) in enumerate(zip(parts, places, strict=True), 1):
@@ -138,11 +138,11 @@ class JuniorPeer:
         return True
 
     def knows(self, address: JausAddress) -> tuple[str, int] | None:
-        """Returns where its node manager believes a component to be."""
+        """Returns the endpoint of a component in the address book of the node manager."""
         return self._book.get(address.packed)
 
     def on_message(self, source: JausAddress, payload: bytes) -> None:
-        """Takes a whole message, on the thread of the peer; by default without an effect."""
+        """Is called with each whole message, on the thread of the peer."""
 
     # ---- the component ----------------------------------------------------------------------
 
@@ -199,7 +199,7 @@ class JuniorPeer:
         return False
 
     def _assemble(self) -> None:
-        """Delivers a message that is whole: consecutive numbers from a first to a last packet."""
+        """Delivers a whole message: packets with consecutive numbers from a first to a last."""
         loose = {(packet.source, packet.sequence): packet for packet in self._loose}
         for first in (packet for packet in self._loose if packet.place == FIRST):
             parts = [first]
@@ -273,7 +273,7 @@ class JuniorVehicle(JuniorPeer):
     """A vehicle on Junior's API."""
 
     def __init__(self, vehicle: Vehicle, place: Place) -> None:
-        """Joins the node manager of a host."""
+        """Starts the vehicle and the node manager of its host."""
         self._vehicle = vehicle
         super().__init__(vehicle.address, place)
         self._reporter = threading.Thread(target=self._report, daemon=True)
@@ -327,12 +327,12 @@ class JtsComponent(JuniorPeer):
         super().__init__(address, place)
 
     def restart(self) -> None:
-        """Starts it again, in standby and uncontrolled."""
+        """Restarts the component, in Standby and without a controller."""
         self._reset()
         super().restart()
 
     def on_message(self, source: JausAddress, payload: bytes) -> None:
-        """Answers, obeys, or dies."""
+        """Answers or obeys a message; ends on one without a message code."""
         if len(payload) < 2:
             self.end()
             return

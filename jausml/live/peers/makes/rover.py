@@ -1,12 +1,12 @@
-"""A rover to try an operator or a bridge with, as each make would have it; that of JAUS++ 5.
+"""A rover of each make, to try an operator or a bridge, and a component on JAUS++ 5.
 
-What a component on JAUS++ does otherwise than the standard has it:
+A component on JAUS++ differs from the standard:
 
-- an acknowledgement lacks its first byte, the version of JUDP, and is right otherwise;
-- a packet that is repeated is obeyed again;
-- UpdateEvent brings it to a standstill, for ever;
+- an acknowledgement lacks its first byte, the version of JUDP;
+- a repeated packet is obeyed again;
+- UpdateEvent stops it for ever;
 - QueryServices is answered for the component that it names, and with an empty report for wildcards;
-- an event that is asked for again is the one that it has.
+- a second CreateEvent with the same query yields the same event.
 """
 
 from __future__ import annotations
@@ -31,14 +31,14 @@ _BUFFER = 1 << 18
 
 
 class JausPlusPlus:
-    """A component on JAUS++: sends and receives for a vehicle, on a thread.
+    """A component on JAUS++, which sends and receives for a vehicle on a thread.
 
     Attributes:
-        obeyed_again: Packets that came again, and were obeyed again.
+        obeyed_again: Number of repeated packets that were obeyed again.
     """
 
     def __init__(self, vehicle: Vehicle, place: Place) -> None:
-        """Listens at a place."""
+        """Starts the component."""
         self.obeyed_again = 0
         self._vehicle = vehicle
         self._book: dict[int, tuple[str, int]] = {}
@@ -91,14 +91,12 @@ class JausPlusPlus:
             self._unicast.sendto(datagram, self._book[client.packed])
 
 
-FULL_SPEED = 2.0
-"""Metres per second at an effort of 100 percent."""
-FULL_TURN = 1.0
-"""Radians per second at a rotational effort of 100 percent."""
+FULL_SPEED = 2.0  # metres per second at an effort of 100 percent
+FULL_TURN = 1.0  # radians per second at a rotational effort of 100 percent
 
 
 class Rover:
-    """Takes SetWrenchEffort, and reports a velocity that follows at once (AS6009)."""
+    """A rover that obeys SetWrenchEffort, and reports its velocity, without delay (AS6009)."""
 
     def __init__(self, catalogue: Catalogue, on_command: OnCommand) -> None:
         self._effort = catalogue.message("SetWrenchEffort")
@@ -108,14 +106,14 @@ class Rover:
         self._speed = self._turn = 0.0
 
     def report(self, code: int) -> bytes | None:
-        """Returns the velocity for its query."""
+        """Returns the report for the code of its query, None for other codes."""
         if code != self._query.code:
             return None
         moves = {"Velocity_X": self._speed, "YawRate": self._turn}
         return self._velocity.encode({"ReportVelocityStateRec": moves})
 
     def obey(self, payload: bytes, source: JausAddress) -> None:
-        """Obeys an effort; ignores other messages."""
+        """Obeys SetWrenchEffort; ignores other messages."""
         if int.from_bytes(payload[:2], "little") != self._effort.code:
             return
         try:
@@ -141,5 +139,5 @@ def _jaus_plus_plus(address: JausAddress, rover: Rover, place: Place) -> JausPlu
 
 
 MAKES: dict[str, Callable[[JausAddress, Rover, Place], JuniorVehicle | JtsComponent | JausPlusPlus]]
+# Functions that start a rover by make. It runs on threads of its own until ``close``.
 MAKES = {"junior": _junior, "jts": _tool_set, "jaus++": _jaus_plus_plus}
-"""The functions that start a rover of each make. It runs on threads of its own until ``close``."""

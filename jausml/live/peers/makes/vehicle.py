@@ -1,4 +1,4 @@
-"""A vehicle as stacks of other makes have it, above their transports, and where it is."""
+"""A vehicle above the transports of other makes, and the network endpoints of a peer."""
 
 from __future__ import annotations
 
@@ -42,10 +42,10 @@ _INPUTS = {
 
 @dataclass(frozen=True)
 class Place:
-    """The place of a peer: a host of its own of loopback, or an interface of this one.
+    """The endpoints of a peer: on a loopback address of its own, or an interface of this host.
 
     Attributes:
-        multicast_group: Where it is found.
+        multicast_group: The group of JUDP.
     """
 
     interface: str = "127.0.0.2"
@@ -54,7 +54,7 @@ class Place:
 
     @property
     def endpoint(self) -> tuple[str, int]:
-        """The endpoint of its own messages."""
+        """The endpoint of unicast messages."""
         return self.interface, self.port
 
     @property
@@ -63,9 +63,9 @@ class Place:
         return self.multicast_group, self.port
 
     def sockets(self, buffer: int) -> tuple[socket.socket, socket.socket]:
-        """Opens the sockets for both, which do not block, with receive buffers of so many bytes."""
+        """Opens non-blocking sockets for unicast and multicast (`buffer`: bytes of each)."""
         own, group = (socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in range(2))
-        # Multicast of loopback goes by its usual address alone.
+        # Multicast on loopback uses 127.0.0.1 only.
         is_loopback = self.interface.startswith("127.")
         by = socket.inet_aton("127.0.0.1" if is_loopback else self.interface)
         try:
@@ -87,7 +87,7 @@ class Place:
 
 @dataclass
 class _Event:
-    """An event that somebody has asked for."""
+    """An event that a client has created (`period`, `due`: seconds)."""
 
     client: JausAddress
     query: bytes
@@ -97,11 +97,11 @@ class _Event:
 
 
 class Vehicle:
-    """Obeys one controller, and reports at the rate that is asked for.
+    """A vehicle that obeys one controller, and sends events at the requested rate.
 
     Attributes:
-        dies_of_updates: Whether UpdateEvent brings it to a standstill.
-        doubles_events: Whether it makes another event of each CreateEvent.
+        dies_of_updates: Whether UpdateEvent stops it for ever.
+        doubles_events: Whether each CreateEvent makes another event, also for the same query.
     """
 
     def __init__(
@@ -122,7 +122,7 @@ class Vehicle:
         self._events: dict[int, _Event] = {}
 
     def take(self, payload: bytes, source: JausAddress) -> list[tuple[JausAddress, bytes]]:
-        """Answers a message; returns answers with whom they are for."""
+        """Takes a message; returns answers with their receivers."""
         if len(payload) < 2 or self.is_dead:
             return []
         (code,) = struct.unpack_from("<H", payload)
@@ -139,7 +139,7 @@ class Vehicle:
         return []
 
     def due(self) -> list[tuple[JausAddress, bytes]]:
-        """Returns the reports whose time has come, with whom they are for."""
+        """Returns the events that are due, with their receivers."""
         now, reports = time.monotonic(), []
         for number, event in self._events.items():
             if now >= event.due and not self.is_dead:
