@@ -33,7 +33,7 @@ test: $(READY)  ## run the tests that guard everything, in six minutes
 	$(BIN)/python tools/suite.py -m "not slow" $(TESTS)
 
 # The budget of tests is judged by a whole run only; JUDGED is what CI adds, the skips that it expects.
-test-all: $(READY)  ## run these, those that go further, and what uses rclpy on Kilted, in fifteen minutes
+test-all: $(READY)  ## run these, those that go further, and what uses rclpy on Kilted, in seventeen minutes
 	$(BIN)/python tools/suite.py $(JUDGED) $(if $(TESTS),$(TESTS),--judge-budget)
 	$(MAKE) live ROS=kilted TESTS='-m "live and not slow" $(if $(TESTS),$(TESTS),tests/live)'
 
