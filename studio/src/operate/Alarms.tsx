@@ -1,38 +1,34 @@
-import { useRef, useState } from "react";
+import { useState } from "react";
 import type { Alarm, HandoffRequest } from "./protocol";
+import { useStill } from "./still";
 import { commands, tried, useUnit } from "./unit";
 
 const timeOf = (seconds: number) => new Date(seconds * 1000).toISOString().slice(11, 19);
-const NONE: Alarm[] = [];
+const NO_ALARMS: Alarm[] = [];
+const NO_REQUESTS: HandoffRequest[] = [];
 
 /** What nobody should overlook, until somebody says why it may be silent: the newest cause first. */
 export function Alarms() {
-  const sounding = useUnit((unit) => unit.state?.alarms ?? NONE);
+  const sounding = useUnit((unit) => unit.state?.alarms ?? NO_ALARMS);
   const mayCommand = useUnit((unit) => unit.mayCommand);
   const [reason, setReason] = useState("");
-  const [isTouched, setTouched] = useState(false);
-  // Nothing moves under the hand: while it is here, what is newer waits.
-  const shown = useRef(sounding);
-  if (!isTouched) shown.current = sounding;
-  const newer = sounding.filter((each) => !shown.current.some((one) => one.number === each.number));
-  const causes = causesOf(shown.current, sounding);
+  const { shown, waiting, isGone, hand } = useStill(sounding, (alarm) => alarm.number);
+  const soundingOf = (alarms: Alarm[]) => alarms.filter((alarm) => !isGone(alarm));
+  const mayBeSilent = (alarms: Alarm[]) => reason.trim() !== "" && soundingOf(alarms).length > 0;
   const silence = (alarms: Alarm[]) =>
-    void tried("silence", { numbers: alarms.map((each) => each.number), reason });
+    void tried("silence", { numbers: soundingOf(alarms).map((alarm) => alarm.number), reason });
   return (
     <section
       className={sounding.length ? "alarms sounding" : "alarms"}
       aria-label="Alarms"
-      onPointerEnter={() => setTouched(true)}
-      onPointerLeave={() => setTouched(false)}
-      onFocus={() => setTouched(true)}
-      onBlur={() => setTouched(false)}
+      {...hand}
     >
       <header>
         <h2 aria-live="assertive">
           {sounding.length
             ? `⚠ ${sounding.length} alarm${sounding.length > 1 ? "s" : ""}`
             : "No alarms"}
-          {newer.length > 0 && `, ${newer.length} newer`}
+          {waiting > 0 && `, ${waiting} newer`}
         </h2>
         {mayCommand && (
           <>
@@ -43,11 +39,7 @@ export function Alarms() {
               value={reason}
               onChange={(event) => setReason(event.currentTarget.value)}
             />
-            <button
-              type="button"
-              disabled={reason.trim() === "" || shown.current.length === 0}
-              onClick={() => silence(shown.current)}
-            >
+            <button type="button" disabled={!mayBeSilent(shown)} onClick={() => silence(shown)}>
               Silence all
             </button>
           </>
@@ -55,24 +47,24 @@ export function Alarms() {
       </header>
       {/* biome-ignore lint/a11y/noNoninteractiveTabindex: it scrolls by keys */}
       <ul tabIndex={0} aria-label="Alarms that sound">
-        {causes.map(({ cause, alarms }) => (
+        {causesOf(shown).map(([cause, alarms]) => (
           <li key={cause}>
             {mayCommand && (
               <button
                 type="button"
                 aria-label={`Silence ${cause}`}
-                disabled={reason.trim() === ""}
+                disabled={!mayBeSilent(alarms)}
                 onClick={() => silence(alarms)}
               >
                 Silence
               </button>
             )}{" "}
             <strong>{cause}</strong>
-            {alarms.map((each) => (
-              <p key={each.number}>
-                <time>{timeOf(each.time)}</time> {each.subject !== cause && `${each.subject}: `}
-                {each.text}
-                {each.back > 0 && <strong> · back again {timeOf(each.back)}</strong>}
+            {alarms.map((alarm) => (
+              <p key={alarm.number} className={isGone(alarm) ? "gone" : ""}>
+                <time>{timeOf(alarm.time)}</time> {alarm.subject !== cause && `${alarm.subject}: `}
+                {alarm.text}
+                {alarm.back > 0 && <strong> · back again {timeOf(alarm.back)}</strong>}
               </p>
             ))}
           </li>
@@ -84,20 +76,24 @@ export function Alarms() {
 
 /** Who asks for control of what is controlled here; a person decides. */
 export function Requests() {
-  const requests = useUnit((unit) => unit.state?.requests ?? null);
+  const requests = useUnit((unit) => unit.state?.requests ?? NO_REQUESTS);
+  const { shown, waiting, isGone, hand } = useStill(requests, keyOf);
   return (
-    <section className="requests" aria-label="Requests for control">
+    <section className="requests" aria-label="Requests for control" {...hand}>
       <h2 aria-live="assertive">
-        {requests?.length ? `${requests.length} ask for control` : "Nobody asks for control"}
+        {requests.length ? `${requests.length} ask for control` : "Nobody asks for control"}
+        {waiting > 0 && `, ${waiting} newer`}
       </h2>
       <ul>
-        {requests?.map((each) => (
-          <Request key={`${each.component} ${each.number}`} request={each} />
+        {shown.map((request) => (
+          <Request key={keyOf(request)} request={request} isGone={isGone(request)} />
         ))}
       </ul>
     </section>
   );
 }
+
+const keyOf = ({ component, number }: HandoffRequest) => `${component} ${number}`;
 
 const DECISIONS = [
   ["grant", "Grant"],
@@ -105,18 +101,18 @@ const DECISIONS = [
   ["defer", "Defer"],
 ] as const;
 
-function Request({ request }: { request: HandoffRequest }) {
+function Request({ request, isGone }: { request: HandoffRequest; isGone: boolean }) {
   const isOurs = useUnit(commands);
   const { component, number } = request;
   return (
-    <li>
+    <li className={isGone ? "gone" : ""}>
       {request.client} asks for control of {component} with authority {request.authority}:{" "}
       {request.explanation || "without a reason"}
       {DECISIONS.map(([decision, name]) => (
         <button
           key={decision}
           type="button"
-          disabled={!isOurs}
+          disabled={!isOurs || isGone}
           onClick={() => void tried("decide", { component, number, decision })}
         >
           {name}
@@ -126,13 +122,9 @@ function Request({ request }: { request: HandoffRequest }) {
   );
 }
 
-/** The alarms that are shown and sound still, as they are now, by cause in the order of the first. */
-export function causesOf(shown: Alarm[], sounding: Alarm[]) {
-  const present = new Map(sounding.map((each) => [each.number, each]));
+/** The alarms by cause, in the order of the first of each. */
+function causesOf(alarms: Alarm[]): [string, Alarm[]][] {
   const causes = new Map<string, Alarm[]>();
-  for (const { number } of shown) {
-    const alarm = present.get(number);
-    if (alarm) causes.set(alarm.cause, [...(causes.get(alarm.cause) ?? []), alarm]);
-  }
-  return [...causes].map(([cause, alarms]) => ({ cause, alarms }));
+  for (const alarm of alarms) causes.set(alarm.cause, [...(causes.get(alarm.cause) ?? []), alarm]);
+  return [...causes];
 }

@@ -2,6 +2,7 @@ import { useState } from "react";
 import { Head, Level } from "../panels/base/parts";
 import { Age } from "./Age";
 import type { Component } from "./protocol";
+import { useStill } from "./still";
 import { ask, choose, commands, nameOf, taking, tried, useUnit } from "./unit";
 
 /** Seconds after which who says nothing counts as gone. */
@@ -12,36 +13,44 @@ export function Components() {
   const state = useUnit((unit) => unit.state);
   const chosen = useUnit((unit) => unit.chosen);
   const components = useUnit((unit) => unit.components);
+  const { shown, waiting, isGone, hand } = useStill(components, (component) => component.id);
   return (
     <section className="components" aria-label="Components">
-      <table>
-        <caption>Components</caption>
-        <Head columns={["component", "level", "state", "controlled by", "heard"]} />
-        <tbody>
-          {components.map((each) => (
-            <tr key={each.id} aria-selected={each.id === chosen}>
-              <th scope="row">
-                <button
-                  type="button"
-                  className="link"
-                  aria-pressed={each.id === chosen}
-                  onClick={() => choose(each.id)}
-                >
-                  {each.name || each.id} <small className="quiet">{each.id}</small>
-                </button>
-              </th>
-              <td title={each.reason}>
-                <Level level={each.level} />
-              </td>
-              <td>{each.state ?? "–"}</td>
-              <td>{controllerOf(each, state?.own ?? "")}</td>
-              <td>
-                <Age seconds={state?.ages[each.id] ?? null} limit={SILENCE_S} />
-              </td>
-            </tr>
-          ))}
-        </tbody>
-      </table>
+      {/* biome-ignore lint/a11y/noNoninteractiveTabindex: it scrolls by keys */}
+      <div className="components-table" tabIndex={0} {...hand}>
+        <table>
+          <caption>Components{waiting > 0 && `, ${waiting} newer`}</caption>
+          <Head columns={["component", "level", "state", "controlled by", "heard"]} />
+          <tbody>
+            {shown.map((component) => (
+              <tr
+                key={component.id}
+                className={isGone(component) ? "gone" : ""}
+                aria-selected={component.id === chosen}
+              >
+                <th scope="row">
+                  <button
+                    type="button"
+                    className="link"
+                    aria-pressed={component.id === chosen}
+                    onClick={() => choose(component.id)}
+                  >
+                    {component.name || component.id} <small className="quiet">{component.id}</small>
+                  </button>
+                </th>
+                <td title={component.reason}>
+                  <Level level={component.level} />
+                </td>
+                <td>{component.state ?? "–"}</td>
+                <td>{controllerOf(component, state?.own ?? "")}</td>
+                <td>
+                  <Age seconds={state?.ages[component.id] ?? null} limit={SILENCE_S} />
+                </td>
+              </tr>
+            ))}
+          </tbody>
+        </table>
+      </div>
       {chosen && <Control key={chosen} component={chosen} />}
     </section>
   );
