@@ -264,14 +264,15 @@ def test_nothing_moves_by_itself(studio, vehicle, open_studio, port, size):
 def places(page):
     """Returns where the parts and buttons of the page are, wherever a part is scrolled to."""
     return page.evaluate(
-        """() => Object.fromEntries(
-            [...document.querySelectorAll(".operate section, .dock > *, .bar button")].map((part) => {
+        """() => {
+            const parts = [...document.querySelectorAll(".operate section, .dock > *, .bar button")];
+            return Object.fromEntries(parts.map((part) => {
                 const { x, y, width, height } = part.getBoundingClientRect();
                 const scrolled = part.parentElement.closest("section")?.scrollTop ?? 0;
                 const name = part.ariaLabel || part.className || part.innerText;
                 return [name, [x, y + scrolled, width, height]];
-            })
-        )"""
+            }));
+        }"""
     )
 
 
