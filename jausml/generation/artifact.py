@@ -240,7 +240,8 @@ def _module_problem(path: str) -> str | None:
     if not path.endswith((".py", ".pyi")):
         return None
     for segment in path.split("/"):
-        if keyword.iskeyword(segment.split(".")[0]):
+        # Only what has no other dot is imported by its name: launch files are read by their path.
+        if keyword.iskeyword(segment.removesuffix(".pyi").removesuffix(".py")):
             return f"{segment!r} is a Python keyword and cannot be imported"
     return None
 

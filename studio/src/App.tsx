@@ -176,7 +176,8 @@ function Bottom({ isFolded, onFold, children }: BottomProps) {
 /** What is wrong can be seen while another tab is open, or none. */
 function useProblemsTitle(): string {
   const count = useStudio(
-    (studio) => studio.problems?.problems.filter((each) => each.severity === "error").length ?? 0,
+    (studio) =>
+      studio.problems?.problems.filter((problem) => problem.severity === "error").length ?? 0,
   );
   const isUnchecked = useStudio((studio) => Boolean(studio.problems?.fault));
   if (count === 0 && isUnchecked) return "Problems (× not checked)";

@@ -10,8 +10,10 @@ const PAUSE_MS = 100;
 /** The part of an address behind its `#`. */
 export function addressOf(): string {
   const { file, view, chosen, sight } = state();
-  const told = { file, view, chosen, sight: sight?.join(" ") };
-  const parts = Object.entries(told).filter((each): each is [string, string] => Boolean(each[1]));
+  const fields = { file, view, chosen, sight: sight?.join(" ") };
+  const parts = Object.entries(fields).filter((entry): entry is [string, string] =>
+    Boolean(entry[1]),
+  );
   return new URLSearchParams(parts).toString();
 }
 
@@ -32,12 +34,12 @@ function draftsIn(text: string | null): Draft[] {
 
 /** Takes over what an address says, and what was typed before the page was loaded again. */
 export function takeAddress(hash: string, storage: Storage): void {
-  const told = new URLSearchParams(hash.replace(/^#/, ""));
+  const parameters = new URLSearchParams(hash.replace(/^#/, ""));
   update({
-    file: told.get("file") ?? "",
-    view: told.get("view") ?? "",
-    chosen: told.get("chosen") ?? "",
-    sight: sightIn(told.get("sight")),
+    file: parameters.get("file") ?? "",
+    view: parameters.get("view") ?? "",
+    chosen: parameters.get("chosen") ?? "",
+    sight: sightIn(parameters.get("sight")),
     drafts: draftsIn(storage.getItem(DRAFTS_KEY)),
   });
 }

@@ -77,12 +77,12 @@ export function useTrying(): [string, (work: () => Promise<unknown>) => Promise<
 
 /** What is asked for again and again while it is shown: the last answer, null before the first. */
 export function usePolled<T>(look: () => Promise<T>, milliseconds: number): T | null {
-  const [found, setFound] = useState<T | null>(null);
+  const [latest, setLatest] = useState<T | null>(null);
   useEffect(() => {
     let isWanted = true;
     const again = () =>
       look().then(
-        (value) => isWanted && setFound(value),
+        (value) => isWanted && setLatest(value),
         () => undefined, // the next one may be answered
       );
     void again();
@@ -92,7 +92,7 @@ export function usePolled<T>(look: () => Promise<T>, milliseconds: number): T | 
       clearInterval(timer);
     };
   }, [look, milliseconds]);
-  return found;
+  return latest;
 }
 
 /**

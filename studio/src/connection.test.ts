@@ -28,12 +28,12 @@ class Wire {
 }
 
 const links: [Link, string][] = [];
-const told: unknown[] = [];
+const notified: unknown[] = [];
 
 function open(): { connection: Connection; wire: Wire } {
   const connection = new Connection("ws://localhost/socket", "secret", {
     onLink: (link, _project, reason) => links.push([link, reason]),
-    onNotification: (name, params) => told.push([name, params]),
+    onNotification: (name, params) => notified.push([name, params]),
   });
   connection.open();
   const wire = Wire.made.at(-1)!;
@@ -45,7 +45,7 @@ beforeEach(() => {
   vi.useFakeTimers();
   vi.stubGlobal("WebSocket", Wire);
   Wire.made = [];
-  links.length = told.length = 0;
+  links.length = notified.length = 0;
 });
 afterEach(() => {
   vi.useRealTimers();
@@ -74,7 +74,7 @@ test("answers find their questions, in any order", async () => {
   expect(fault).toBeInstanceOf(CallError);
   expect(fault).toMatchObject({ message: "not now", conflict: true });
   wire.tell({ method: "live", params: { state: {} } });
-  expect(told).toEqual([["live", { state: {} }]]);
+  expect(notified).toEqual([["live", { state: {} }]]);
 });
 
 test("a lost connection is told to whoever waits, and opened again", async () => {

@@ -148,7 +148,7 @@ export class Connection implements Caller {
     this.socket = null;
     const waiting = [...this.pending.values()];
     this.pending.clear();
-    for (const each of waiting) each.reject(new CallError(LOST, "The connection was lost."));
+    for (const call of waiting) call.reject(new CallError(LOST, "The connection was lost."));
     if (code === POLICY_VIOLATION && this.link !== "refused") {
       this.refuse("The server does not know this page. Open the address that it printed.");
     }
@@ -181,15 +181,15 @@ export const RIGHT_KEY = "jausml-command";
 /** Takes the tokens out of the address, where a history would keep them, or from this tab. */
 export function takeToken(location: Location, history: History, storage: Storage): string {
   const address = new URLSearchParams(location.hash.slice(1));
-  const told = address.get("token");
-  if (told) {
+  const token = address.get("token");
+  if (token) {
     const right = address.get("command");
     if (right) storage.setItem(RIGHT_KEY, right);
     else storage.removeItem(RIGHT_KEY);
-    storage.setItem(TOKEN_KEY, told);
+    storage.setItem(TOKEN_KEY, token);
     history.replaceState(null, "", location.pathname + location.search);
   }
-  return told ?? storage.getItem(TOKEN_KEY) ?? "";
+  return token ?? storage.getItem(TOKEN_KEY) ?? "";
 }
 
 /** Address of a socket of the server that sent this page. */

@@ -44,16 +44,16 @@ const indexes = new WeakMap<Graph, Index>();
 export function indexOf(graph: Graph): Index {
   const known = indexes.get(graph);
   if (known) return known;
-  const made = makeIndex(graph);
-  indexes.set(graph, made);
-  return made;
+  const index = makeIndex(graph);
+  indexes.set(graph, index);
+  return index;
 }
 
 function makeIndex(graph: Graph): Index {
   const index: Index = {
-    nodes: new Map(graph.nodes.map((each) => [each.id, each])),
-    edges: new Map(graph.edges.map((each) => [each.id, each])),
-    edgesOf: new Map(graph.nodes.map((each) => [each.id, []])),
+    nodes: new Map(graph.nodes.map((node) => [node.id, node])),
+    edges: new Map(graph.edges.map((edge) => [edge.id, edge])),
+    edgesOf: new Map(graph.nodes.map((node) => [node.id, []])),
     byElement: new Map(),
     elements: new Map(),
   };
@@ -78,7 +78,7 @@ function makeIndex(graph: Graph): Index {
 function portOf(graph: Graph, node: string, port: string): GraphPort | undefined {
   return indexOf(graph)
     .nodes.get(node)
-    ?.ports.find((each) => each.id === port);
+    ?.ports.find((candidate) => candidate.id === port);
 }
 
 /** Whether the graph has this part. */
@@ -87,7 +87,7 @@ export function has(graph: Graph, key: PartKey): boolean {
   if (part.of === "node") return indexOf(graph).nodes.has(part.id);
   if (part.of === "edge") return indexOf(graph).edges.has(part.id);
   if (part.of === "port") return portOf(graph, part.node, part.id) !== undefined;
-  return graph.groups.some((each) => each.id === part.id);
+  return graph.groups.some((group) => group.id === part.id);
 }
 
 /** The element that a part shows, empty for none. */
@@ -100,7 +100,7 @@ export function nameOf(graph: Graph, key: PartKey): string {
   const part = partOf(key);
   if (part.of === "node") return indexOf(graph).nodes.get(part.id)?.title ?? "";
   if (part.of === "port") return portOf(graph, part.node, part.id)?.label ?? "";
-  if (part.of === "group") return graph.groups.find((each) => each.id === part.id)?.title ?? "";
+  if (part.of === "group") return graph.groups.find((group) => group.id === part.id)?.title ?? "";
   const edge = indexOf(graph).edges.get(part.id);
   return edge ? edge.title || edge.labels.join(", ") : "";
 }
@@ -116,10 +116,10 @@ export function carriedOver(
   isRenamed = false,
 ): PartKey[] {
   return keys.flatMap((key) => {
-    const found = carried(partOf(key), before, after);
+    const successor = carried(partOf(key), before, after);
     // Names change the keys by which parts are found again, places do not.
-    const isLost = !found || partOf(found).of !== partOf(key).of;
-    return isRenamed && isLost && has(after, key) ? key : (found ?? []);
+    const isLost = !successor || partOf(successor).of !== partOf(key).of;
+    return isRenamed && isLost && has(after, key) ? key : (successor ?? []);
   });
 }
 
@@ -150,6 +150,6 @@ function carried(part: Part, before: Graph, after: Graph): PartKey | null {
 type Keyed = { id: string; key: string };
 
 function again<T extends Keyed>(id: string, before: Keyed[], after: T[]): T | null {
-  const key = before.find((each) => each.id === id)?.key;
-  return after.find((each) => each.key === key) ?? null;
+  const key = before.find((entry) => entry.id === id)?.key;
+  return after.find((entry) => entry.key === key) ?? null;
 }

@@ -11,7 +11,7 @@ const NAMES: Record<Severity, [string, string]> = {
 };
 
 export function count(problems: readonly Problem[], severity: Severity): string {
-  const number = problems.filter((each) => each.severity === severity).length;
+  const number = problems.filter((problem) => problem.severity === severity).length;
   return `${number} ${NAMES[severity][number === 1 ? 0 : 1]}`;
 }
 
@@ -19,6 +19,8 @@ export function count(problems: readonly Problem[], severity: Severity): string 
 export function verdict(problems: readonly Problem[], fault = ""): string {
   if (fault) return `Not checked: ${fault}.`;
   if (problems.length === 0) return "No problems.";
-  const counts = SEVERITIES.filter((each) => problems.some((problem) => problem.severity === each));
-  return `${counts.map((each) => count(problems, each)).join(", ")}.`;
+  const counts = SEVERITIES.filter((severity) =>
+    problems.some((problem) => problem.severity === severity),
+  );
+  return `${counts.map((severity) => count(problems, severity)).join(", ")}.`;
 }

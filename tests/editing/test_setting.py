@@ -2,7 +2,7 @@
 
 import pytest
 
-from jausml.authoring.editing.commands import EditError, Set
+from jausml.authoring.editing.commands import EditError, Rename, Set
 from jausml.authoring.editing.project import Project
 
 MODEL = """\
@@ -14,6 +14,7 @@ MODEL = """\
   <nodes name="driver" documentation="It drives."/>
 </system:System>
 """
+NODE = "robot.xmi#//@nodes.0"
 
 
 @pytest.fixture
@@ -44,6 +45,15 @@ def test_a_new_value_stands_where_the_metamodel_has_it(project):
 def test_a_value_may_go(project):
     project.do([Set("robot.xmi#//@nodes.0", "documentation", ())], "say nothing")
     assert text(project) == MODEL.replace(' documentation="It drives."', "")
+
+
+@pytest.mark.parametrize("command", [Set(NODE, "name", ("helm",)), Rename(NODE, "helm")])
+def test_what_has_no_name_gets_it_as_an_attribute(tmp_path, command):
+    named = MODEL.replace("driver", "helm")
+    (tmp_path / "robot.xmi").write_bytes(named.replace(' name="helm"', "").encode())
+    project = Project(tmp_path)
+    project.do([command], "name it")
+    assert text(project) == named
 
 
 @pytest.mark.parametrize("line_end", ["\n", "\r\n"])

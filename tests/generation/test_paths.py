@@ -40,7 +40,6 @@ def artifact(path, element="component:a", target="toy"):
         "a" * 201,
         "class.py",
         "import/a.py",
-        "for.launch.py",
     ],
 )
 def test_unsafe_paths_have_a_problem(path):
@@ -53,6 +52,7 @@ def test_unsafe_paths_have_a_problem(path):
         "setup.py",
         "a/b/c_base.py",
         "a/launch/x.launch.py",
+        "for.launch.py",
         ".gitignore",
         "resource/a",
         "class.md",

@@ -84,8 +84,8 @@ test("the selection follows boxes and rows by name when ids shift", async () => 
   expect(state().chosen).toBe("robot.xmi#/odom");
   const after = smallGraph();
   after.nodes = after.nodes
-    .filter((each) => each.id !== "ocu")
-    .map((each) => ({ ...each, id: `new ${each.id}`, element: `robot.xmi#new ${each.id}` }));
+    .filter((other) => other.id !== "ocu")
+    .map((entry) => ({ ...entry, id: `new ${entry.id}`, element: `robot.xmi#new ${entry.id}` }));
   after.edges = [];
   serveGraph(after);
   update({ graph: before });
@@ -161,7 +161,7 @@ test("delete asks first where others refer to it", async () => {
   expect(state().dialog).toMatchObject({ kind: "delete", label: "Remove ocu", referrers: null });
   await asked;
   expect(state().dialog).toMatchObject({ kind: "delete", label: "Remove ocu", referrers });
-  expect(server.params("edit").map((each) => each.dry)).toEqual([true]);
+  expect(server.params("edit").map((sent) => sent.dry)).toEqual([true]);
 });
 
 test("delete does it at once where nobody refers to it", async () => {
@@ -233,9 +233,9 @@ test("a search for ends is open at once, and once closed no late answer opens it
   const server = serveGraph();
   const ends = [{ node: "base", port: "/odom", label: "", why: "" }];
   server.answer("ends", () => ({ ends }));
-  const found = actions.offerEnds(nodeKey("ocu"));
+  const offers = actions.offerEnds(nodeKey("ocu"));
   expect(state().dialog).toMatchObject({ kind: "ends", ends: null });
-  await found;
+  await offers;
   expect(state().dialog).toMatchObject({ kind: "ends", ends });
   const late = actions.offerEnds(nodeKey("ocu"));
   update({ dialog: null });
@@ -267,7 +267,7 @@ test("what is no longer wanted when the answer comes neither opens nor is done",
       expect(state().dialog).toEqual(then);
     }
   }
-  expect(server.params("edit").filter((each) => !each.dry)).toEqual([]);
+  expect(server.params("edit").filter((sent) => !sent.dry)).toEqual([]);
   const late = actions.beginRename(nodeKey("ocu"));
   expect(state().renaming).toMatchObject({ key: nodeKey("ocu"), name: null });
   update({ renaming: null });
@@ -296,8 +296,8 @@ describe("what is renamed stays chosen, whoever asked for its new name", () => {
     const graph = smallGraph();
     const server = serveGraph(graph);
     actions.select([nodeKey("ocu")]);
-    const nodes = graph.nodes.map((each) =>
-      each.id === "ocu" ? { ...each, id, key: "key:driver", title: "driver" } : each,
+    const nodes = graph.nodes.map((entry) =>
+      entry.id === "ocu" ? { ...entry, id, key: "key:driver", title: "driver" } : entry,
     );
     server.answer("view", () => ({ revision: 2, graph: { ...graph, nodes } }));
     return server;
@@ -313,9 +313,9 @@ describe("what is renamed stays chosen, whoever asked for its new name", () => {
     const graph = smallGraph();
     const server = serveGraph(graph);
     actions.select([portKey("base", "/odom")]);
-    const nodes = graph.nodes.map((each) => ({
-      ...each,
-      ports: each.ports.map((row) => (row.id === "/odom" ? { ...row, key: "key:pose" } : row)),
+    const nodes = graph.nodes.map((entry) => ({
+      ...entry,
+      ports: entry.ports.map((row) => (row.id === "/odom" ? { ...row, key: "key:pose" } : row)),
     }));
     server.answer("edit", () => DONE);
     server.answer("view", () => ({ revision: 2, graph: { ...graph, nodes } }));
@@ -353,18 +353,18 @@ test("a file that is gone makes room for another", async () => {
 test("verdicts are spoken when they change, and only then", () => {
   serveGraph();
   const problem = { severity: "error" } as never;
-  const told = (problems: never[]) =>
+  const report = (problems: never[]) =>
     actions.listener.onNotification("problems", {
       revision: 1,
       elapsed_ms: 1,
       problems,
     });
-  told([problem]);
+  report([problem]);
   expect(state().said.text).toBe("1 error.");
   const { said } = state();
-  told([problem]);
+  report([problem]);
   expect(state().said).toBe(said);
-  told([]);
+  report([]);
   expect(state().said.text).toBe("No problems.");
 });
 

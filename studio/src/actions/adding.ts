@@ -37,6 +37,6 @@ async function fitting(item: PaletteItem, onto: Ref | "") {
   const { label: query, group } = item;
   const answer = await tried(ask("palette", { file, query, kinds: [group], onto }));
   if (!answer) return undefined;
-  const found = answer.items.find((each) => each.id === item.id);
-  return found ? { item: found, ...(answer.revision && { base: answer.revision }) } : { item };
+  const offered = answer.items.find((candidate) => candidate.id === item.id);
+  return offered ? { item: offered, ...(answer.revision && { base: answer.revision }) } : { item };
 }

@@ -10,7 +10,7 @@ import { take } from "./connecting";
 export const CARRIED = "application/x-jausml-connections";
 
 /** The bridges of a graph. */
-export const bridgesOf = (graph: Graph) => graph.nodes.filter((each) => each.kind === "bridge");
+export const bridgesOf = (graph: Graph) => graph.nodes.filter((node) => node.kind === "bridge");
 
 /** The connections among the chosen rows; with `row`, those that are dragged by it. */
 export function carriedBy(row = ""): Ref[] {

@@ -27,7 +27,7 @@ export async function change(
   at?: Corner,
   isChosen = true,
 ): Promise<EditResult> {
-  const renames = commands.some((each) => each.kind === "rename");
+  const renames = commands.some((command) => command.kind === "rename");
   // The new graph may come before the answer, which the server tells everybody of.
   if (renames) update({ renames: state().renames + 1 });
   const { choice } = state();

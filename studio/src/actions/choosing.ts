@@ -37,7 +37,11 @@ function take(chosen: Ref | "", selection: PartKey[]): void {
 
 /** Shows an element in the file where it stands, whichever file is shown now. */
 export async function reveal(element: Ref, file: string): Promise<void> {
-  if (file && file !== state().file && state().project?.files.some((each) => each.path === file)) {
+  if (
+    file &&
+    file !== state().file &&
+    state().project?.files.some((other) => other.path === file)
+  ) {
     await openFile(file);
   }
   choose(element);

@@ -4,7 +4,7 @@ import type { Ref } from "../protocol";
 import { type Draft, state, update } from "../store";
 
 function others(element: Ref | "", field: string): Draft[] {
-  return state().drafts.filter((each) => each.element !== element || each.field !== field);
+  return state().drafts.filter((draft) => draft.element !== element || draft.field !== field);
 }
 
 /** Keeps what was typed; what was kept for the same field before gives way. */
@@ -13,7 +13,7 @@ export function keepDraft(draft: Draft): void {
 }
 
 export function draftOf(element: Ref | "", field: string): Draft | undefined {
-  return state().drafts.find((each) => each.element === element && each.field === field);
+  return state().drafts.find((draft) => draft.element === element && draft.field === field);
 }
 
 export function dropDraft(element: Ref | "", field: string): void {

@@ -16,8 +16,8 @@ export async function exportPicture(format: PictureFormat): Promise<void> {
   const answer = await tried(ask("picture", { file, view }));
   if (!answer) return;
   const svg = new Blob([answer.picture], { type: SVG });
-  const made = format === "svg" ? svg : await tried(rasterised(answer.picture));
-  if (made) save(made, `${view.replace(/\W+/g, "-")}.${format}`);
+  const image = format === "svg" ? svg : await tried(rasterised(answer.picture));
+  if (image) save(image, `${view.replace(/\W+/g, "-")}.${format}`);
 }
 
 /** The dots of a picture, which the browser makes of its SVG. */
@@ -31,9 +31,9 @@ async function rasterised(picture: string): Promise<Blob> {
   canvas.width = Math.round(width * zoom);
   canvas.height = Math.round(height * zoom);
   canvas.getContext("2d")?.drawImage(image, 0, 0, canvas.width, canvas.height);
-  const made = await new Promise<Blob | null>((done) => canvas.toBlob(done, "image/png"));
-  if (!made) throw new Error("The browser cannot make so large a PNG: export SVG.");
-  return made;
+  const blob = await new Promise<Blob | null>((done) => canvas.toBlob(done, "image/png"));
+  if (!blob) throw new Error("The browser cannot make so large a PNG: export SVG.");
+  return blob;
 }
 
 function save(data: Blob, name: string): void {

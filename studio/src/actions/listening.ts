@@ -24,7 +24,7 @@ const TAKING: { [N in Notification]: (params: Notifications[N]) => void } = {
     if (!project) return;
     const { revision, files, undoable, redoable } = params;
     update({ project: { ...project, revision, files, undoable, redoable } });
-    if (!files.some((each) => each.path === state().file)) {
+    if (!files.some((file) => file.path === state().file)) {
       void openFile(files[0]?.path ?? "");
       return;
     }
@@ -55,18 +55,21 @@ const TAKING: { [N in Notification]: (params: Notifications[N]) => void } = {
 /** Keeps the last change of each file; a conflict stays until it is dismissed. */
 function noteOutside(change: Outside): void {
   const { outside } = state();
-  if (!change.isConflict && outside.some((each) => each.file === change.file && each.isConflict)) {
+  if (
+    !change.isConflict &&
+    outside.some((other) => other.file === change.file && other.isConflict)
+  ) {
     return;
   }
-  update({ outside: [...outside.filter((each) => each.file !== change.file), change] });
+  update({ outside: [...outside.filter((other) => other.file !== change.file), change] });
 }
 
 /** Keeps the words of edits that a server before this one kept: they ended with it. */
 function noteLost(edits: KeptEdit[]): void {
   for (const { number, label, commands } of state().kept) {
-    if (edits.some((each) => each.number === number && each.label === label)) continue;
-    const values = commands.flatMap((each) => (each.kind === "set" ? each.values : []));
-    const named = commands.find((each) => "element" in each);
+    if (edits.some((edit) => edit.number === number && edit.label === label)) continue;
+    const values = commands.flatMap((command) => (command.kind === "set" ? command.values : []));
+    const named = commands.find((command) => "element" in command);
     keepDraft({
       element: named && "element" in named ? named.element : "",
       field: `kept ${number}`,
@@ -89,7 +92,7 @@ async function begin(project: Project): Promise<void> {
     () => undefined,
   );
   const { file, view } = state();
-  const kept = project.files.some((each) => each.path === file) ? file : "";
+  const kept = project.files.some((other) => other.path === file) ? file : "";
   const chosen = kept || project.opened || project.files[0]?.path || "";
   if (chosen) await openFile(chosen, kept ? view : "");
 }

@@ -31,7 +31,7 @@ export async function beginRename(key = active(state())): Promise<void> {
 
 /** The name that a form lets one change; null where there is none, which the user is told. */
 function nameIn(form: Form): string | null {
-  const field = form.fields.find((each) => each.feature === "name");
+  const field = form.fields.find((candidate) => candidate.feature === "name");
   if (field?.changeable && !form.readonly) return field.values[0] ?? "";
   say("What is selected has no name that can be changed here.");
   return null;

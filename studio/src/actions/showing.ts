@@ -24,8 +24,8 @@ export async function openFile(file: string, view = ""): Promise<void> {
   update({ file, views: [] });
   if (await loadViews(file)) {
     const { views } = state();
-    const found = views.find((each) => each.name === view) ?? views[0];
-    await openView(found?.name ?? "");
+    const shown = views.find((candidate) => candidate.name === view) ?? views[0];
+    await openView(shown?.name ?? "");
   }
   // The picture first: to judge a large system takes longer than to draw it.
   const problems = await tried(ask("problems", { file }));
@@ -43,8 +43,8 @@ async function loadViews(file: string): Promise<boolean> {
   if (!answer || state().file !== file) return false;
   const { views: before, view } = state();
   const { views } = answer;
-  const at = before.findIndex((each) => each.name === view);
-  const isGone = !views.some((each) => each.name === view);
+  const at = before.findIndex((candidate) => candidate.name === view);
+  const isGone = !views.some((other) => other.name === view);
   // What a view shows was renamed, where there are as many as before.
   const renamed = isGone && views.length === before.length ? views[at] : undefined;
   update({ views, ...(renamed && { view: renamed.name, picture: 0 }) });
@@ -169,8 +169,8 @@ export function changed(graph: Graph, { nodes, groups, edges, rest }: GraphChang
 
 function changedParts<T extends { id: string }>(parts: T[], changes: PartChanges<T>): T[] {
   if (!changes.put.length && !changes.gone.length && !changes.order) return parts;
-  const known = new Map(parts.map((each) => [each.id, each]));
+  const known = new Map(parts.map((part) => [part.id, part]));
   for (const id of changes.gone) known.delete(id);
-  for (const each of changes.put) known.set(each.id, each);
+  for (const part of changes.put) known.set(part.id, part);
   return changes.order?.flatMap((id) => known.get(id) ?? []) ?? [...known.values()];
 }

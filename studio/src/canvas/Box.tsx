@@ -42,7 +42,7 @@ export const Box = memo(function Box({ data }: NodeProps<BoxNode>) {
   // A finger is at the box only when it begins to draw.
   const hasOwn = wasNear || (isDetailed && isTouched());
   const hasEnds = (states: string | undefined) => hasOwn || Boolean(states?.includes("legal"));
-  const hasRows = isDetailed || rows.some((each) => each.includes("active"));
+  const hasRows = isDetailed || rows.some((row) => row.includes("active"));
   return (
     // biome-ignore lint/a11y/useSemanticElements: the diagram is one application with parts
     <div
@@ -99,8 +99,8 @@ const isTouched = (): boolean => window.matchMedia("(pointer: coarse)").matches;
 
 /** By numbers: containers that the style sheet asks for their size are laid out one by one. */
 function closedStyle({ width, height }: GraphNode): CSSProperties {
-  const told = { "--width": `${width}px`, "--height": `${height}px` };
-  return { width, height, ...told } as CSSProperties;
+  const style = { "--width": `${width}px`, "--height": `${height}px` };
+  return { width, height, ...style } as CSSProperties;
 }
 
 interface RowProps {

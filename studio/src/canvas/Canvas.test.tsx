@@ -55,7 +55,7 @@ test("model text is text", () => {
 test("the diagram is one tab stop", async () => {
   render(<Canvas />);
   const stops = [...document.querySelectorAll<HTMLElement>(".flow, .flow *")].filter(
-    (each) => each.tabIndex === 0 && each.tagName !== "A",
+    (element) => element.tabIndex === 0 && element.tagName !== "A",
   );
   expect(stops).toEqual([diagram()]);
 });
@@ -200,7 +200,7 @@ test("a row of a bridge that is dropped on another one is carried by that", asyn
   fireEvent.dragStart(row, { dataTransfer });
   fireEvent.drop(part(nodeKey("other"))!, { dataTransfer });
   await waitFor(() => expect(server.params("edit")).toHaveLength(1));
-  const element = main.ports.find((each) => each.id === "velocity")!.element;
+  const element = main.ports.find((port) => port.id === "velocity")!.element;
   expect(server.params("carry")[0]).toMatchObject({
     elements: [element],
     bridge: "robot.xmi#other",

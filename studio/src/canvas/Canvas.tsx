@@ -110,7 +110,7 @@ function Diagram({ graph, hasMap, onMap }: ToolsProps) {
     (changes: NodeChange<FlowNode>[]) => {
       dragging.onMoved(changes);
       takeSelection(changes, (id) => {
-        const node = boxes.find((each) => each.id === id);
+        const node = boxes.find((box) => box.id === id);
         return node ? keyOfNode(node) : null;
       });
     },
@@ -126,7 +126,7 @@ function Diagram({ graph, hasMap, onMap }: ToolsProps) {
     const { selection } = state();
     const isMore = event.ctrlKey || event.metaKey || event.shiftKey;
     if (!isMore) select([key]);
-    else if (selection.includes(key)) select(selection.filter((each) => each !== key));
+    else if (selection.includes(key)) select(selection.filter((other) => other !== key));
     else select([...selection, key]);
   }
 
@@ -257,8 +257,8 @@ function useDrawing() {
 function endBelow(event: globalThis.MouseEvent | TouchEvent) {
   const at = "changedTouches" in event ? event.changedTouches[0] : event;
   if (!at) return null;
-  const parts = document.elementsFromPoint(at.clientX, at.clientY).flatMap((each) => {
-    const key = each.closest<HTMLElement>("[data-part]")?.dataset.part;
+  const parts = document.elementsFromPoint(at.clientX, at.clientY).flatMap((element) => {
+    const key = element.closest<HTMLElement>("[data-part]")?.dataset.part;
     return key ? [partOf(key)] : [];
   });
   // Ends of the box lie on its rows.
@@ -278,8 +278,8 @@ function takeSelection(
     const key = keyOf(change.id);
     if (!key || selection.includes(key) === change.selected) continue;
     selection = change.selected
-      ? [...selection.filter((each) => partOf(each).of !== "port"), key]
-      : selection.filter((each) => each !== key);
+      ? [...selection.filter((chosen) => partOf(chosen).of !== "port"), key]
+      : selection.filter((chosen) => chosen !== key);
   }
   if (selection !== before) select(selection);
 }
@@ -333,11 +333,11 @@ function useToldZoom() {
   const flow = useStoreApi();
   const diagram = useRef<HTMLDivElement>(null);
   useLayoutEffect(() => {
-    let told = 0;
+    let latest = 0;
     const tell = ({ transform }: { transform: [number, number, number] }) => {
       const zoom = Math.min(2 ** (Math.round(Math.log2(transform[2]) * STEPS) / STEPS), 1);
-      if (zoom !== told) diagram.current?.style.setProperty("--zoom", zoom.toFixed(4));
-      told = zoom;
+      if (zoom !== latest) diagram.current?.style.setProperty("--zoom", zoom.toFixed(4));
+      latest = zoom;
     };
     tell(flow.getState());
     return flow.subscribe(tell);

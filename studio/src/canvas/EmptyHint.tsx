@@ -36,7 +36,7 @@ export function Nothing() {
     );
   }
   if (view) return <p className="quiet">Drawing {view}…</p>;
-  const library = views.find((each) => each.library);
+  const library = views.find((candidate) => candidate.library);
   return (
     <div className="empty">
       <p>

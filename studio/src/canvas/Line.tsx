@@ -30,9 +30,9 @@ export const Line = memo(function Line(props: EdgeProps<FlowEdge>) {
   if (isTaken) classes.push("taken");
   const texts = severity ? [`${SIGNS[severity]} ${severity}`, ...edge.labels] : edge.labels;
   // What a topic carries is told where its row ends on the other side of the bridge.
-  const told = live && edge.kind !== "topic" ? liveText(live) : "";
-  const isCut = told.length > LONGEST;
-  const said = told ? [isCut ? `${told.slice(0, LONGEST - 1)}…` : told] : [];
+  const values = live && edge.kind !== "topic" ? liveText(live) : "";
+  const isCut = values.length > LONGEST;
+  const said = values ? [isCut ? `${values.slice(0, LONGEST - 1)}…` : values] : [];
   // The layout made room for the other words alone: what is told now stands above them.
   const lines = [...said, ...texts];
   const width = edge.count > 1 ? Math.min(1.2 + 0.4 * edge.count, 5) : undefined;
@@ -44,7 +44,7 @@ export const Line = memo(function Line(props: EdgeProps<FlowEdge>) {
       <path className="way" d={path} strokeWidth={width} markerEnd="url(#arrow)" />
       {lines.length > 0 && (
         <text className="way-label" textAnchor={anchor}>
-          {isCut && <title>{told}</title>}
+          {isCut && <title>{values}</title>}
           {lines.map((text, at) => (
             <tspan
               // biome-ignore lint/suspicious/noArrayIndexKey: lines have no other name

@@ -42,16 +42,16 @@ export function Tools({ graph, hasMap, onMap }: ToolsProps) {
   });
   const hasBodies = graph.view.startsWith(`${BODIES}:`);
   const isService = hasBodies || graph.view.startsWith(`${SERVICE}:`);
-  const found = filter ? matches(graph, filter) : [];
+  const matching = filter ? matches(graph, filter) : [];
 
   function onFilterKey(event: KeyboardEvent) {
     if (event.key === "Escape") {
       filterBy("");
       document.querySelector<HTMLElement>(".flow")?.focus();
     }
-    if (event.key !== "Enter" || !found.length) return;
-    const at = found.indexOf(state().selection.at(-1) ?? "");
-    const next = found.at((at + (event.shiftKey ? -1 : 1)) % found.length);
+    if (event.key !== "Enter" || !matching.length) return;
+    const at = matching.indexOf(state().selection.at(-1) ?? "");
+    const next = matching.at((at + (event.shiftKey ? -1 : 1)) % matching.length);
     if (next) select([next]);
   }
 
@@ -68,7 +68,7 @@ export function Tools({ graph, hasMap, onMap }: ToolsProps) {
         onChange={(event) => filterBy(event.currentTarget.value)}
         onKeyDown={onFilterKey}
       />
-      {filter && <output>{found.length} fit</output>}
+      {filter && <output>{matching.length} fit</output>}
       {tool("Fit", "Show all (0)", fitAll)}
       {tool("+", "+", () => void flow.zoomIn(), { "aria-label": "Larger" })}
       {tool("−", "-", () => void flow.zoomOut(), { "aria-label": "Smaller" })}

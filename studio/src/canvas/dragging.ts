@@ -16,11 +16,13 @@ export function useDragging(graph: Graph, setMoved: SetMoved) {
   const flow = useReactFlow();
   const onMoved = useCallback(
     (changes: NodeChange<FlowNode>[]) => {
-      const places = changes.flatMap((each) =>
-        each.type === "position" && each.position ? [[each.id, each.position] as const] : [],
+      const places = changes.flatMap((change) =>
+        change.type === "position" && change.position
+          ? [[change.id, change.position] as const]
+          : [],
       );
       if (!places.length) return;
-      const frames = new Set(graph.groups.map((each) => frameId(each.id)));
+      const frames = new Set(graph.groups.map((group) => frameId(group.id)));
       setMoved((before) => {
         let after = new Map(before);
         for (const [id, to] of places) {
@@ -80,14 +82,14 @@ function hostUnder(
   dragged: FlowNode[],
   pointer: XYPosition,
 ): { id: string; boxes: string[] } | null {
-  if (dragged.some((each) => each.type === "frame")) return null;
+  if (dragged.some((node) => node.type === "frame")) return null;
   const id = hostAt(graph, pointer);
-  const boxes = dragged.flatMap((each) =>
-    each.type === "box" &&
-    each.data.node.element &&
-    each.data.node.kind !== "host" &&
-    hostOf(graph, each.data.node) !== id
-      ? [each.id]
+  const boxes = dragged.flatMap((node) =>
+    node.type === "box" &&
+    node.data.node.element &&
+    node.data.node.kind !== "host" &&
+    hostOf(graph, node.data.node) !== id
+      ? [node.id]
       : [],
   );
   return boxes.length ? { id, boxes } : null;
@@ -104,7 +106,7 @@ function pointOf(event: Dragging): XYPosition {
 
 /** The frame of a host, or its box. */
 function partOfHost(graph: Graph, id: string): PartKey {
-  return graph.groups.some((each) => each.id === id) ? groupKey(id) : nodeKey(id);
+  return graph.groups.some((group) => group.id === id) ? groupKey(id) : nodeKey(id);
 }
 
 function mark(under: PartKey | null): void {

@@ -42,7 +42,7 @@ test("boxes have the sizes and places of the server, frames lie below them", () 
 
 test("a row has an end at each border of its box, at its middle", () => {
   const [ocu] = toNodes(smallGraph());
-  const ends = ocu?.handles?.filter((each) => portOfHandle(each.id) === "drive");
+  const ends = ocu?.handles?.filter((handle) => portOfHandle(handle.id) === "drive");
   expect(ends?.map(({ x, y }) => [x, y + HANDLE / 2])).toEqual([
     [0, 39],
     [120 - HANDLE, 39],
@@ -53,7 +53,7 @@ test("a line leaves to the side where its other end stands, also while that is m
   const graph = smallGraph();
   const handles = (moved: Map<string, { x: number; y: number }>) => {
     const line = edgesWithStates(graph, toEdges(graph), moved, new Set()).find(
-      (each) => each.id === "e1",
+      (candidate) => candidate.id === "e1",
     );
     return [line?.sourceHandle, line?.targetHandle];
   };
@@ -102,9 +102,9 @@ test("what did not change is the same object, so that it is not drawn anew", () 
   const [boxes, lines] = [toNodes(graph), toEdges(graph)];
   const moved = new Map([["ocu", { x: 9, y: 9 }]]);
   const nodes = withStates(boxes, moved, new Set([nodeKey("base")]));
-  expect(nodes.map((each, at) => each === boxes[at])).toEqual([false, true, false]);
+  expect(nodes.map((node, at) => node === boxes[at])).toEqual([false, true, false]);
   const edges = edgesWithStates(graph, lines, moved, new Set([edgeKey("e2")]));
-  expect(edges.map((each, at) => each === lines[at])).toEqual([false, false, true, false]);
+  expect(edges.map((entry, at) => entry === lines[at])).toEqual([false, false, true, false]);
   expect(edges[1]?.data).toBe(lines[1]?.data);
 });
 
@@ -115,7 +115,7 @@ test("a line whose row is folded ends at the box, one without a box is not drawn
     edge("b", ["gone", ""], ["base", ""]),
   ];
   const lines = toEdges(graph);
-  expect(lines.map((each) => [each.id, each.sourceHandle])).toEqual([["a", "r:"]]);
+  expect(lines.map((line) => [line.id, line.sourceHandle])).toEqual([["a", "r:"]]);
 });
 
 test("a route is a start and cubic curves", () => {

@@ -42,9 +42,9 @@ const toFrame = (group: GraphGroup): FrameNode => kept(frames, group, makeFrame)
 const toNode = (node: GraphNode): BoxNode => kept(boxes, node, makeNode);
 
 function kept<K extends WeakKey, V>(known: WeakMap<K, V>, key: K, make: (key: K) => V): V {
-  const made = known.get(key) ?? make(key);
-  known.set(key, made);
-  return made;
+  const drawn = known.get(key) ?? make(key);
+  known.set(key, drawn);
+  return drawn;
 }
 
 function makeFrame(group: GraphGroup): FrameNode {
@@ -198,7 +198,7 @@ export function edgesWithStates(
 }
 
 function rowOf(node: GraphNode, end: GraphEnd): string {
-  return node.ports.some((each) => each.id === end.port) ? end.port : "";
+  return node.ports.some((port) => port.id === end.port) ? end.port : "";
 }
 
 /** Sides at which a line leaves and arrives, so that it need not go around its own boxes. */

@@ -7,10 +7,10 @@ export type Stream = "up" | "down" | "both";
 
 /** All parts that what flows through a part comes through, or goes to. */
 export function following(graph: Graph, from: PartKey, stream: Stream): Set<PartKey> {
-  const found = new Set<PartKey>([from]);
-  if (stream !== "down") follow(graph, starts(graph, from, "up"), "up", found);
-  if (stream !== "up") follow(graph, starts(graph, from, "down"), "down", found);
-  return found;
+  const reached = new Set<PartKey>([from]);
+  if (stream !== "down") follow(graph, starts(graph, from, "up"), "up", reached);
+  if (stream !== "up") follow(graph, starts(graph, from, "down"), "down", reached);
+  return reached;
 }
 
 function starts(graph: Graph, from: PartKey, stream: "up" | "down"): GraphEnd[] {
@@ -25,7 +25,7 @@ function starts(graph: Graph, from: PartKey, stream: "up" | "down"): GraphEnd[] 
   }
   const nodes =
     part.of === "group"
-      ? graph.nodes.filter((each) => each.group === part.id)
+      ? graph.nodes.filter((node) => node.group === part.id)
       : [index.nodes.get(part.id)];
   return nodes.flatMap((node) =>
     node
@@ -37,7 +37,12 @@ function starts(graph: Graph, from: PartKey, stream: "up" | "down"): GraphEnd[] 
   );
 }
 
-function follow(graph: Graph, ends: GraphEnd[], stream: "up" | "down", found: Set<PartKey>): void {
+function follow(
+  graph: Graph,
+  ends: GraphEnd[],
+  stream: "up" | "down",
+  reached: Set<PartKey>,
+): void {
   const index = indexOf(graph);
   const seen = new Set<string>();
   const waiting = [...ends];
@@ -45,13 +50,13 @@ function follow(graph: Graph, ends: GraphEnd[], stream: "up" | "down", found: Se
     const key = portKey(end.node, end.port);
     if (seen.has(key)) continue;
     seen.add(key);
-    found.add(nodeKey(end.node));
-    if (end.port) found.add(key);
+    reached.add(nodeKey(end.node));
+    if (end.port) reached.add(key);
     for (const edge of index.edgesOf.get(end.node) ?? []) {
       const [near, far] =
         stream === "down" ? [edge.source, edge.target] : [edge.target, edge.source];
       if (near.node !== end.node || near.port !== end.port) continue;
-      found.add(edgeKey(edge.id));
+      reached.add(edgeKey(edge.id));
       waiting.push(far);
     }
   }
@@ -61,25 +66,25 @@ function follow(graph: Graph, ends: GraphEnd[], stream: "up" | "down", found: Se
 export function matching(graph: Graph, text: string): Set<PartKey> | null {
   const sought = text.trim().toLowerCase();
   if (!sought) return null;
-  const fits = (...names: string[]) => names.some((each) => each.toLowerCase().includes(sought));
-  const found = new Set<PartKey>();
+  const fits = (...names: string[]) => names.some((name) => name.toLowerCase().includes(sought));
+  const reached = new Set<PartKey>();
   for (const node of graph.nodes) {
     const isNode = fits(node.title, ...node.subtitle);
-    if (isNode) found.add(nodeKey(node.id));
+    if (isNode) reached.add(nodeKey(node.id));
     for (const port of node.ports) {
       if (!isNode && !fits(port.label, port.note)) continue;
-      found.add(nodeKey(node.id)).add(portKey(node.id, port.id));
+      reached.add(nodeKey(node.id)).add(portKey(node.id, port.id));
     }
   }
   for (const edge of graph.edges) {
     const isLine = fits(edge.title, ...edge.labels);
     const ends = [edge.source, edge.target];
-    if (isLine) for (const end of ends) found.add(nodeKey(end.node));
-    if (isLine || ends.some((end) => end.port && found.has(portKey(end.node, end.port)))) {
-      found.add(edgeKey(edge.id));
+    if (isLine) for (const end of ends) reached.add(nodeKey(end.node));
+    if (isLine || ends.some((end) => end.port && reached.has(portKey(end.node, end.port)))) {
+      reached.add(edgeKey(edge.id));
     }
   }
-  return found;
+  return reached;
 }
 
 /** The parts that fit by their own name, in reading order, for going from one to the next. */

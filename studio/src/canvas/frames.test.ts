@@ -23,7 +23,7 @@ function hosted() {
   return graph;
 }
 
-const ids = (all: { id: string }[]) => all.map((each) => each.id);
+const ids = (all: { id: string }[]) => all.map((part) => part.id);
 
 test("a frame holds boxes and frames, however deep", () => {
   const { boxes, frames } = contentOf(hosted(), "robot");
@@ -44,7 +44,7 @@ test("all that stands in a frame moves with it, step by step", () => {
 
 test("a box runs on the host whose frame is around it, also around the frame of its bridge", () => {
   const graph = hosted();
-  expect(graph.nodes.map((each) => hostOf(graph, each))).toEqual(["ground", "robot", "robot"]);
+  expect(graph.nodes.map((node) => hostOf(graph, node))).toEqual(["ground", "robot", "robot"]);
   expect(hostAt(graph, { x: 0, y: 10 })).toBe("ground");
   expect(hostAt(graph, { x: 0, y: 900 })).toBe("");
 });

@@ -60,9 +60,9 @@ test("a difference keeps what has not changed as it is", () => {
     edges: { put: [], gone: ["e1"], order: null },
     rest: { ...rest, width: 7 },
   });
-  expect(after.nodes.map((each) => each.id)).toEqual(["new", "ocu", "bridge"]);
+  expect(after.nodes.map((entry) => entry.id)).toEqual(["new", "ocu", "bridge"]);
   expect(after.nodes[2]).toBe(nodes[1]);
-  expect(after.edges.map((each) => each.id)).toEqual(["e2", "e3", "e4"]);
+  expect(after.edges.map((edge) => edge.id)).toEqual(["e2", "e3", "e4"]);
   expect(after.groups).toBe(groups);
   expect(after.width).toBe(7);
 });

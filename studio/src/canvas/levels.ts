@@ -29,19 +29,20 @@ export interface Sight {
 /** Keys of the frames that are to be open. */
 export function openedIn(graph: Graph, sight: Sight, here: PartKey | null): LayoutKey[] {
   const kept = around(graph, here);
-  const holders = new Set([...graph.groups.map((each) => each.parent), ...closedIn(graph)]);
+  const holders = new Set([...graph.groups.map((group) => group.parent), ...closedIn(graph)]);
   const groups = graph.groups.filter(
-    (each) =>
-      kept.has(each.id) || isNear(each, sight, holders.has(each.id), { scale: LESS, far: BEYOND }),
+    (group) =>
+      kept.has(group.id) ||
+      isNear(group, sight, holders.has(group.id), { scale: LESS, far: BEYOND }),
   );
   const closed = graph.nodes.filter(
-    (each) => each.kind === CLOSED && isNear(each, sight, holdsFrames(each), { scale: 1, far: 0 }),
+    (node) => node.kind === CLOSED && isNear(node, sight, holdsFrames(node), { scale: 1, far: 0 }),
   );
-  return [...groups, ...closed].map((each) => each.key).sort();
+  return [...groups, ...closed].map((group) => group.key).sort();
 }
 
 const closedIn = (graph: Graph) =>
-  graph.nodes.filter((each) => each.kind === CLOSED).map((each) => each.group);
+  graph.nodes.filter((node) => node.kind === CLOSED).map((node) => node.group);
 
 const holdsFrames = (node: GraphNode) =>
   node.details.some(([name, text]) => name === "frames" && text !== "0");
@@ -70,17 +71,17 @@ function isNear(
 function around(graph: Graph, key: PartKey | null): Set<string> {
   const part = key ? partOf(key) : null;
   const { nodes, edges } = indexOf(graph);
-  const groups = new Map(graph.groups.map((each) => [each.id, each]));
+  const groups = new Map(graph.groups.map((group) => [group.id, group]));
   const starts =
     part?.of === "edge"
       ? [edges.get(part.id)?.source.node, edges.get(part.id)?.target.node]
       : [part?.of === "port" ? part.node : part?.id];
-  const found = new Set<string>();
+  const levels = new Set<string>();
   for (const start of starts) {
     let name = nodes.get(start ?? "")?.group ?? groups.get(start ?? "")?.parent ?? "";
-    for (; groups.has(name); name = groups.get(name)?.parent ?? "") found.add(name);
+    for (; groups.has(name); name = groups.get(name)?.parent ?? "") levels.add(name);
   }
-  return found;
+  return levels;
 }
 
 /** Opens what one looks at, and closes what one has left. */

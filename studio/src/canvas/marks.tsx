@@ -5,12 +5,14 @@ export const SIGNS: Record<Severity, string> = { error: "×", warning: "!", info
 
 /** The gravest severity, empty without findings. */
 export function severityOf(findings: readonly Finding[]): Severity | "" {
-  return SEVERITIES.find((each) => findings.some((found) => found.severity === each)) ?? "";
+  return (
+    SEVERITIES.find((severity) => findings.some((finding) => finding.severity === severity)) ?? ""
+  );
 }
 
 /** Findings as sentences, for titles and labels. */
 export function told(findings: readonly Finding[]): string {
-  return findings.map((each) => `${each.severity}: ${each.message}`).join("\n");
+  return findings.map((finding) => `${finding.severity}: ${finding.message}`).join("\n");
 }
 
 /** A sign for what is wrong, with its words for whoever points at it or listens. */

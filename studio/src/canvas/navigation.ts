@@ -23,12 +23,12 @@ export function step(
     return edge ? fromEdge(graph, edge, direction, before) : nodeKey(first.id);
   }
   if (part.of === "group") {
-    const inside = graph.nodes.find((each) => each.group === part.id) ?? first;
+    const inside = graph.nodes.find((candidate) => candidate.group === part.id) ?? first;
     return nodeKey(inside.id);
   }
   const node = index.nodes.get(part.of === "port" ? part.node : part.id);
   if (!node) return nodeKey(first.id);
-  const row = part.of === "port" ? node.ports.findIndex((each) => each.id === part.id) : -1;
+  const row = part.of === "port" ? node.ports.findIndex((port) => port.id === part.id) : -1;
   if (direction === "up" || direction === "down") return alongRows(graph, node, row, direction);
   return alongLines(graph, node, row, direction) ?? neighbour(graph, node, direction) ?? from;
 }
@@ -66,12 +66,12 @@ function alongLines(
   direction: Direction,
 ): PartKey | null {
   const port = node.ports[row]?.id;
-  const found = (indexOf(graph).edgesOf.get(node.id) ?? []).filter((edge) => {
+  const edges = (indexOf(graph).edgesOf.get(node.id) ?? []).filter((edge) => {
     const [own, other] = edge.source.node === node.id ? both(edge) : both(edge).reverse();
     if (port !== undefined && own?.port !== port) return false;
     return other !== undefined && isTowards(graph, node, other, direction);
   });
-  const first = found.sort((a, b) => height(graph, a) - height(graph, b))[0];
+  const first = edges.sort((a, b) => height(graph, a) - height(graph, b))[0];
   return first ? edgeKey(first.id) : null;
 }
 
@@ -105,9 +105,9 @@ function fromEdge(
   const box =
     around?.of === "port" ? around.node : around?.of === "node" ? around.id : edge.source.node;
   const beside = (indexOf(graph).edgesOf.get(box) ?? [])
-    .filter((each) => isRightOf(graph, each, box) === isRightOf(graph, edge, box))
+    .filter((other) => isRightOf(graph, other, box) === isRightOf(graph, edge, box))
     .sort((a, b) => height(graph, a) - height(graph, b));
-  const at = beside.findIndex((each) => each.id === edge.id);
+  const at = beside.findIndex((candidate) => candidate.id === edge.id);
   const next = beside[at + (direction === "down" ? 1 : -1)];
   return edgeKey(next?.id ?? edge.id);
 }
@@ -121,14 +121,14 @@ function isRightOf(graph: Graph, edge: GraphEdge, box: string): boolean {
 
 export function keyOfEnd(graph: Graph, end: GraphEnd): PartKey {
   const node = indexOf(graph).nodes.get(end.node);
-  const port = node?.ports.find((each) => each.id === end.port);
+  const port = node?.ports.find((candidate) => candidate.id === end.port);
   return port ? portKey(end.node, port.id) : nodeKey(end.node);
 }
 
 function spot(graph: Graph, end: GraphEnd): XYPosition {
   const node = indexOf(graph).nodes.get(end.node);
   if (!node) return { x: 0, y: 0 };
-  const port = node.ports.find((each) => each.id === end.port);
+  const port = node.ports.find((candidate) => candidate.id === end.port);
   return { x: middle(node).x, y: node.y + (port ? port.y + port.height / 2 : node.head / 2) };
 }
 
@@ -139,7 +139,7 @@ const middle = (node: GraphNode): XYPosition => ({
 
 function topLeft(graph: Graph): GraphNode | undefined {
   return graph.nodes.reduce<GraphNode | undefined>(
-    (best, each) => (!best || each.x + each.y < best.x + best.y ? each : best),
+    (best, node) => (!best || node.x + node.y < best.x + best.y ? node : best),
     undefined,
   );
 }
@@ -151,14 +151,14 @@ function neighbour(graph: Graph, node: GraphNode, direction: Direction): PartKey
   const sign = direction === "left" || direction === "up" ? -1 : 1;
   let best: GraphNode | null = null;
   let least = Number.POSITIVE_INFINITY;
-  for (const each of graph.nodes) {
-    const to = middle(each);
+  for (const other of graph.nodes) {
+    const to = middle(other);
     const [ahead, aside] = isAcross
       ? [to.x - from.x, to.y - from.y]
       : [to.y - from.y, to.x - from.x];
-    if (each === node || ahead * sign <= 0) continue;
+    if (other === node || ahead * sign <= 0) continue;
     const distance = Math.abs(ahead) + 2 * Math.abs(aside);
-    if (distance < least) [best, least] = [each, distance];
+    if (distance < least) [best, least] = [other, distance];
   }
   return best ? nodeKey(best.id) : null;
 }
@@ -170,7 +170,7 @@ export function areaOf(
 ): { x: number; y: number; width: number; height: number } | null {
   const part = partOf(key);
   const index = indexOf(graph);
-  if (part.of === "group") return graph.groups.find((each) => groupKey(each.id) === key) ?? null;
+  if (part.of === "group") return graph.groups.find((group) => groupKey(group.id) === key) ?? null;
   if (part.of === "edge") {
     const edge = index.edges.get(part.id);
     if (!edge) return null;
@@ -179,6 +179,6 @@ export function areaOf(
   }
   const node = index.nodes.get(part.of === "port" ? part.node : part.id);
   if (!node || part.of === "node") return node ?? null;
-  const port = node.ports.find((each) => each.id === part.id);
+  const port = node.ports.find((candidate) => candidate.id === part.id);
   return port ? { x: node.x, y: node.y + port.y, width: node.width, height: port.height } : node;
 }

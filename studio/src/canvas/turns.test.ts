@@ -10,30 +10,30 @@ interface Part {
 const parts = (from: number, to: number): Part[] =>
   Array.from({ length: to - from }, (_, at) => ({ id: `${from + at}` }));
 
-const seen = (shown: Part[]) => shown.filter((each) => !each.hidden).map(({ id }) => id);
+const seen = (shown: Part[]) => shown.filter((part) => !part.hidden).map(({ id }) => id);
 
 function steps(shown: Part[], wanted: Part[]): Part[][] {
-  const found = [shown];
-  while (found.at(-1) !== wanted) found.push(further(found.at(-1)!, wanted));
-  return found;
+  const turns = [shown];
+  while (turns.at(-1) !== wanted) turns.push(further(turns.at(-1)!, wanted));
+  return turns;
 }
 
 test("few parts come and few go at once, until all is as it is wanted", () => {
   const [before, wanted] = [parts(0, 200), parts(150, 500)];
-  const found = steps(before, wanted);
-  expect(found.length).toBeGreaterThan(4);
-  found.slice(1).forEach((shown, at) => {
-    const [old, now] = [seen(found[at]!), seen(shown)];
+  const turns = steps(before, wanted);
+  expect(turns.length).toBeGreaterThan(4);
+  turns.slice(1).forEach((shown, at) => {
+    const [old, now] = [seen(turns[at]!), seen(shown)];
     expect(now.filter((id) => !old.includes(id)).length).toBeLessThanOrEqual(BOXES_AT_ONCE);
     expect(old.filter((id) => !now.includes(id)).length).toBeLessThanOrEqual(BOXES_AT_ONCE);
   });
 });
 
 test("what goes was hidden in the picture before", () => {
-  const found = steps(parts(0, 200), parts(190, 200));
-  found.slice(1).forEach((shown, at) => {
+  const turns = steps(parts(0, 200), parts(190, 200));
+  turns.slice(1).forEach((shown, at) => {
     const left = new Set(shown.map(({ id }) => id));
-    const gone = found[at]!.filter(({ id }) => !left.has(id));
+    const gone = turns[at]!.filter(({ id }) => !left.has(id));
     expect(gone.every(({ hidden }) => hidden)).toBe(true);
   });
 });

@@ -72,14 +72,14 @@ export function useFewAtOnce<T extends Shown>(wanted: T[]): T[] {
  * led to it, for each part that is gone while it is drawn.
  */
 export function further<T extends Shown>(shown: T[], wanted: T[], most = BOXES_AT_ONCE): T[] {
-  if (shown.length === wanted.length && shown.every((each, at) => each.id === wanted[at]?.id))
+  if (shown.length === wanted.length && shown.every((part, at) => part.id === wanted[at]?.id))
     return wanted;
-  const before = new Set(shown.map((each) => each.id));
-  const after = new Set(wanted.map((each) => each.id));
+  const before = new Set(shown.map((part) => part.id));
+  const after = new Set(wanted.map((part) => part.id));
   let [coming, going] = [most, most];
   const staying = wanted.filter(({ id }) => before.has(id) || coming-- > 0);
   const leaving = shown
-    .filter((each) => !after.has(each.id) && !each.hidden)
-    .map((each) => (going-- > 0 ? { ...each, hidden: true } : each));
+    .filter((part) => !after.has(part.id) && !part.hidden)
+    .map((part) => (going-- > 0 ? { ...part, hidden: true } : part));
   return staying.length === wanted.length && !leaving.length ? wanted : [...staying, ...leaving];
 }

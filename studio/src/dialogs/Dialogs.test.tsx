@@ -41,7 +41,7 @@ test("the ways to connect come with reasons, the best one first; Enter takes it"
   await userEvent.keyboard("{ArrowDown}");
   expect(await screen.findByText("+connect new map")).toBeVisible();
   await userEvent.keyboard("{ArrowUp}{Enter}");
-  const done = () => server.params("edit").filter((each) => !each.dry);
+  const done = () => server.params("edit").filter((sent) => !sent.dry);
   await waitFor(() => expect(done()).toHaveLength(1));
   expect(done()[0]).toMatchObject({ label: "ready map" });
   expect(state().dialog).toBeNull();
@@ -166,7 +166,7 @@ test("keys of the page undo and redo, but not while somebody types or a dialog i
   );
   await userEvent.keyboard("{Control>}z{/Control}{Control>}{Shift>}z{/Shift}{/Control}");
   await userEvent.keyboard("{Control>}y{/Control}");
-  expect(server.asked.map((each) => each.method)).toEqual(["undo", "redo", "redo"]);
+  expect(server.asked.map((request) => request.method)).toEqual(["undo", "redo", "redo"]);
   await userEvent.type(screen.getByLabelText("field"), "{Control>}z{/Control}?");
   expect(server.asked).toHaveLength(3);
   expect(state().dialog).toBeNull();

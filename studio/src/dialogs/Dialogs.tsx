@@ -125,17 +125,17 @@ function Delete({ dialog }: Of<"delete">) {
         it. These lose the reference, or go with it where they cannot be without:
       </p>
       <ul className="referrers">
-        {referrers.map((each) => (
-          <li key={each.element}>
+        {referrers.map((referrer) => (
+          <li key={referrer.element}>
             <button
               type="button"
               className="link"
               onClick={() => {
                 close();
-                choose(each.element);
+                choose(referrer.element);
               }}
             >
-              {each.label}
+              {referrer.label}
             </button>
           </li>
         ))}

@@ -23,7 +23,7 @@ export function NewModel({ points, onClose }: Props) {
   const about = useId();
   const isTextOnly = origin.kind !== "plain";
   const file = `${name.trim()}.${isTextOnly ? "ros2jaus" : ending}`;
-  const isTaken = files?.some((each) => each.path === file) ?? false;
+  const isTaken = files?.some((other) => other.path === file) ?? false;
   function onSubmit(event: FormEvent) {
     event.preventDefault();
     if (isTaken || !name.trim()) return;
@@ -49,7 +49,7 @@ export function NewModel({ points, onClose }: Props) {
             aria-describedby={about}
             onChange={(event) => {
               const chosen = event.currentTarget.value;
-              setOrigin(points?.find((each) => each.name === chosen) ?? EMPTY);
+              setOrigin(points?.find((point) => point.name === chosen) ?? EMPTY);
             }}
           >
             <Points points={points ?? [EMPTY]} />
@@ -96,10 +96,10 @@ function Points({ points }: { points: StartingPoint[] }) {
   return Object.entries(KINDS).map(([kind, title]) => (
     <optgroup key={kind} label={title}>
       {points
-        .filter((each) => each.kind === kind)
-        .map((each) => (
-          <option key={each.name} value={each.name}>
-            {each.name}
+        .filter((point) => point.kind === kind)
+        .map((point) => (
+          <option key={point.name} value={point.name}>
+            {point.name}
           </option>
         ))}
     </optgroup>

@@ -64,7 +64,7 @@ test("what cannot be is told, and not taken", async () => {
 
 test("rows of a bridge go to another one; what goes along is asked for", async () => {
   const graph = state().graph;
-  const main = graph?.nodes.find((each) => each.kind === "bridge");
+  const main = graph?.nodes.find((node) => node.kind === "bridge");
   const [first, second] = main?.ports ?? [];
   if (!graph || !main || !first || !second) throw new Error("the graph has a bridge of two");
   const keys = [portKey(main.id, first.id), portKey(main.id, second.id)];
@@ -80,6 +80,6 @@ test("rows of a bridge go to another one; what goes along is asked for", async (
   server.answer("carry", () => ({ ...option, why: "they share a stop" }));
   await carry([first.element], main.id);
   expect(await screen.findByText("they share a stop")).toBeInTheDocument();
-  expect(server.params("edit").filter((each) => !each.dry)).toHaveLength(1);
-  expect(server.params("carry").map((each) => each.bridge)).toEqual(["", main.element]);
+  expect(server.params("edit").filter((sent) => !sent.dry)).toHaveLength(1);
+  expect(server.params("carry").map((sent) => sent.bridge)).toEqual(["", main.element]);
 });

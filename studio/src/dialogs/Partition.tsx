@@ -66,7 +66,9 @@ export function Partition({ onClose }: { onClose(): void }) {
 
 function homesOf(plan: Plan): Record<string, string> {
   return Object.fromEntries(
-    plan.after.flatMap(({ name, connections }) => connections.map((each) => [each, name])),
+    plan.after.flatMap(({ name, connections }) =>
+      connections.map((connection) => [connection, name]),
+    ),
   );
 }
 
@@ -109,11 +111,11 @@ function Figures({ plan }: { plan: Plan }) {
           <tr>
             <th colSpan={7}>{when}</th>
           </tr>
-          {plan[when].map((each) => (
-            <tr key={each.name}>
-              <td>{each.name}</td>
-              <td>{each.host}</td>
-              {figuresOf(each).map(([name, text]) => (
+          {plan[when].map((bridge) => (
+            <tr key={bridge.name}>
+              <td>{bridge.name}</td>
+              <td>{bridge.host}</td>
+              {figuresOf(bridge).map(([name, text]) => (
                 <td key={name}>{text}</td>
               ))}
             </tr>
@@ -149,19 +151,19 @@ function Carried({ plan, onMove }: CarriedProps) {
         {name} <span className="quiet">{reasons.join("; ")}</span>
       </summary>
       <ul className="carried">
-        {connections.map((each) => (
-          <li key={each}>
+        {connections.map((connection) => (
+          <li key={connection}>
             <label>
-              {each}
-              {plan.moved[each] && <em> moves</em>}{" "}
+              {connection}
+              {plan.moved[connection] && <em> moves</em>}{" "}
               <Select
-                label={each}
+                label={connection}
                 value={name}
                 options={[
                   ...homes.map((home) => [home, home] as const),
                   [free(1), `new: ${free(1)}`],
                 ]}
-                onChoose={(home) => onMove(each, home)}
+                onChoose={(home) => onMove(connection, home)}
               />
             </label>
           </li>

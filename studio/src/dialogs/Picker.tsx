@@ -37,8 +37,8 @@ export function Picker({
     .map((pick, index) => ({ pick, index }))
     .filter(({ pick }) => words.every((word) => pick.text.toLowerCase().includes(word)));
   const keys = useListKeys(shown.length, (at) => {
-    const found = shown[at];
-    if (found) onPick(found.index);
+    const choice = shown[at];
+    if (choice) onPick(choice.index);
   });
   const here = keys.active;
 

@@ -10,7 +10,7 @@ export function Banners() {
   const kept = useStudio((studio) => studio.kept);
   const drafts = useStudio((studio) => studio.drafts);
   const recorded = useStudio((studio) => studio.recorded);
-  const others = outside.filter((each) => !each.isConflict);
+  const others = outside.filter((change) => !change.isConflict);
   return (
     <div className="banners">
       {link === "lost" && (
@@ -29,16 +29,16 @@ export function Banners() {
         </p>
       )}
       <Worth />
-      {kept.map((each) => (
-        <Kept key={each.number} edit={each} />
+      {kept.map((edit) => (
+        <Kept key={edit.number} edit={edit} />
       ))}
-      {drafts.map((each) => (
-        <Typed key={`${each.element} ${each.field}`} draft={each} />
+      {drafts.map((draft) => (
+        <Typed key={`${draft.element} ${draft.field}`} draft={draft} />
       ))}
       {outside
-        .filter((each) => each.isConflict)
-        .map((each) => (
-          <Outside key={each.file} changes={[each]} />
+        .filter((change) => change.isConflict)
+        .map((change) => (
+          <Outside key={change.file} changes={[change]} />
         ))}
       {others.length > 0 && <Outside changes={others} />}
     </div>
@@ -48,7 +48,7 @@ export function Banners() {
 /** What the diagram is worth, unless it shows the files as they are. */
 function Worth() {
   const file = useStudio((studio) =>
-    studio.project?.files.find((each) => each.path === studio.file),
+    studio.project?.files.find((candidate) => candidate.path === studio.file),
   );
   const graphFault = useStudio((studio) => (studio.graph ? studio.graphFault : ""));
   const freshness = useStudio((studio) => studio.freshness);
@@ -70,8 +70,10 @@ function Worth() {
 
 /** An edit that was not done, with what it would have set. */
 function Kept({ edit }: { edit: KeptEdit }) {
-  const values = edit.commands.flatMap((each) =>
-    each.kind === "set" ? [`${inWords(each.feature)}: ${each.values.join(", ") || "nothing"}`] : [],
+  const values = edit.commands.flatMap((command) =>
+    command.kind === "set"
+      ? [`${inWords(command.feature)}: ${command.values.join(", ") || "nothing"}`]
+      : [],
   );
   return (
     <p className="banner bar error" role="status">
@@ -112,19 +114,19 @@ function Typed({ draft: { element, field, what, text, why } }: { draft: Draft })
 /** What other programs did: one note for each conflict, and one for all else. */
 function Outside({ changes }: { changes: Change[] }) {
   const isConflict = changes[0]?.isConflict;
-  const files = changes.map((each) => each.file);
-  const diff = changes.map((each) => each.diff).join("");
+  const files = changes.map((change) => change.file);
+  const diff = changes.map((change) => change.diff).join("");
   const named =
     files.length > MOST_NAMED
       ? `${files.slice(0, MOST_NAMED).join(", ")} and ${files.length - MOST_NAMED} more`
       : files.join(", ");
   const dismiss = () =>
-    update({ outside: useStudio.getState().outside.filter((each) => !changes.includes(each)) });
+    update({ outside: useStudio.getState().outside.filter((change) => !changes.includes(change)) });
   return (
     <p className={`banner bar ${isConflict ? "error" : "info"}`} role="status">
       {isConflict
         ? `× Another program changed ${named} while you did. Its change stands in the file; yours is in the history.`
-        : changes.every((each) => each.gone)
+        : changes.every((change) => change.gone)
           ? `i Another program deleted ${named}; undo brings it back.`
           : `i Another program changed ${named}.`}
       {diff && (

@@ -17,10 +17,10 @@ export function Header() {
       <label>
         File
         <select value={file} onChange={(event) => void openFile(event.currentTarget.value)}>
-          {project?.files.map((each) => (
-            <option key={each.path} value={each.path}>
-              {each.path}
-              {each.dirty ? " (cannot be parsed)" : each.stale ? " (stale)" : ""}
+          {project?.files.map((entry) => (
+            <option key={entry.path} value={entry.path}>
+              {entry.path}
+              {entry.dirty ? " (cannot be parsed)" : entry.stale ? " (stale)" : ""}
             </option>
           ))}
         </select>
@@ -32,17 +32,17 @@ export function Header() {
           onChange={(event) => void openView(event.currentTarget.value)}
         >
           {views
-            .filter((each) => !each.library)
-            .map((each) => (
-              <option key={each.name} value={each.name}>
-                {titleOf(each)}
+            .filter((other) => !other.library)
+            .map((entry) => (
+              <option key={entry.name} value={entry.name}>
+                {titleOf(entry)}
               </option>
             ))}
           {libraryGroups(views).map(([kind, group]) => (
             <optgroup key={kind} label={`Library: ${KINDS[kind].toLowerCase()}s`}>
-              {group.map((each) => (
-                <option key={each.name} value={each.name}>
-                  {each.title}
+              {group.map((entry) => (
+                <option key={entry.name} value={entry.name}>
+                  {entry.title}
                 </option>
               ))}
             </optgroup>
@@ -93,12 +93,12 @@ const KINDS = { system: "System", map: "Map", service: "Service", machine: "Stat
 
 /** Views of the library by their kinds, in the order of their names. */
 function libraryGroups(views: ViewInfo[]): [ViewInfo["kind"], ViewInfo[]][] {
-  const library = views.filter((each) => each.library);
-  const kinds = [...new Set(library.map((each) => each.kind))];
+  const library = views.filter((view) => view.library);
+  const kinds = [...new Set(library.map((view) => view.kind))];
   return kinds.map((kind) => [
     kind,
     library
-      .filter((each) => each.kind === kind)
+      .filter((view) => view.kind === kind)
       .sort((one, other) => one.title.localeCompare(other.title)),
   ]);
 }

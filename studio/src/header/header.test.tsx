@@ -35,7 +35,7 @@ test("views of the file come before those of the library, each with its kind", a
     ],
   });
   render(<Header />);
-  const names = screen.getAllByRole("option").map((each) => each.textContent);
+  const names = screen.getAllByRole("option").map((element) => element.textContent);
   expect(names).toEqual(["robot.xmi", "System", "Map: pose", "S", "T", "M"]);
   const services = screen.getByRole("group", { name: "Library: services" });
   expect(within(services).getAllByRole("option")).toHaveLength(2);
@@ -69,7 +69,10 @@ test("what another program did is shown; a conflict stays until it is dismissed"
   act(() => listener.onNotification("conflict", conflict));
   act(() => listener.onNotification("outside", { file: "robot.xmi", diff: "+more", gone }));
   act(() => listener.onNotification("outside", { file: "maps.xmi", diff: "", gone }));
-  expect(screen.getAllByRole("status").map((each) => each.textContent?.[0])).toEqual(["×", "i"]);
+  expect(screen.getAllByRole("status").map((element) => element.textContent?.[0])).toEqual([
+    "×",
+    "i",
+  ]);
   await userEvent.click(screen.getByRole("button", { name: "Show the difference" }));
   expect(state().dialog).toMatchObject({ kind: "diff", diff: "-mine\n+theirs" });
   await userEvent.click(screen.getAllByRole("button", { name: "Dismiss" })[0]!);
@@ -111,10 +114,10 @@ test("an edit that was not done stays with its values until somebody decides", a
   server.answer("kept.discard", () => ({}));
   render(<Banners />);
   act(() => listener.onNotification("kept", { edits: [edit] }));
-  const told = screen.getByRole("status");
-  expect(told).toHaveTextContent("Set address of winch");
-  expect(told).toHaveTextContent("address: 1.1.77");
-  expect(told).toHaveTextContent("to 1.1.55");
+  const status = screen.getByRole("status");
+  expect(status).toHaveTextContent("Set address of winch");
+  expect(status).toHaveTextContent("address: 1.1.77");
+  expect(status).toHaveTextContent("to 1.1.55");
   await userEvent.click(screen.getByRole("button", { name: "Do it all the same" }));
   await userEvent.click(screen.getByRole("button", { name: "Discard" }));
   expect(server.params("kept.again")).toEqual([{ number: 4 }]);
@@ -131,8 +134,8 @@ test("an edit that was kept is told although the server that kept it has ended",
   act(() => listener.onNotification("kept", { edits: [edit] }));
   act(() => listener.onLink("open", PROJECT, ""));
   await waitFor(() => expect(state().kept).toEqual([]));
-  const told = screen.getByText(/Typed, and not taken: Set rate: “25”. The server .* ended/);
-  await userEvent.click(within(told).getByRole("button", { name: "Discard" }));
+  const banner = screen.getByText(/Typed, and not taken: Set rate: “25”. The server .* ended/);
+  await userEvent.click(within(banner).getByRole("button", { name: "Discard" }));
   expect(state().drafts).toEqual([]);
 });
 

@@ -64,7 +64,7 @@ function go(
   if (!to || to === from) return;
   if (from && partOf(from).of !== "edge") before.current = from;
   const { selection } = state();
-  select(event.shiftKey ? [...selection.filter((each) => each !== to), to] : [to]);
+  select(event.shiftKey ? [...selection.filter((key) => key !== to), to] : [to]);
 }
 
 const ENDS_OF_ROWS: Record<string, () => void> = {

@@ -14,8 +14,8 @@ test("keys have one name each", () => {
 });
 
 test("whoever types is left alone, also in a shadow tree", () => {
-  const found: boolean[] = [];
-  const note = (event: Event) => found.push(isTyping(event));
+  const results: boolean[] = [];
+  const note = (event: Event) => results.push(isTyping(event));
   document.addEventListener("keydown", note);
   const { container } = render(
     <>
@@ -36,7 +36,7 @@ test("whoever types is left alone, also in a shadow tree", () => {
   }
   fireEvent.keyDown(inner, { key: "z", composed: true });
   document.removeEventListener("keydown", note);
-  expect(found).toEqual([true, false, true, false, true]);
+  expect(results).toEqual([true, false, true, false, true]);
 });
 
 test("the help tells of no key of the whole page that the page does not take", () => {

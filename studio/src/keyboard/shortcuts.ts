@@ -58,7 +58,7 @@ const PARTS = [
 ];
 
 function focusPart(step: 1 | -1): void {
-  const parts = PARTS.flatMap((each) => document.querySelector<HTMLElement>(each) ?? []);
+  const parts = PARTS.flatMap((selector) => document.querySelector<HTMLElement>(selector) ?? []);
   const at = parts.findIndex((part) => regionOf(part)?.contains(document.activeElement));
   parts.at((at + step + parts.length) % parts.length)?.focus();
 }

@@ -13,7 +13,7 @@ interface Tree<R> {
 export function useTree<R extends { depth: number }>({ rows, idOf, isOpen, toggle }: Tree<R>) {
   const [at, setAt] = useState("");
   const tree = useRef<HTMLDivElement>(null);
-  const active = rows.find((each) => idOf(each) === at) ?? rows[0];
+  const active = rows.find((row) => idOf(row) === at) ?? rows[0];
 
   function focus(row: R | undefined) {
     const id = row && idOf(row);
@@ -32,7 +32,7 @@ export function useTree<R extends { depth: number }>({ rows, idOf, isOpen, toggl
     else if (key === "ArrowRight") focus(rows[index + 1]);
     else if (key === "ArrowLeft" && isOpen(row)) toggle(row, false);
     else if (key === "ArrowLeft")
-      focus(rows.slice(0, index).findLast((each) => each.depth < row.depth));
+      focus(rows.slice(0, index).findLast((other) => other.depth < row.depth));
     else return false;
     return true;
   }

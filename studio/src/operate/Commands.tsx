@@ -17,10 +17,10 @@ export function Commands() {
   const { value, error, again } = useAnswer("messages", { component }, learnt);
   const offered = value?.commands ?? [];
   const isSilent = value !== null && offered.length === 0;
-  const command = offered.find((each) => each.name === chosen);
+  const command = offered.find((candidate) => candidate.name === chosen);
   const drivers = driversOf(
     value?.services ?? [],
-    offered.map((each) => each.name),
+    offered.map((candidate) => candidate.name),
   );
   return (
     <>
@@ -43,8 +43,8 @@ export function Commands() {
             <option value="">choose…</option>
             {groupsOf(offered).map(([service, group]) => (
               <optgroup key={service} label={service}>
-                {group.map((each) => (
-                  <option key={each.name}>{each.name}</option>
+                {group.map((candidate) => (
+                  <option key={candidate.name}>{candidate.name}</option>
                 ))}
               </optgroup>
             ))}
@@ -65,11 +65,11 @@ const CORE = ["AccessControl", "Discovery", "Events", "Liveness", "Management", 
 
 /** Commands by their services; those of the core, which operate nothing, come last. */
 function groupsOf(offered: Command[]): [string, Command[]][] {
-  const services = [...new Set(offered.map((each) => each.service))];
+  const services = [...new Set(offered.map((command) => command.service))];
   const isCore = (service: string) => Number(CORE.includes(service));
   return services
     .sort((one, other) => isCore(one) - isCore(other) || one.localeCompare(other))
-    .map((service) => [service, offered.filter((each) => each.service === service)]);
+    .map((service) => [service, offered.filter((command) => command.service === service)]);
 }
 
 function CommandForm({ command, component }: { command: Command; component: string }) {
@@ -77,7 +77,7 @@ function CommandForm({ command, component }: { command: Command; component: stri
   const [isTried, setTried] = useState(false);
   const [answer, setAnswer] = useState("");
   const isOurs = useUnit(commands);
-  const isHeld = useUnit((unit) => unit.state?.holds.some((each) => each.component === component));
+  const isHeld = useUnit((unit) => unit.state?.holds.some((hold) => hold.component === component));
   const { value: form, error } = useAnswer("form", { component, message: command.name });
   if (form === null) return <Fault>{error}</Fault>;
   const { fields } = form;

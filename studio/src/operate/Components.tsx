@@ -67,7 +67,7 @@ function Control({ component }: { component: string }) {
   const mayCommand = useUnit((unit) => unit.mayCommand);
   const isOurs = useUnit(commands);
   const commander = useUnit((unit) => unit.state?.commander ?? null);
-  const held = useUnit((unit) => unit.state?.holds.find((each) => each.component === component));
+  const held = useUnit((unit) => unit.state?.holds.find((hold) => hold.component === component));
   const [authority, setAuthority] = useState("");
   const [reason, setReason] = useState("");
   if (!mayCommand) return null;

@@ -32,7 +32,7 @@ interface Props {
 /** Waypoints that a person draws, sends and has executed; nothing of it happens by itself. */
 export default function DrawingPanel({ component, drivers }: Props) {
   const [service, setService] = useState(drivers[0]?.service);
-  const driver = drivers.find((each) => each.service === service);
+  const driver = drivers.find((candidate) => candidate.service === service);
   return (
     <section className="drawing" aria-label="Waypoints">
       <h2>Waypoints for {component}</h2>
@@ -42,7 +42,7 @@ export default function DrawingPanel({ component, drivers }: Props) {
           <Select
             label="Driver"
             value={service ?? ""}
-            options={drivers.map((each) => [each.service, each.service])}
+            options={drivers.map((candidate) => [candidate.service, candidate.service])}
             onChoose={setService}
           />
         </label>
@@ -67,8 +67,8 @@ function Waypoints({ component, driver }: Of) {
   const { track, reports } = useReports(component, driver);
   const { waypoints } = drawing;
   const { values, faults } = readWaypoints(fields, waypoints);
-  const places = waypoints.map((each) => placeIn(each, fields, frame));
-  const placed = places.filter((each) => each !== undefined);
+  const places = waypoints.map((waypoint) => placeIn(waypoint, fields, frame));
+  const placed = places.filter((place) => place !== undefined);
   const origin = frame.hasOrigin
     ? (drawing.origin ?? placed[0] ?? track.at(-1))
     : ([0, 0] as Place);
@@ -86,7 +86,7 @@ function Waypoints({ component, driver }: Of) {
       tell("The browser does not keep what is drawn: it has no room.", true);
     }
   }, [component, driver, drawing]);
-  const set = (made: Draft[]) => put({ waypoints: made });
+  const set = (drafts: Draft[]) => put({ waypoints: drafts });
   const change = (at: number, draft: Draft) => set(waypoints.with(at, draft));
   const move = (at: number, place: Place) =>
     change(at, movedTo(waypoints[at] ?? {}, fields, frame, place));
@@ -193,7 +193,7 @@ function Waypoints({ component, driver }: Of) {
 function textOf(place: Place | undefined, { frame }: Driver): string {
   if (!place) return "has no place yet";
   const units = frame.hasOrigin ? "°" : " m";
-  return place.map((each, axis) => `${frame.paths[axis]} ${each}${units}`).join(", ");
+  return place.map((coordinate, axis) => `${frame.paths[axis]} ${coordinate}${units}`).join(", ");
 }
 
 /** Where the component is and was, and the elements that it told to be active. */
@@ -230,12 +230,12 @@ function Sending(props: SendingProps) {
   const [first, setFirst] = useState(1);
   const [isBusy, setBusy] = useState(false);
   const isOurs = useUnit(commands);
-  const isHeld = useUnit((unit) => unit.state?.holds.some((each) => each.component === component));
+  const isHeld = useUnit((unit) => unit.state?.holds.some((hold) => hold.component === component));
   const asked = execution ? { component, message: execution } : null;
   const record = useAnswer("form", asked).value?.fields[0];
   const members = record?.kind === "group" ? record.members : [];
-  const found = members.find((each) => each.name === "Speed");
-  const speedKind = found?.kind === "number" ? found : null;
+  const speedField = members.find((member) => member.name === "Speed");
+  const speedKind = speedField?.kind === "number" ? speedField : null;
   const speedFaults: Faults = new Map();
   const wanted = speedKind && readNumber(speedKind, speed, false, "Speed", speedFaults);
   const fault = speed === "" ? undefined : speedFaults.get("Speed");

@@ -33,9 +33,9 @@ interface Props {
 /** The plan that waypoints are drawn on, by a pointer or by keys. */
 export function DrawingPlan(props: Props) {
   const { frame, origin, places, track, progress, chosen } = props;
-  const points = places.map((each) => each && frame.pointOf(...each, origin));
-  const been = track.map((each) => frame.pointOf(...each, origin));
-  const all = [...points.filter((each) => each !== undefined), ...been];
+  const points = places.map((place) => place && frame.pointOf(...place, origin));
+  const been = track.map((place) => frame.pointOf(...place, origin));
+  const all = [...points.filter((point) => point !== undefined), ...been];
   const fitting = () => around(all.length > 0 ? all : [{ up: 0, right: 0 }], LEAST_M);
   const [view, setView] = useState<[number, number, number]>(fitting);
   const [cursor, setCursor] = useState<Point>({ up: 0, right: 0 });
@@ -100,7 +100,7 @@ export function DrawingPlan(props: Props) {
 
   const zoom = (by: number) =>
     setView([left + (size * (1 - by)) / 2, top + (size * (1 - by)) / 2, size * by]);
-  const line = points.filter((each) => each !== undefined);
+  const line = points.filter((point) => point !== undefined);
   return (
     <figure className="plan" aria-label="Plan of waypoints">
       <figcaption>
@@ -131,13 +131,13 @@ export function DrawingPlan(props: Props) {
           <polyline strokeWidth={size / 200} points={pathOf(line)} />
           {here && <circle className="here" cx={here.right} cy={-here.up} r={size / 60} />}
           {points.map(
-            (each, at) =>
-              each && (
+            (point, at) =>
+              point && (
                 <g
                   // biome-ignore lint/suspicious/noArrayIndexKey: waypoints have no other name
                   key={at}
                   className={classOf(at, chosen, progress)}
-                  transform={`translate(${each.right} ${-each.up}) scale(${size / 40})`}
+                  transform={`translate(${point.right} ${-point.up}) scale(${size / 40})`}
                 >
                   <circle data-at={at} r="1" />
                   <text data-at={at} y="0.35" fontSize="1" textAnchor="middle">
@@ -197,8 +197,8 @@ function Grid({
 }) {
   const steps = (from: number) =>
     Array.from({ length: Math.ceil(size / grid) + 1 }, (_, index) => index + Math.ceil(from / grid))
-      .map((each) => each * grid)
-      .filter((each) => each < from + size);
+      .map((count) => count * grid)
+      .filter((position) => position < from + size);
   const shown = (metres: number) => String(Number(metres.toPrecision(6)));
   return (
     <g className="grid" strokeWidth={size / 800}>

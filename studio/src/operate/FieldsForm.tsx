@@ -31,13 +31,13 @@ export function FieldsForm({ fields, draft, path = "", onDraft, ...shared }: For
   const members = membersOf(draft);
   return (
     <div className="fields">
-      {fields.map((each) => (
+      {fields.map((field) => (
         <FieldInput
-          key={each.name}
-          field={each}
-          draft={members[each.name]}
-          path={pathOf(path, each.name)}
-          onDraft={(inner) => onDraft({ ...members, [each.name]: inner })}
+          key={field.name}
+          field={field}
+          draft={members[field.name]}
+          path={pathOf(path, field.name)}
+          onDraft={(inner) => onDraft({ ...members, [field.name]: inner })}
           {...shared}
         />
       ))}
@@ -90,7 +90,7 @@ function FieldInput(props: Props) {
     case "variable": {
       const members = membersOf(draft);
       const chosen = field.alternatives.find(
-        (each) => String(each.index) === textOf(members.index),
+        (alternative) => String(alternative.index) === textOf(members.index),
       );
       return (
         <fieldset>
@@ -199,7 +199,7 @@ function Typed({ label, help, hint, choices, fault, text, onText }: TypedProps) 
           value={text}
           options={[
             CHOOSE,
-            ...known.map((each) => [each.value, `${each.label} (${each.value})`] as const),
+            ...known.map((option) => [option.value, `${option.label} (${option.value})`] as const),
           ]}
           onChoose={onText}
         />
@@ -238,12 +238,12 @@ function ListInput({
       <legend>
         {field.name} ({items.length} of {field.least} to {field.most})
       </legend>
-      {items.map((each, index) => (
+      {items.map((item, index) => (
         // biome-ignore lint/suspicious/noArrayIndexKey: elements have no other name
         <div key={index} className="element">
           <FieldInput
             field={{ ...field.element, name: `${field.element.name} ${index + 1}` }}
-            draft={each}
+            draft={item}
             path={`${path}[${index}]`}
             onDraft={(inner) => onDraft(items.with(index, inner))}
             {...shared}

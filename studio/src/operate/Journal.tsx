@@ -13,10 +13,10 @@ export function Journal() {
         {journal
           .slice(-MOST_SHOWN)
           .reverse()
-          .map((each) => (
-            <li key={each.number}>
-              <time>{new Date(each.time * 1000).toISOString().slice(11, 19)}</time>{" "}
-              <strong>{each.who}</strong> {each.text}
+          .map((entry) => (
+            <li key={entry.number}>
+              <time>{new Date(entry.time * 1000).toISOString().slice(11, 19)}</time>{" "}
+              <strong>{entry.who}</strong> {entry.text}
             </li>
           ))}
       </ol>

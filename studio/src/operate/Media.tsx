@@ -14,8 +14,8 @@ export default function Media({ values }: { values: Values }) {
       ))}
       {urls.length > 0 && (
         <ul className="endpoints" aria-label={`Streams and files that ${component} tells`}>
-          {urls.map((each) => (
-            <Endpoint key={each} text={each} />
+          {urls.map((url) => (
+            <Endpoint key={url} text={url} />
           ))}
         </ul>
       )}
@@ -54,8 +54,8 @@ function Endpoint({ text }: { text: string }) {
           Open {endpoint.href} in a tab of its own
         </a>
       )}
-      {endpoint.commands.map((each) => (
-        <Copyable key={each} label={`the command ${each}`} text={each} />
+      {endpoint.commands.map((command) => (
+        <Copyable key={command} label={`the command ${command}`} text={command} />
       ))}
     </li>
   );

@@ -18,8 +18,8 @@ interface Track {
 export function Plan({ values }: { values: Values[] }) {
   return FRAMES.map((frame) => {
     const components = values
-      .filter((each) => each.report === frame.report)
-      .map((each) => each.component);
+      .filter((value) => value.report === frame.report)
+      .map((value) => value.component);
     if (components.length === 0) return null;
     return <FramePlan key={frame.report} frame={frame} components={components} />;
   });
@@ -28,10 +28,10 @@ export function Plan({ values }: { values: Values[] }) {
 function FramePlan({ frame, components }: { frame: Frame; components: string[] }) {
   const names = components.join(" ");
   const look = useCallback(
-    () => Promise.all(names.split(" ").map((each) => trackOf(frame, each))),
+    () => Promise.all(names.split(" ").map((name) => trackOf(frame, name))),
     [frame, names],
   );
-  const tracks = (usePolled(look, LOOK_MS) ?? []).filter((each) => each.values.length > 0);
+  const tracks = (usePolled(look, LOOK_MS) ?? []).filter((track) => track.values.length > 0);
   const origin = tracks[0]?.values[0];
   if (!origin) return null;
   const placed = tracks.map(({ component, values }) => ({
@@ -39,7 +39,7 @@ function FramePlan({ frame, components }: { frame: Frame; components: string[] }
     points: values.map(([first, second]) => frame.pointOf(first, second, origin)),
   }));
   const [left, top, size] = around(
-    placed.flatMap((each) => each.points),
+    placed.flatMap((track) => track.points),
     LEAST_M,
   );
   const bar = barOf(size);
@@ -60,7 +60,7 @@ function FramePlan({ frame, components }: { frame: Frame; components: string[] }
             <g key={component}>
               <polyline
                 strokeWidth={size / 200}
-                points={points.map((each) => `${each.right},${-each.up}`).join(" ")}
+                points={points.map((point) => `${point.right},${-point.up}`).join(" ")}
               />
               <circle cx={last?.right} cy={-(last?.up ?? 0)} r={size / 60} />
               <text x={(last?.right ?? 0) + size / 40} y={-(last?.up ?? 0)} fontSize={size / 25}>

@@ -56,10 +56,10 @@ export function Plot({ series: { component, report, path }, seconds }: Props) {
     async function look() {
       try {
         const points = size().width * POINTS;
-        const found = await ask("history", { component, report, path, seconds, points });
+        const history = await ask("history", { component, report, path, seconds, points });
         if (!isWanted) return;
-        plot.setData([found.times, found.values]);
-        const value = found.values.at(-1);
+        plot.setData([history.times, history.values]);
+        const value = history.values.at(-1);
         setLast(value === undefined ? "no values" : `last ${value.toPrecision(4)}`);
       } catch (error) {
         if (isWanted) setLast(messageOf(error));

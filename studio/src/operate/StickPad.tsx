@@ -205,7 +205,7 @@ function Pad({ command, component, fields, draft, isAllowed, axes }: Props & { a
 }
 
 const axisOf = (axes: Axis[], { axis }: Way): Axis | undefined =>
-  axes.find((each) => each.steps.join(".") === axis);
+  axes.find((candidate) => candidate.steps.join(".") === axis);
 
 function isWhollySeen(pad: Element): boolean {
   const { left, top, right, bottom, width } = pad.getBoundingClientRect();

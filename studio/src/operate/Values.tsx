@@ -31,8 +31,8 @@ export function ValuesPanel() {
   const [span, setSpan] = useState(60);
   const toggle = (series: Series) =>
     setPlotted((before) =>
-      before.some((each) => isSame(each, series))
-        ? before.filter((each) => !isSame(each, series))
+      before.some((other) => isSame(other, series))
+        ? before.filter((other) => !isSame(other, series))
         : [...before, series],
     );
   return (
@@ -40,10 +40,10 @@ export function ValuesPanel() {
       <section className="values" aria-label="Values">
         <h2>Values</h2>
         {component && <Watch key={component} component={component} />}
-        {values.map((each) => (
+        {values.map((value) => (
           <Report
-            key={`${each.component} ${each.report}`}
-            values={each}
+            key={`${value.component} ${value.report}`}
+            values={value}
             plotted={plotted}
             onPlot={toggle}
           />
@@ -59,8 +59,8 @@ export function ValuesPanel() {
             onChoose={(seconds) => setSpan(Number(seconds))}
           />
         </h2>
-        {plotted.map((each) => (
-          <Plot key={nameOf(each)} series={each} seconds={span} />
+        {plotted.map((series) => (
+          <Plot key={nameOf(series)} series={series} seconds={span} />
         ))}
         <Plan values={values} />
       </section>
@@ -93,7 +93,7 @@ function Watch({ component }: { component: string }) {
         <Select
           label="Hz"
           value={rate}
-          options={[["", "every change"], ...RATES.map((each) => [each, each] as const)]}
+          options={[["", "every change"], ...RATES.map((rate) => [rate, rate] as const)]}
           onChoose={setRate}
         />
       </label>
@@ -148,7 +148,7 @@ function Report({ values, plotted, onPlot }: ReportProps) {
     return (
       <button
         type="button"
-        aria-pressed={plotted.some((each) => isSame(each, series))}
+        aria-pressed={plotted.some((other) => isSame(other, series))}
         aria-label={`Plot ${what} of ${report}`}
         onClick={() => onPlot(series)}
       >

@@ -39,14 +39,14 @@ beforeEach(() => localStorage.clear());
 
 it("knows the drivers of lists before those of one waypoint", () => {
   const services = ["GlobalWaypointDriver", "LocalWaypointDriver", "GlobalWaypointListDriver", "X"];
-  const found = (...taken: string[]) =>
-    driversOf(services, taken).map((each) => [each.service, each.execution]);
-  expect(found("ExecuteList", "SetTravelSpeed")).toEqual([
+  const listed = (...taken: string[]) =>
+    driversOf(services, taken).map((candidate) => [candidate.service, candidate.execution]);
+  expect(listed("ExecuteList", "SetTravelSpeed")).toEqual([
     ["GlobalWaypointListDriver", "ExecuteList"],
     ["LocalWaypointDriver", "SetTravelSpeed"],
     ["GlobalWaypointDriver", "SetTravelSpeed"],
   ]);
-  expect(found("ExecuteList")).toContainEqual(["LocalWaypointDriver", undefined]);
+  expect(listed("ExecuteList")).toContainEqual(["LocalWaypointDriver", undefined]);
 });
 
 it("makes the fields of what is drawn, and no other ones", () => {
@@ -98,6 +98,6 @@ it.each([
   const times = [1, 2, ...values.map((_, index) => 11 + index)];
   const progress = progressOf(executed, 4, { times, values: [4, 0, ...values] });
   expect(progress?.active).toBe(active);
-  expect([1, 2, 3, 4].filter((each) => progress?.isReached(each))).toEqual(reached);
+  expect([1, 2, 3, 4].filter((uid) => progress?.isReached(uid))).toEqual(reached);
   expect(progress?.text).toContain(text);
 });

@@ -20,10 +20,10 @@ export function driversOf(services: readonly string[], taken: readonly string[])
       service: `${frame.waypoint.replace(/^Set/, "")}${isList ? "List" : ""}Driver`,
       frame,
       isList,
-      execution: taken.find((each) => each === (isList ? "ExecuteList" : "SetTravelSpeed")),
+      execution: taken.find((command) => command === (isList ? "ExecuteList" : "SetTravelSpeed")),
     })),
   );
-  return drivers.filter((each) => services.includes(each.service));
+  return drivers.filter((driver) => services.includes(driver.service));
 }
 
 export interface Drawing {
@@ -45,8 +45,8 @@ const keyOf = (component: string, { service }: Driver): string =>
 /** What was drawn; what cannot be read is nothing. */
 export function load(storage: Storage, component: string, driver: Driver): Drawing {
   try {
-    const found = JSON.parse(storage.getItem(keyOf(component, driver)) ?? "{}");
-    return Array.isArray(found.waypoints) ? { ...NOTHING, ...found } : NOTHING;
+    const kept = JSON.parse(storage.getItem(keyOf(component, driver)) ?? "{}");
+    return Array.isArray(kept.waypoints) ? { ...NOTHING, ...kept } : NOTHING;
   } catch {
     return NOTHING;
   }
@@ -62,7 +62,9 @@ export function readWaypoints(
   waypoints: readonly Draft[],
 ): { values: Record<string, unknown>[]; faults: Faults } {
   const faults: Faults = new Map();
-  const values = waypoints.map((each, at) => readGroup(fields, each, `elements[${at}]`, faults));
+  const values = waypoints.map((waypoint, at) =>
+    readGroup(fields, waypoint, `elements[${at}]`, faults),
+  );
   return { values, faults };
 }
 
@@ -75,9 +77,9 @@ export function placeIn(
   const record = fields[0];
   if (record?.kind !== "group") return undefined;
   const faults: Faults = new Map();
-  const axes = record.members.filter((each) => frame.paths.includes(each.name));
+  const axes = record.members.filter((member) => frame.paths.includes(member.name));
   const read = readGroup(axes, membersOf(draft)[record.name], "", faults);
-  const [first, second] = frame.paths.map((each) => read[each]);
+  const [first, second] = frame.paths.map((path) => read[path]);
   return faults.size === 0 && typeof first === "number" && typeof second === "number"
     ? [first, second]
     : undefined;
@@ -87,7 +89,7 @@ export function placeIn(
 export function movedTo(draft: Draft, fields: Field[], frame: Frame, place: Place): Draft {
   const record = fields[0]?.name ?? "";
   return frame.paths.reduce(
-    (made, path, axis) => withNumber(made, [record, path], place[axis] ?? 0),
+    (changed, path, axis) => withNumber(changed, [record, path], place[axis] ?? 0),
     draft,
   );
 }
@@ -107,9 +109,9 @@ export function progressOf(
 ): Progress | undefined {
   if (!execution) return undefined;
   const { time, first } = execution;
-  const told = reports.values.filter((_, index) => (reports.times[index] ?? 0) >= time);
-  const active = told.at(-1);
-  const last = told.findLast((each) => each !== 0) ?? 0;
+  const uids = reports.values.filter((_, index) => (reports.times[index] ?? 0) >= time);
+  const active = uids.at(-1);
+  const last = uids.findLast((uid) => uid !== 0) ?? 0;
   const ends = last > count ? 0 : active === 0 && last === count ? count : last - 1;
   return {
     active: active ?? 0,

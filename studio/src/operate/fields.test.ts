@@ -80,7 +80,7 @@ it("reads lists, variants, types and bytes", () => {
 });
 
 it("lets a stick move numbers, among what was typed", () => {
-  expect(axesOf(BODY).map((each) => each.steps.join("."))).toEqual(["Rec.X", "Rec.Y", "Rec.N"]);
+  expect(axesOf(BODY).map((axis) => axis.steps.join("."))).toEqual(["Rec.X", "Rec.Y", "Rec.N"]);
   const moved = withNumber({ Rec: { N: "3" } }, ["Rec", "X"], 12.5);
   expect(read(moved as object)).toEqual([{ Rec: { X: 12.5, N: 3 } }, {}]);
 });

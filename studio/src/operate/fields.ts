@@ -47,7 +47,9 @@ function readField(field: Field, draft: Draft | undefined, path: string, faults:
     }
     case "variable": {
       const { index, value } = membersOf(draft);
-      const alternative = field.alternatives.find((each) => String(each.index) === textOf(index));
+      const alternative = field.alternatives.find(
+        (option) => String(option.index) === textOf(index),
+      );
       if (!alternative) return missing(field, path, faults);
       const number = readNumber(alternative, textOf(value), false, path, faults);
       return { index: alternative.index, value: number };
@@ -72,12 +74,17 @@ export function readGroup(
   path: string,
   faults: Faults,
 ): Record<string, unknown> {
-  const made: Record<string, unknown> = {};
-  for (const each of members) {
-    const value = readField(each, membersOf(draft)[each.name], pathOf(path, each.name), faults);
-    if (value !== undefined) made[each.name] = value;
+  const values: Record<string, unknown> = {};
+  for (const member of members) {
+    const value = readField(
+      member,
+      membersOf(draft)[member.name],
+      pathOf(path, member.name),
+      faults,
+    );
+    if (value !== undefined) values[member.name] = value;
   }
-  return made;
+  return values;
 }
 
 function missing(field: Field, path: string, faults: Faults): undefined {
@@ -121,7 +128,7 @@ function listOf(
   if (items.length === 0 && field.optional) return undefined;
   if (items.length < field.least) faults.set(path, `At least ${field.least} are needed.`);
   if (items.length > field.most) faults.set(path, `At most ${field.most} are taken.`);
-  return items.map((each, index) => readField(field.element, each, `${path}[${index}]`, faults));
+  return items.map((item, index) => readField(field.element, item, `${path}[${index}]`, faults));
 }
 
 function charactersOf(
@@ -159,11 +166,11 @@ export interface Axis {
 
 /** The numbers that a stick may move: those that may be 0 and are no choice, outside of lists. */
 export function axesOf(fields: Field[], before: string[] = []): Axis[] {
-  return fields.flatMap((each) => {
-    const steps = [...before, each.name];
-    if (each.kind === "group") return axesOf(each.members, steps);
-    const isAxis = each.kind === "number" && each.choices.length === 0 && aroundZero(each);
-    return isAxis ? [{ steps, kind: each }] : [];
+  return fields.flatMap((field) => {
+    const steps = [...before, field.name];
+    if (field.kind === "group") return axesOf(field.members, steps);
+    const isAxis = field.kind === "number" && field.choices.length === 0 && aroundZero(field);
+    return isAxis ? [{ steps, kind: field }] : [];
   });
 }
 

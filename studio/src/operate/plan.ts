@@ -94,18 +94,18 @@ export function placeOf(frame: Frame, point: Point, origin: Place): Place | stri
   const place = frame.placeOf(point, origin);
   return (
     refusalAround(frame, place) ||
-    (place.map((each) => Number(each.toFixed(frame.decimals))) as Place)
+    (place.map((coordinate) => Number(coordinate.toFixed(frame.decimals))) as Place)
   );
 }
 
 /** Metres along places, each leg by the scale at its beginning. */
 export function lengthOf(frame: Frame, places: readonly Place[]): number {
-  const legs = places.slice(1).map((each, index) => {
+  const legs = places.slice(1).map((place, index) => {
     const begin = places[index] as Place;
-    const [from, to] = [frame.pointOf(...begin, begin), frame.pointOf(...each, begin)];
+    const [from, to] = [frame.pointOf(...begin, begin), frame.pointOf(...place, begin)];
     return Math.hypot(to.up - from.up, to.right - from.right);
   });
-  return legs.reduce((sum, each) => sum + each, 0);
+  return legs.reduce((sum, leg) => sum + leg, 0);
 }
 
 /** The values of two numbers of the same reports, in their order. */
@@ -122,8 +122,8 @@ export function paired(
 
 /** A square around points, with a margin, at least some metres wide: left, top and width. */
 export function around(points: readonly Point[], least: number): [number, number, number] {
-  const rights = points.map((each) => each.right);
-  const downs = points.map((each) => -each.up);
+  const rights = points.map((point) => point.right);
+  const downs = points.map((point) => -point.up);
   const [left, top] = [Math.min(...rights), Math.min(...downs)];
   const [width, height] = [Math.max(...rights) - left, Math.max(...downs) - top];
   const size = Math.max(least, 1.2 * Math.max(width, height));
@@ -133,5 +133,5 @@ export function around(points: readonly Point[], least: number): [number, number
 /** A round length of about a quarter of a width. */
 export function barOf(width: number): number {
   const power = 10 ** Math.floor(Math.log10(width / 4));
-  return [5, 2, 1].map((each) => each * power).find((each) => each <= width / 4) ?? power;
+  return [5, 2, 1].map((digit) => digit * power).find((digit) => digit <= width / 4) ?? power;
 }

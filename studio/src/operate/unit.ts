@@ -158,8 +158,8 @@ async function begin(hello: OperateHello): Promise<void> {
   take(hello.state);
   const right = sessionStorage.getItem(RIGHT_KEY);
   if (right !== null && hello.can_command) await claim(right, ownName());
-  const found = await tried("journal", {});
-  if (found) put({ journal: found.entries.slice(-MOST_ENTRIES) });
+  const journal = await tried("journal", {});
+  if (journal) put({ journal: journal.entries.slice(-MOST_ENTRIES) });
 }
 
 export const ownName = (): string => localStorage.getItem(NAME_KEY) ?? "";
@@ -227,7 +227,7 @@ export async function taking(work: Promise<unknown>): Promise<void> {
 /** Stops all that is controlled; what is chosen too, where the stop needs no control. */
 export async function stop(): Promise<void> {
   const { state, chosen } = unit();
-  const holds = state?.holds.map((each) => each.component) ?? [];
+  const holds = state?.holds.map((hold) => hold.component) ?? [];
   const isForAll = state?.stop === "emergency" || holds.length === 0;
   const components = chosen && isForAll ? [chosen] : [];
   const pressed = { since: performance.now(), outcome: "" };
@@ -237,8 +237,8 @@ export async function stop(): Promise<void> {
   };
   try {
     const { stopped } = await ask("stop", { components });
-    const told = stopped.map((each) => `${nameOf(each.component)}: ${each.outcome}`);
-    become(told.length ? `Stopped. ${told.join("; ")}` : "Nothing is controlled.");
+    const outcomes = stopped.map((target) => `${nameOf(target.component)}: ${target.outcome}`);
+    become(outcomes.length ? `Stopped. ${outcomes.join("; ")}` : "Nothing is controlled.");
   } catch (error) {
     const lease = state?.commander?.page === unit().page ? ` ${state?.lease} s` : "";
     const rest = lease && ` What this page commands is stopped after${lease} of silence.`;
@@ -248,6 +248,6 @@ export async function stop(): Promise<void> {
 
 /** The name of a component with its JAUS id. */
 export function nameOf(id: string): string {
-  const name = unit().components.find((each) => each.id === id)?.name;
+  const name = unit().components.find((component) => component.id === id)?.name;
   return name ? `${name} (${id})` : id;
 }

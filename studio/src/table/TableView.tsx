@@ -119,8 +119,8 @@ function Sheet({ caption, columns, rows }: { caption: string; columns: Column[];
 }
 
 function liveOf(live: LiveState, row: Row): string {
-  const found = live.edges[row.id] ?? live.boxes[row.id];
-  return found ? liveText(found) : "";
+  const state = live.edges[row.id] ?? live.boxes[row.id];
+  return state ? liveText(state) : "";
 }
 
 function sortOf(order: Order | null, column: Column) {

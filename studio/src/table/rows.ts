@@ -23,7 +23,7 @@ export function lineRows(graph: Graph): Row[] {
       what: edge.title,
       to: endName(graph, edge.target),
       kind: edge.count > 1 ? `${edge.count} × ${edge.kind}` : edge.kind,
-      with: edge.labels.filter((each) => each !== edge.title).join(", "),
+      with: edge.labels.filter((label) => label !== edge.title).join(", "),
     },
     findings: edge.findings,
   }));
@@ -54,7 +54,7 @@ export function boxRows(graph: Graph): Row[] {
 
 function endName(graph: Graph, end: GraphEnd): string {
   const node = indexOf(graph).nodes.get(end.node);
-  const port = node?.ports.find((each) => each.id === end.port);
+  const port = node?.ports.find((candidate) => candidate.id === end.port);
   return [node?.title ?? "", port?.label ?? ""].filter(Boolean).join(" · ");
 }
 

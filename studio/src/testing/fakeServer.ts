@@ -34,7 +34,9 @@ export class FakeServer implements Caller {
 
   /** Parameters of every request of a method, the oldest first. */
   params<M extends Method>(method: M): Params<M>[] {
-    return this.asked.filter((each) => each.method === method).map((each) => each.params as never);
+    return this.asked
+      .filter((request) => request.method === method)
+      .map((request) => request.params as never);
   }
 }
 

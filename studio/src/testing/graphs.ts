@@ -26,7 +26,7 @@ export function node(id: string, ports: string[], more: Partial<GraphNode> = {})
     height: 30 + 18 * ports.length,
     head: 30,
     initial: false,
-    ports: ports.map((each, at) => port(each, 30 + 18 * at)),
+    ports: ports.map((entry, at) => port(entry, 30 + 18 * at)),
     ...more,
   };
 }

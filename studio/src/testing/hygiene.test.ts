@@ -30,11 +30,11 @@ it("takes model text into the page as text alone", () => {
 it("asks nobody but its own server", () => {
   const addresses = Object.entries(SOURCES).flatMap(([path, text]) =>
     [...text.matchAll(/\b(?:https?|wss?):\/\/(?!\$\{)[^\s"'`]*/g)].map(
-      (each) => `${path}: ${each[0]}`,
+      (match) => `${path}: ${match[0]}`,
     ),
   );
   expect(
-    addresses.filter((each) => !each.includes("127.0.0.1") && !each.includes("localhost")),
+    addresses.filter((address) => !address.includes("127.0.0.1") && !address.includes("localhost")),
   ).toEqual([]);
 });
 
@@ -42,4 +42,11 @@ it("asks nothing of preact that react alone does", () => {
   const foreign = new RegExp(["\\bauto" + "Focus\\b", "spell" + "Check=\\{"].join("|"));
   const asking = Object.entries(SOURCES).filter(([, text]) => foreign.test(text));
   expect(asking.map(([path]) => path)).toEqual([]);
+});
+
+it("calls variables by what they are", () => {
+  const hiding = "(?:each|found|told|made|given|ways|stays)";
+  const declared = new RegExp(`(?:\\b(?:const|let) |[([,] ?)${hiding}\\b(?=[^"\`\n]*=)`);
+  const named = Object.entries(SOURCES).filter(([, text]) => declared.test(text));
+  expect(named.map(([path]) => path)).toEqual([]);
 });

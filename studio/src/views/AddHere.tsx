@@ -19,18 +19,18 @@ export function AddHere({ isMachine }: { isMachine: boolean }) {
     await attempt(() => change([{ ...command, values: kind.values ?? {} }], `Add to ${label}`));
   }
 
-  const lists = form?.children.filter((each) => each.many && each.kinds.length > 0) ?? [];
+  const lists = form?.children.filter((child) => child.many && child.kinds.length > 0) ?? [];
   return (
     <>
       {form && <span>Add to {form.title}:</span>}
-      {lists.map((each) => (
+      {lists.map((list) => (
         <button
           type="button"
-          key={each.feature}
-          title={each.documentation}
-          onClick={() => add(each)}
+          key={list.feature}
+          title={list.documentation}
+          onClick={() => add(list)}
         >
-          {each.label}
+          {list.label}
         </button>
       ))}
       <span className="quiet">
@@ -53,7 +53,7 @@ function ownerOf(studio: Studio): string {
     part?.of === "node"
       ? indexOf(graph).nodes.get(part.id)?.element
       : part?.of === "group"
-        ? graph.groups.find((each) => each.id === part.id)?.element
+        ? graph.groups.find((group) => group.id === part.id)?.element
         : "";
   return chosen || graph.element;
 }

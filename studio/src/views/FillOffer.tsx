@@ -82,7 +82,7 @@ async function fillMap(): Promise<Filling | null> {
 /** Whether a map is shown that may be changed. */
 function mayFill(): boolean {
   const { view, views } = state();
-  return view.startsWith("map:") && !views.find((each) => each.name === view)?.library;
+  return view.startsWith("map:") && !views.find((candidate) => candidate.name === view)?.library;
 }
 
 /** Name of the event by which a key asks to fill the map. */

@@ -6,7 +6,7 @@ import { FillOffer } from "./FillOffer";
 export function ViewBar() {
   const view = useStudio((studio) => studio.view);
   const isLibrary = useStudio(
-    (studio) => studio.views.find((each) => each.name === studio.view)?.library ?? false,
+    (studio) => studio.views.find((candidate) => candidate.name === studio.view)?.library ?? false,
   );
   const kind = view.split(":")[0];
   if (kind !== "map" && kind !== "service" && kind !== "machine") return null;

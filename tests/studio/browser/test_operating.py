@@ -226,13 +226,14 @@ def halted_tabs(browser):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "size", sweep([(1440, 1200), (1440, 900), (1024, 700), (390, 844)], every=3, rest=0)
+    ("width", "height"),
+    sweep([(1440, 1200), (1440, 900), (1024, 700), (390, 844)], every=3, rest=0),
 )
-def test_nothing_moves_by_itself(studio, vehicle, open_studio, port, size):
+def test_nothing_moves_by_itself(studio, vehicle, open_studio, port, width, height):
     """An alarm comes while the stick is held: no part has another place, no other value is sent."""
-    window = {"width": size[0], "height": size[1]}
+    window = {"width": width, "height": height}
     # One of its own: the name of one that was there before would be known before it is met again.
-    gps = f"100.{size[0] % 250}.{size[1] % 250}"
+    gps = f"100.{width % 250}.{height % 250}"
     with Component(gps, name="gps", provides=("PrimitiveDriver",), port=port):
         page = open_studio.page_of(studio.commanding_address, viewport=window)
         choose_component(page)
@@ -251,7 +252,7 @@ def test_nothing_moves_by_itself(studio, vehicle, open_studio, port, size):
     assert all(abs(sent - effort) < 1 for _, sent in vehicle.efforts[count:])  # a pixel is 0.4
     assert places(page, PARTS) == before
     pad = page.get_by_role("application", name="Stick of").bounding_box()
-    assert pad["y"] + pad["height"] <= size[1]
+    assert pad["y"] + pad["height"] <= height
     page.mouse.up()
     with Component(gps, name="gps", provides=("PrimitiveDriver",), port=port):
         expect(alarms).to_contain_text("back again")

@@ -10,6 +10,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TypeAlias
 
+from jausml.authoring.editing.applying import NAME
 from jausml.authoring.editing.commands import Add, EditError, ElementCommand, Rename, Set
 from jausml.authoring.editing.drafts import Context
 from jausml.authoring.editing.working_copy import ElementCopy, attribute_values
@@ -126,9 +127,12 @@ class _Printer(DocumentPrinter[Target]):
         self._comments: dict[str, Comments] = {}
         self._spaces: dict[str, str] = {}
         self._set = {
-            (context.working_copy.find(command.element), command.feature)
+            (
+                context.working_copy.find(command.element),
+                command.feature if isinstance(command, Set) else NAME,
+            )
             for command in commands
-            if isinstance(command, Set)
+            if isinstance(command, Set | Rename)
         }
 
     def lines(self) -> list[str]:

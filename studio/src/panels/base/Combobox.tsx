@@ -31,12 +31,12 @@ export function Combobox(props: Props) {
   const { element, feature } = props;
   const revision = useStudio(revisionOf);
   const asked = isOpen ? { element, feature, query } : null;
-  const { value: found, error } = useAnswer("choices", asked, revision);
-  const offered = found?.choices ?? NONE;
+  const { value: choices, error } = useAnswer("choices", asked, revision);
+  const offered = choices?.choices ?? NONE;
   const keys = useListKeys(offered.length, (at) => choose(offered[at]));
   const { active } = keys;
 
-  const takeFirst = useOnceReady(Boolean(found || error), () => choose(found?.choices[0]));
+  const takeFirst = useOnceReady(Boolean(choices || error), () => choose(choices?.choices[0]));
 
   function close() {
     setQuery(null);
@@ -51,7 +51,7 @@ export function Combobox(props: Props) {
   }
 
   function onKeyDown(event: KeyboardEvent) {
-    if (isOpen && !found && event.key === "Enter") {
+    if (isOpen && !choices && event.key === "Enter") {
       event.preventDefault();
       takeFirst(true);
       return;
@@ -98,11 +98,11 @@ export function Combobox(props: Props) {
       <div className="options" hidden={!isOpen}>
         <div id={list} role="listbox" aria-label={props.label}>
           {isOpen &&
-            offered.map((each, index) => (
+            offered.map((choice, index) => (
               // biome-ignore lint/a11y/useFocusableInteractive: the focus stays in the input, which names the active one
               // biome-ignore lint/a11y/useKeyWithClickEvents: keys are those of the input
               <div
-                key={each.value}
+                key={choice.value}
                 id={`${list}-${index}`}
                 role="option"
                 aria-selected={index === active}
@@ -111,19 +111,21 @@ export function Combobox(props: Props) {
                 }}
                 // Before the input loses the focus, which would close the list.
                 onMouseDown={(event) => event.preventDefault()}
-                onClick={() => choose(each)}
+                onClick={() => choose(choice)}
               >
-                <span>{each.label}</span>
-                {each.documentation && (
-                  <small className="documentation">{each.documentation}</small>
+                <span>{choice.label}</span>
+                {choice.documentation && (
+                  <small className="documentation">{choice.documentation}</small>
                 )}
               </div>
             ))}
         </div>
         {isOpen && offered.length === 0 && (
-          <p className="quiet">{error || (found ? "Nothing has this name." : "Looking…")}</p>
+          <p className="quiet">{error || (choices ? "Nothing has this name." : "Looking…")}</p>
         )}
-        {found && found.more > 0 && <p className="quiet">{found.more} more; type to find them.</p>}
+        {choices && choices.more > 0 && (
+          <p className="quiet">{choices.more} more; type to find them.</p>
+        )}
       </div>
     </div>
   );

@@ -18,9 +18,9 @@ export function Level({ level }: { level: string }) {
 export function Messages({ id, messages }: { id?: string; messages: readonly string[] }) {
   return (
     <ul className="fault" id={id} hidden={messages.length === 0}>
-      {messages.map((each) => (
-        <li key={each}>
-          <span aria-hidden="true">✖</span> {each}
+      {messages.map((message) => (
+        <li key={message}>
+          <span aria-hidden="true">✖</span> {message}
         </li>
       ))}
     </ul>
@@ -90,9 +90,9 @@ export function Head({ columns }: { columns: readonly string[] }) {
   return (
     <thead>
       <tr>
-        {columns.map((each) => (
-          <th key={each} scope="col">
-            {each}
+        {columns.map((column) => (
+          <th key={column} scope="col">
+            {column}
           </th>
         ))}
       </tr>
@@ -120,8 +120,8 @@ export function Select({ id, label, title, value, options, onChoose }: SelectPro
       value={value}
       onChange={(event) => onChoose(event.currentTarget.value)}
     >
-      {options.map(([each, name]) => (
-        <option key={each} value={each}>
+      {options.map(([choice, name]) => (
+        <option key={choice} value={choice}>
           {name}
         </option>
       ))}

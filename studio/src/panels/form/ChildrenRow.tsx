@@ -21,7 +21,7 @@ export function ChildrenRow({ held, readonly, onAdd, onSet, onRemove, onMove, on
   const [name, setName] = useState("");
   const [kind, setKind] = useState("");
   const id = useId();
-  const chosen = held.kinds.find((each) => each.kind === kind) ?? held.kinds[0];
+  const chosen = held.kinds.find((candidate) => candidate.kind === kind) ?? held.kinds[0];
   const mayAdd = !readonly && chosen !== undefined && (held.many || held.elements.length === 0);
   if (held.elements.length === 0 && !mayAdd) return null;
   return (
@@ -31,35 +31,35 @@ export function ChildrenRow({ held, readonly, onAdd, onSet, onRemove, onMove, on
         <Help subject={held.label}>{held.documentation}</Help>
       </div>
       <ul className="values" aria-label={held.label}>
-        {held.elements.map((each, index) => (
-          <li key={each.element}>
-            <button type="button" className="link" onClick={() => onJump(each.element)}>
-              {each.label} <small>{each.kind}</small>
+        {held.elements.map((element, index) => (
+          <li key={element.element}>
+            <button type="button" className="link" onClick={() => onJump(element.element)}>
+              {element.label} <small>{element.kind}</small>
             </button>
             {!readonly && (
               <Order
-                name={each.label}
+                name={element.label}
                 at={index}
                 count={held.elements.length}
-                onMove={held.many ? (to) => onMove(each.element, to) : undefined}
-                onRemove={() => onRemove(each.element, each.label)}
+                onMove={held.many ? (to) => onMove(element.element, to) : undefined}
+                onRemove={() => onRemove(element.element, element.label)}
               />
             )}
-            {each.cells && each.cells.length > 0 && (
+            {element.cells && element.cells.length > 0 && (
               <span className="cells">
-                {each.cells.map((field) => (
+                {element.cells.map((field) => (
                   <ValueInput
                     key={field.feature}
-                    element={each.element}
-                    of={each.label}
+                    element={element.element}
+                    of={element.label}
                     field={{ ...field, default: field.default || field.label }}
                     index={0}
-                    label={`${field.label} of ${each.label}`}
+                    label={`${field.label} of ${element.label}`}
                     describedBy={`${id}-fault`}
                     isWrong={false}
                     onFault={setFault}
                     onChange={async (value) => {
-                      const why = await onSet(each, field, value === "" ? [] : [value]);
+                      const why = await onSet(element, field, value === "" ? [] : [value]);
                       setFault(why);
                       return why;
                     }}
@@ -78,7 +78,7 @@ export function ChildrenRow({ held, readonly, onAdd, onSet, onRemove, onMove, on
               label={`Kind to add to ${held.label}`}
               title={chosen.documentation}
               value={chosen.kind}
-              options={held.kinds.map((each) => [each.kind, each.label])}
+              options={held.kinds.map((entry) => [entry.kind, entry.label])}
               onChoose={setKind}
             />
           )}

@@ -94,7 +94,7 @@ function Values({ labelledBy, onSet, onJump, ...rest }: ListProps) {
   const { field } = rest;
   const { values } = field;
   const replaced = (index: number, value: string) =>
-    values.map((each, at) => (at === index ? value : each));
+    values.map((other, at) => (at === index ? value : other));
   return (
     <ol className="values" aria-labelledby={labelledBy}>
       {values.map((value, index) => (

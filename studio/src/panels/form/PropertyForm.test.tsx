@@ -103,7 +103,7 @@ function show(form: Form = FORM) {
   server = serve({
     form: () => form,
     choices: ({ query }) => ({
-      choices: MESSAGES.filter((each) => each.label.toLowerCase().includes(query)),
+      choices: MESSAGES.filter((message) => message.label.toLowerCase().includes(query)),
       more: 0,
     }),
     edit: ({ commands }) => ({
@@ -115,7 +115,7 @@ function show(form: Form = FORM) {
   render(<PropertyForm />);
 }
 
-const commands = () => server.params("edit").flatMap((each) => each.commands);
+const commands = () => server.params("edit").flatMap((sent) => sent.commands);
 const set = (feature: string, ...values: string[]) => ({
   kind: "set",
   element: ELEMENT,
@@ -127,8 +127,8 @@ describe("the property form", () => {
   beforeEach(() => show());
 
   it("has fields that are about the same in groups", async () => {
-    const fields = FIELDS.map((each) =>
-      each.feature === "rate" ? { ...each, group: "rates and limits" } : each,
+    const fields = FIELDS.map((entry) =>
+      entry.feature === "rate" ? { ...entry, group: "rates and limits" } : entry,
     );
     server.answer("form", () => ({ ...FORM, fields }));
     act(() => update({ project: { ...PROJECT, revision: 2 } }));
@@ -168,7 +168,7 @@ describe("the property form", () => {
     await userEvent.clear(rate);
     await userEvent.type(rate, "105");
     const changed = (value: string) =>
-      FIELDS.map((each) => (each.feature === "rate" ? { ...each, values: [value] } : each));
+      FIELDS.map((entry) => (entry.feature === "rate" ? { ...entry, values: [value] } : entry));
     server.answer("form", () => ({ ...FORM, fields: changed("104") }));
     act(() => update({ project: { ...PROJECT, revision: 2 } }));
     await waitFor(() => expect(server.params("form")).toHaveLength(2));
@@ -214,8 +214,8 @@ describe("the property form", () => {
   it("shows what is there again when an edit is undone", async () => {
     const rate = await screen.findByLabelText("rate");
     await userEvent.type(rate, "5{Enter}");
-    const changed = FIELDS.map((each) =>
-      each.feature === "rate" ? { ...each, values: ["105"] } : each,
+    const changed = FIELDS.map((entry) =>
+      entry.feature === "rate" ? { ...entry, values: ["105"] } : entry,
     );
     server.answer("form", () => ({ ...FORM, fields: changed }));
     act(() => update({ project: { ...PROJECT, revision: 2 } }));

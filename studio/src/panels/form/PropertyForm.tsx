@@ -56,11 +56,11 @@ export function PropertyForm() {
       try {
         // What a new one begins with depends on the one before.
         const { children } = await ask("form", { element });
-        const kinds = children.find((each) => each.feature === feature)?.kinds;
-        const usual = kinds?.find((each) => each.kind === kind)?.values ?? {};
+        const kinds = children.find((child) => child.feature === feature)?.kinds;
+        const usual = kinds?.find((candidate) => candidate.kind === kind)?.values ?? {};
         // Some begin with what they are called by too, such as a topic.
-        const named = Object.entries(usual).map(([each, texts]) => [
-          each,
+        const named = Object.entries(usual).map(([attribute, texts]) => [
+          attribute,
           name && texts[0] === usual.name?.[0] ? [name] : texts,
         ]);
         const values = Object.fromEntries(named) as Record<string, string[]>;
@@ -107,27 +107,27 @@ export function PropertyForm() {
       {inGroups(form.fields).map(([group, fields]) => (
         <fieldset key={`${group} ${fields[0]?.feature}`}>
           {group && <legend>{group}</legend>}
-          {fields.map((each) => (
+          {fields.map((field) => (
             <FieldRow
-              key={`${choice} ${each.feature}`}
+              key={`${choice} ${field.feature}`}
               element={element}
               of={form.title}
-              field={form.readonly ? { ...each, changeable: false } : each}
-              onSet={(values) => set(each, values, element, form.title)}
+              field={form.readonly ? { ...field, changeable: false } : field}
+              onSet={(values) => set(field, values, element, form.title)}
               onJump={(target) => choose(target)}
             />
           ))}
         </fieldset>
       ))}
-      {form.children.map((each) => (
+      {form.children.map((entry) => (
         <ChildrenRow
-          key={`${element} ${each.feature}`}
-          held={each}
+          key={`${element} ${entry.feature}`}
+          held={entry}
           readonly={form.readonly}
-          onAdd={(kind, name) => add(each, kind, name)}
+          onAdd={(kind, name) => add(entry, kind, name)}
           onSet={(child, field, values) => set(field, values, child.element, child.label)}
           onRemove={(target, label) => remove([target], label)}
-          onMove={(target, position) => move(target, each.feature, position)}
+          onMove={(target, position) => move(target, entry.feature, position)}
           onJump={(target) => choose(target)}
         />
       ))}

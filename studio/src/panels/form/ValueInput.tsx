@@ -55,9 +55,10 @@ function Checkbox({ id, field, index, label, describedBy, onChange }: Props) {
 
 function Select({ id, field, index, label, describedBy, isWrong, onChange }: Props) {
   const value = field.values[index] ?? "";
-  const usual = field.choices.find((each) => each.value === field.default)?.label ?? field.default;
-  const chosen = field.choices.find((each) => each.value === (value || field.default));
-  const isKnown = value === "" || field.choices.some((each) => each.value === value);
+  const usual =
+    field.choices.find((choice) => choice.value === field.default)?.label ?? field.default;
+  const chosen = field.choices.find((choice) => choice.value === (value || field.default));
+  const isKnown = value === "" || field.choices.some((choice) => choice.value === value);
   return (
     <div className="chooser">
       <select
@@ -75,9 +76,9 @@ function Select({ id, field, index, label, describedBy, isWrong, onChange }: Pro
       >
         <option value="">{usual ? `${usual} (default)` : "– none –"}</option>
         {!isKnown && <option value={value}>{value}</option>}
-        {field.choices.map((each) => (
-          <option key={each.value} value={each.value}>
-            {each.label}
+        {field.choices.map((choice) => (
+          <option key={choice.value} value={choice.value}>
+            {choice.label}
           </option>
         ))}
       </select>
@@ -115,13 +116,13 @@ interface Typing {
 
 function Typed(props: Props) {
   const { id, element, of, field, index, label, describedBy, isWrong, onChange, onFault } = props;
-  const given = field.values[index] ?? "";
+  const current = field.values[index] ?? "";
   const place = `${field.feature} ${index}`;
   const [typed, setDraft] = useState<Typing | null>(() => {
     const text = draftOf(element, place)?.text;
-    return text === undefined || text === given
+    return text === undefined || text === current
       ? null
-      : { text, isSent: false, over: given, given };
+      : { text, isSent: false, over: current, given: current };
   });
   const isShown = useKept(typed, (text) => {
     keepDraft({ element, field: place, what: `${label} of ${of}`, text, why: fault(field, text) });
@@ -133,7 +134,7 @@ function Typed(props: Props) {
   }, [element, place, field, onFault]);
   const [known, setKnown] = useState(field.values);
   const usual = useId();
-  const shown = typed?.text ?? given;
+  const shown = typed?.text ?? current;
   // A new answer of the server wins over what was sent before it came, even where it says what
   // the last one said: then the edit was undone meanwhile. What was not sent yet is never lost.
   if (known !== field.values) {
@@ -141,10 +142,10 @@ function Typed(props: Props) {
     if (typed?.isSent) setDraft(null);
   }
   const isOvertaken =
-    typed !== null && !typed.isSent && given !== typed.given && given !== typed.over;
+    typed !== null && !typed.isSent && current !== typed.given && current !== typed.over;
 
   function type(text: string) {
-    const begun = typed !== null && !typed.isSent ? typed : { over: shown, given };
+    const begun = typed !== null && !typed.isSent ? typed : { over: shown, given: current };
     setDraft({ text, isSent: false, over: begun.over, given: begun.given });
   }
 
@@ -152,7 +153,7 @@ function Typed(props: Props) {
     if (typed === null || typed.isSent) return;
     const isNumber = field.kind === "number" || field.kind === "integer";
     const text = isNumber ? typed.text.trim() : typed.text;
-    if (text === given) return restore();
+    if (text === current) return restore();
     const why = fault(field, text);
     onFault(why);
     if (why) return;
@@ -199,7 +200,7 @@ function Typed(props: Props) {
   const isNumber = field.kind === "number" || field.kind === "integer";
   return (
     <>
-      {isOvertaken && <small className="quiet">meanwhile it became {given || "empty"}</small>}
+      {isOvertaken && <small className="quiet">meanwhile it became {current || "empty"}</small>}
       <input
         {...common}
         type="text"
@@ -211,9 +212,9 @@ function Typed(props: Props) {
       />
       {field.choices.length > 0 && (
         <datalist id={usual}>
-          {field.choices.map((each) => (
-            <option key={each.value} value={each.value}>
-              {each.documentation || each.label}
+          {field.choices.map((choice) => (
+            <option key={choice.value} value={choice.value}>
+              {choice.documentation || choice.label}
             </option>
           ))}
         </datalist>

@@ -15,7 +15,9 @@ export function fault(field: Pick<FormField, "kind" | "required" | "label">, tex
 /** What a value is called: its label where it has one. */
 export function shownAs(field: FormField, index: number): string {
   const value = field.values[index] ?? "";
-  return field.shown[index] || field.choices.find((each) => each.value === value)?.label || value;
+  return (
+    field.shown[index] || field.choices.find((choice) => choice.value === value)?.label || value
+  );
 }
 
 /** A list with one of its values at another place. */

@@ -32,7 +32,7 @@ export function Generate() {
   const question = file ? { file, out, force } : null;
   // What is kept, or done after all, makes another plan of the same files.
   const kept = useStudio((state) => state.kept);
-  const asked = `${revision} ${kept.map((each) => each.number).join(" ")}`;
+  const asked = `${revision} ${kept.map((edit) => edit.number).join(" ")}`;
   const { value: plan, error, isPending, again } = useAnswer("plan", question, asked);
   const [shown, setShown] = useState("");
   const [message, setMessage] = useState("");
@@ -54,9 +54,11 @@ export function Generate() {
     again();
   }
 
-  const refused = plan?.files.filter((each) => each.action === "refuse").length ?? 0;
-  const hasWork = plan?.files.some((each) => WRITTEN.includes(each.action)) ?? false;
-  const isThere = plan?.files.some((each) => each.action !== "create" && each.action !== "refuse");
+  const refused = plan?.files.filter((planned) => planned.action === "refuse").length ?? 0;
+  const hasWork = plan?.files.some((planned) => WRITTEN.includes(planned.action)) ?? false;
+  const isThere = plan?.files.some(
+    (planned) => planned.action !== "create" && planned.action !== "refuse",
+  );
   const isUpToDate = plan?.problems === "" && !hasWork && refused === 0;
   return (
     <section className="generate" aria-label="Generate">
@@ -117,11 +119,11 @@ function Drift({ plan }: { plan: Plan }) {
     <div className="drift">
       <h2>Your files that no longer fit the model</h2>
       <ul>
-        {plan.drift.map((each) => (
-          <li key={`${each.path} ${each.line} ${each.message}`}>
-            <Level level={each.severity} /> {each.path}
-            {each.line > 0 && `:${each.line}`}: {each.message}
-            {each.stub && <pre>{each.stub}</pre>}
+        {plan.drift.map((finding) => (
+          <li key={`${finding.path} ${finding.line} ${finding.message}`}>
+            <Level level={finding.severity} /> {finding.path}
+            {finding.line > 0 && `:${finding.line}`}: {finding.message}
+            {finding.stub && <pre>{finding.stub}</pre>}
           </li>
         ))}
       </ul>
@@ -142,7 +144,7 @@ function Files({ plan, file, force, shown, onShow }: FilesProps) {
   return (
     <div>
       {ACTIONS.map(([action, name, note]) => {
-        const files = plan.files.filter((each) => each.action === action);
+        const files = plan.files.filter((planned) => planned.action === action);
         if (files.length === 0) return null;
         const isOpen = WRITTEN.includes(action) || action === "refuse";
         return (
@@ -151,19 +153,19 @@ function Files({ plan, file, force, shown, onShow }: FilesProps) {
               {files.length} {name} {note && <span className="quiet">{note}</span>}
             </summary>
             <ul>
-              {files.map((each) => (
-                <li key={each.path}>
+              {files.map((planned) => (
+                <li key={planned.path}>
                   <button
                     type="button"
                     className="link"
-                    aria-expanded={shown === each.path}
-                    onClick={() => onShow(shown === each.path ? "" : each.path)}
+                    aria-expanded={shown === planned.path}
+                    onClick={() => onShow(shown === planned.path ? "" : planned.path)}
                   >
-                    {each.path}
+                    {planned.path}
                   </button>{" "}
-                  <small className="quiet">{each.reason}</small>
-                  {shown === each.path && (
-                    <FileDiff plan={plan} file={file} force={force} path={each.path} />
+                  <small className="quiet">{planned.reason}</small>
+                  {shown === planned.path && (
+                    <FileDiff plan={plan} file={file} force={force} path={planned.path} />
                   )}
                 </li>
               ))}

@@ -90,8 +90,8 @@ function chosenRow(studio: Studio): string {
   if (!key) return "";
   const { id } = partOf(key);
   const isOf = ({ row }: LiveConnection) => row !== "" && (id === row || id.startsWith(`${row}!`));
-  const found = studio.live?.connections?.find(isOf);
-  return found ? nameOf(found) : "";
+  const connection = studio.live?.connections?.find(isOf);
+  return connection ? nameOf(connection) : "";
 }
 
 const nameOf = ({ bridge, connection }: LiveConnection) => `${bridge}/${connection}`;
@@ -116,8 +116,8 @@ function Old() {
 
 /** Names with their counts: `late 3, invalid 1`; those of nothing are left out. */
 export function counted(counts: Record<string, number>): string {
-  const told = Object.entries(counts).filter(([, count]) => count > 0);
-  return told.length === 0 ? "–" : told.map(([name, count]) => `${name} ${count}`).join(", ");
+  const drops = Object.entries(counts).filter(([, count]) => count > 0);
+  return drops.length === 0 ? "–" : drops.map(([name, count]) => `${name} ${count}`).join(", ");
 }
 
 /** A rate beside what was declared. */
@@ -141,8 +141,8 @@ export function Connections({ connections, open, onOpen, details }: ConnectionsP
     <table>
       <caption>Connections</caption>
       <Head columns={["connection", "state", "rate", "age", "latency", "drops"]} />
-      {connections.map((each) => {
-        const name = nameOf(each);
+      {connections.map((connection) => {
+        const name = nameOf(connection);
         const isOpen = open === name;
         return (
           <tbody key={name}>
@@ -157,17 +157,17 @@ export function Connections({ connections, open, onOpen, details }: ConnectionsP
                   {name}
                 </button>
               </th>
-              <td title={each.reason}>
-                <Level level={each.level} /> {each.reason}
+              <td title={connection.reason}>
+                <Level level={connection.level} /> {connection.reason}
               </td>
-              <td className="number">{rates(each)}</td>
-              <td className="number">{figure(each.age, "s")}</td>
-              <td className="number">{latency(each.latency_us)}</td>
-              <td>{counted(each.drops)}</td>
+              <td className="number">{rates(connection)}</td>
+              <td className="number">{figure(connection.age, "s")}</td>
+              <td className="number">{latency(connection.latency_us)}</td>
+              <td>{counted(connection.drops)}</td>
             </tr>
             {isOpen && details && (
               <tr>
-                <td colSpan={6}>{details(each.row)}</td>
+                <td colSpan={6}>{details(connection.row)}</td>
               </tr>
             )}
           </tbody>
@@ -178,10 +178,10 @@ export function Connections({ connections, open, onOpen, details }: ConnectionsP
 }
 
 function latency(microseconds: Record<string, number>): string {
-  const told = Object.entries(microseconds);
-  return told.length === 0
+  const durations = Object.entries(microseconds);
+  return durations.length === 0
     ? "–"
-    : told.map(([name, value]) => `${name} ${figure(value, "µs")}`).join(", ");
+    : durations.map(([name, value]) => `${name} ${figure(value, "µs")}`).join(", ");
 }
 
 /** The last message of a connection on both sides, as long as it is open. */
@@ -222,18 +222,18 @@ export function Components({ components }: { components: LiveComponent[] }) {
         columns={["component", "level", "state", "controlled by", "round trip", "last answer"]}
       />
       <tbody>
-        {components.map((each) => (
-          <tr key={each.id}>
+        {components.map((component) => (
+          <tr key={component.id}>
             <th scope="row">
-              {each.name || each.id} <small className="quiet">{each.id}</small>
+              {component.name || component.id} <small className="quiet">{component.id}</small>
             </th>
-            <td title={each.reason}>
-              <Level level={each.level} /> {each.level === "ok" ? "" : each.reason}
+            <td title={component.reason}>
+              <Level level={component.level} /> {component.level === "ok" ? "" : component.reason}
             </td>
-            <td>{each.state ?? "–"}</td>
-            <td>{each.controller || "–"}</td>
-            <td className="number">{figure(each.round_trip_ms, "ms")}</td>
-            <td className="number">{figure(each.told ?? null, "s")}</td>
+            <td>{component.state ?? "–"}</td>
+            <td>{component.controller || "–"}</td>
+            <td className="number">{figure(component.round_trip_ms, "ms")}</td>
+            <td className="number">{figure(component.told ?? null, "s")}</td>
           </tr>
         ))}
       </tbody>

@@ -3,16 +3,16 @@ import { figure, Head } from "../base/parts";
 
 /** The state machines of components that tell them: where each is, and its times. */
 export function Machines({ components }: { components: LiveComponent[] }) {
-  const told = components.flatMap((owner) =>
+  const machines = components.flatMap((owner) =>
     (owner.machines ?? []).map((machine) => ({ owner, machine })),
   );
-  if (told.length === 0) return null;
+  if (machines.length === 0) return null;
   return (
     <table>
       <caption>State machines</caption>
       <Head columns={["component", "machine", "state", "in it for", "share of time"]} />
       <tbody>
-        {told.map(({ owner, machine }) => (
+        {machines.map(({ owner, machine }) => (
           <tr key={`${owner.id} ${machine.service} ${machine.machine}`}>
             <th scope="row">
               {owner.name || owner.id} <small className="quiet">{owner.id}</small>
@@ -25,7 +25,7 @@ export function Machines({ components }: { components: LiveComponent[] }) {
               {machine.state && !machine.known && " (unknown to the model)"}
             </td>
             <td className="number">{figure(machine.seconds, "s")}</td>
-            <td title={machine.times.map((each) => each.state).join("\n")}>{shares(machine)}</td>
+            <td title={machine.times.map((time) => time.state).join("\n")}>{shares(machine)}</td>
           </tr>
         ))}
       </tbody>
@@ -35,12 +35,12 @@ export function Machines({ components }: { components: LiveComponent[] }) {
 
 /** States with their shares of the time, and how often they were entered. */
 export function shares({ times }: LiveMachine): string {
-  const total = times.reduce((sum, each) => sum + each.seconds, 0);
-  const told = times.map(({ state, entries, seconds }) => {
+  const total = times.reduce((sum, time) => sum + time.seconds, 0);
+  const states = times.map(({ state, entries, seconds }) => {
     const share = total > 0 ? ` ${Math.round((100 * seconds) / total)} %` : "";
     return `${last(state, ".", 2)}${share} (${entries}×)`;
   });
-  return told.join(", ") || "–";
+  return states.join(", ") || "–";
 }
 
 /** The last names of a path. */

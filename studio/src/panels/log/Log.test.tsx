@@ -20,7 +20,9 @@ function show(at: number) {
   });
   render(<Log />);
   return () =>
-    server.asked.map((each) => each.method).filter((each) => each === "undo" || each === "redo");
+    server.asked
+      .map((method) => method.method)
+      .filter((method) => method === "undo" || method === "redo");
 }
 
 it("goes back to any point", async () => {

@@ -44,9 +44,9 @@ export function Log() {
             As it was opened
           </button>
         </li>
-        {entries.map((each, index) => (
+        {entries.map((entry, index) => (
           <li
-            key={each.number}
+            key={entry.number}
             className={index >= at ? "is-undone" : index === at - 1 ? "is-now" : ""}
             aria-current={index === at - 1 ? "step" : undefined}
           >
@@ -56,10 +56,10 @@ export function Log() {
               disabled={isGoing || index === at - 1}
               onClick={() => go(index + 1)}
             >
-              {each.label}
+              {entry.label}
             </button>{" "}
             <small className="quiet">
-              {each.files.join(", ")}
+              {entry.files.join(", ")}
               {index >= at && " · undone"}
             </small>
           </li>
@@ -77,12 +77,12 @@ function Faults({ revision }: { revision: number }) {
   return (
     <details className="faults">
       <summary>Faults ({value.faults.length})</summary>
-      {value.faults.map((each) => (
-        <details key={`${each.time} ${each.text}`}>
+      {value.faults.map((fault) => (
+        <details key={`${fault.time} ${fault.text}`}>
           <summary>
-            {new Date(1000 * each.time).toTimeString().slice(0, 8)} {each.level}: {each.text}
+            {new Date(1000 * fault.time).toTimeString().slice(0, 8)} {fault.level}: {fault.text}
           </summary>
-          {each.details && <pre>{each.details}</pre>}
+          {fault.details && <pre>{fault.details}</pre>}
         </details>
       ))}
     </details>

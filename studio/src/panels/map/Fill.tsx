@@ -22,16 +22,16 @@ export function Fill({ file, view, target, revision, onDone }: Props) {
   const field = useRef<HTMLInputElement>(null);
   const value = useSettled(typed, PAUSE_MS);
   const answer = useAnswer("fill", { file, view, target, value }, revision);
-  const ways = answer.value;
-  const [constant] = ways?.constant.options ?? [];
-  const isJudged = value === typed && ways !== null;
+  const proposals = answer.value;
+  const [constant] = proposals?.constant.options ?? [];
+  const isJudged = value === typed && proposals !== null;
 
   // It was asked for by a key or a button just now.
   useLayoutEffect(() => field.current?.focus(), []);
 
   const take = ({ commands, label }: ConnectOption) =>
     attempt(async () => {
-      await change(commands, `Fill ${target.port}: ${label}`, ways?.revision);
+      await change(commands, `Fill ${target.port}: ${label}`, proposals?.revision);
       onDone();
     });
 
@@ -69,12 +69,12 @@ export function Fill({ file, view, target, revision, onDone }: Props) {
       <button type="submit" disabled={isJudged && !constant}>
         Set constant
       </button>
-      <Way way={ways?.clock} onTake={take} />
-      <Way way={ways?.ignore} onTake={take} />
+      <Way way={proposals?.clock} onTake={take} />
+      <Way way={proposals?.ignore} onTake={take} />
       <button type="button" onClick={onDone}>
         Cancel
       </button>
-      <Fault>{fault || answer.error || (typed && ways?.constant.refusal) || ""}</Fault>
+      <Fault>{fault || answer.error || (typed && proposals?.constant.refusal) || ""}</Fault>
     </form>
   );
 }
@@ -85,9 +85,9 @@ interface WayProps {
 }
 
 function Way({ way, onTake }: WayProps) {
-  return way?.options.map((each) => (
-    <button type="button" key={each.label} title={each.preview} onClick={() => onTake(each)}>
-      {each.label}
+  return way?.options.map((option) => (
+    <button type="button" key={option.label} title={option.preview} onClick={() => onTake(option)}>
+      {option.label}
     </button>
   ));
 }

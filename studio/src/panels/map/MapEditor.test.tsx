@@ -103,7 +103,7 @@ it("shows all members of both ends, open where something is mapped", async () =>
   const ros = screen.getByRole("tree", { name: "Members of geometry_msgs/Twist" });
   const names = within(ros)
     .getAllByRole("treeitem")
-    .map((each) => each.dataset.row);
+    .map((element) => element.dataset.row);
   expect(names).toEqual(["linear", "linear.x", "linear.y", "angular"]);
   expect(await row(/^VelocityX/)).toHaveTextContent("→ linear.x: scale 2");
   expect(await row(/^YawRate/)).toHaveTextContent("required, unmapped");
@@ -123,8 +123,8 @@ it("maps a member onto another by dragging", async () => {
   expect(fireEvent.dragOver(target, { dataTransfer })).toBe(false);
   fireEvent.drop(target, { dataTransfer });
   await screen.findByRole("tree", { name: "Members of geometry_msgs/Twist" });
-  const told = { kind: "connect", refusal: "they do not fit" };
-  await waitFor(() => expect(state().dialog).toMatchObject(told));
+  const refusal = { kind: "connect", refusal: "they do not fit" };
+  await waitFor(() => expect(state().dialog).toMatchObject(refusal));
   expect(ends()).toEqual([["YawRate", "angular"]]);
 });
 
@@ -172,7 +172,7 @@ it("shows an assignment in the form, and deletes it", async () => {
 it("shows what is not mapped yet", async () => {
   await row(/^VelocityX/);
   await userEvent.selectOptions(screen.getByLabelText("Members shown"), "unmapped members");
-  const names = screen.getAllByRole("treeitem").map((each) => each.dataset.row);
+  const names = screen.getAllByRole("treeitem").map((element) => element.dataset.row);
   expect(names).toEqual(["YawRate", "linear", "linear.y", "angular", "angular.z"]);
 });
 

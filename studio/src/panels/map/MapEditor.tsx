@@ -90,8 +90,8 @@ export function MapEditor() {
         />
       )}
       <div className="map-sides">
-        <div>{ends.filter((each) => each.side === "jaus").map(tree)}</div>
-        <div>{ends.filter((each) => each.side === "ros").map(tree)}</div>
+        <div>{ends.filter((end) => end.side === "jaus").map(tree)}</div>
+        <div>{ends.filter((end) => end.side === "ros").map(tree)}</div>
       </div>
       <TryIt key={view} file={file} map={view.slice("map:".length)} revision={revision} />
     </section>

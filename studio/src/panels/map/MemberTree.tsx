@@ -40,7 +40,7 @@ export function MemberTree(props: Props) {
   // What is mapped for the first time is seen.
   useEffect(() => {
     setOpened((before) => {
-      const missing = [...openAtFirst(rows)].filter((each) => !before.has(each));
+      const missing = [...openAtFirst(rows)].filter((key) => !before.has(key));
       return missing.length > 0 ? new Set([...before, ...missing]) : before;
     });
   }, [rows]);
@@ -126,12 +126,12 @@ function Member(props: MemberProps) {
   return (
     <div
       role="treeitem"
-      aria-label={[row.label, row.note, row.mark, ...row.uses.map((each) => each.text)]
+      aria-label={[row.label, row.note, row.mark, ...row.uses.map((use) => use.text)]
         .filter(Boolean)
         .join(", ")}
       aria-level={row.depth + 1}
       aria-expanded={row.hasInner ? isOpen : undefined}
-      aria-selected={row.uses.some((each) => each.element === props.chosen)}
+      aria-selected={row.uses.some((use) => use.element === props.chosen)}
       tabIndex={isActive ? 0 : -1}
       data-row={row.path}
       className={`member ${isOver ? "is-over" : ""} ${isBegun ? "is-begun" : ""} ${isFilled ? "" : "is-unmapped"}`}
@@ -177,22 +177,22 @@ function Member(props: MemberProps) {
         )}
       </span>
       <span className="member-uses">
-        {row.uses.map((each) => (
-          <span key={each.edge.id} className={`use use-${each.edge.kind}`}>
+        {row.uses.map((use) => (
+          <span key={use.edge.id} className={`use use-${use.edge.kind}`}>
             <button
               type="button"
               tabIndex={-1}
               className="link"
-              onClick={() => props.onChoose(each.element)}
+              onClick={() => props.onChoose(use.element)}
             >
-              {each.text}
+              {use.text}
             </button>
             <button
               type="button"
               tabIndex={-1}
               className="small"
-              aria-label={`Delete ${each.edge.title}`}
-              onClick={() => props.onRemove(each.element, each.edge.title)}
+              aria-label={`Delete ${use.edge.title}`}
+              onClick={() => props.onRemove(use.element, use.edge.title)}
             >
               ×
             </button>

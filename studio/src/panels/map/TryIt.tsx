@@ -20,14 +20,14 @@ export function TryIt({ file, map, revision }: Props) {
     <section className="try-it" aria-label="Try it">
       <header className="bar">
         <h2>Try it</h2>
-        {(["to_ros", "to_jaus"] as const).map((each) => (
+        {(["to_ros", "to_jaus"] as const).map((entry) => (
           <button
             type="button"
-            key={each}
-            aria-pressed={direction === each}
-            onClick={() => setDirection(direction === each ? null : each)}
+            key={entry}
+            aria-pressed={direction === entry}
+            onClick={() => setDirection(direction === entry ? null : entry)}
           >
-            {each === "to_ros" ? "JAUS → ROS" : "ROS → JAUS"}
+            {entry === "to_ros" ? "JAUS → ROS" : "ROS → JAUS"}
           </button>
         ))}
       </header>
@@ -58,26 +58,26 @@ function Trial({ file, map, direction, revision }: Props & { direction: Directio
       <table>
         <caption>{direction === "to_ros" ? "JAUS message" : "ROS message"}</caption>
         <tbody>
-          {asked.inputs.map((each) => (
-            <tr key={each.path}>
-              <th scope="row">{each.path}</th>
+          {asked.inputs.map((entry) => (
+            <tr key={entry.path}>
+              <th scope="row">{entry.path}</th>
               <td>
                 <input
                   type="text"
-                  aria-label={each.path}
+                  aria-label={entry.path}
                   autoComplete="off"
                   spellCheck="false"
-                  placeholder={each.default}
-                  value={typed[each.path] ?? ""}
+                  placeholder={entry.default}
+                  value={typed[entry.path] ?? ""}
                   onChange={(event) => {
                     const { value } = event.currentTarget;
-                    setTyped(({ [each.path]: _, ...rest }) =>
-                      value === "" ? rest : { ...rest, [each.path]: value },
+                    setTyped(({ [entry.path]: _, ...rest }) =>
+                      value === "" ? rest : { ...rest, [entry.path]: value },
                     );
                   }}
                 />
               </td>
-              <td className="quiet">{each.unit || each.type}</td>
+              <td className="quiet">{entry.unit || entry.type}</td>
             </tr>
           ))}
           {asked.inputs.length === 0 && (
@@ -94,18 +94,18 @@ function Trial({ file, map, direction, revision }: Props & { direction: Directio
             <table>
               <caption>{direction === "to_ros" ? "ROS message" : "JAUS message"}</caption>
               <tbody>
-                {result.values.map((each) => (
-                  <tr key={each.path}>
-                    <th scope="row">{each.path}</th>
-                    <td>{each.value}</td>
-                    <td className="quiet">{each.unit}</td>
+                {result.values.map((value) => (
+                  <tr key={value.path}>
+                    <th scope="row">{value.path}</th>
+                    <td>{value.value}</td>
+                    <td className="quiet">{value.unit}</td>
                   </tr>
                 ))}
               </tbody>
             </table>
-            {result.notes.map((each) => (
-              <p className="quiet" key={each}>
-                {each}
+            {result.notes.map((note) => (
+              <p className="quiet" key={note}>
+                {note}
               </p>
             ))}
             {result.bytes && <Bytes hex={result.bytes} />}

@@ -29,20 +29,20 @@ export interface SideRows {
 /** Returns both ends of a map as rows, all members of them where the server tells them all. */
 export function sides(graph: Graph, all: readonly MapSide[]): SideRows[] {
   return graph.nodes.map((node) => {
-    const whole = all.find((each) => each.node === node.id);
-    const marks = new Map(node.ports.map((each) => [each.id, each.mark]));
+    const whole = all.find((side) => side.node === node.id);
+    const marks = new Map(node.ports.map((port) => [port.id, port.mark]));
     const members = whole
-      ? whole.members.map((each) => ({ ...each, mark: marks.get(each.path) ?? each.mark }))
-      : node.ports.map((each) => ({ ...each, path: each.id }));
-    const rows = members.map((each, index) => ({
+      ? whole.members.map((member) => ({ ...member, mark: marks.get(member.path) ?? member.mark }))
+      : node.ports.map((port) => ({ ...port, path: port.id }));
+    const rows = members.map((member, index) => ({
       node: node.id,
-      path: each.path,
-      label: each.label,
-      note: each.note,
-      mark: each.mark,
-      depth: each.depth,
-      hasInner: (members[index + 1]?.depth ?? 0) > each.depth,
-      uses: usesOf(graph, node, each.path),
+      path: member.path,
+      label: member.label,
+      note: member.note,
+      mark: member.mark,
+      depth: member.depth,
+      hasInner: (members[index + 1]?.depth ?? 0) > member.depth,
+      uses: usesOf(graph, node, member.path),
     }));
     return { node: node.id, title: node.title, side: node.column === 0 ? "jaus" : "ros", rows };
   });
@@ -90,11 +90,11 @@ export function shownRows(
 /** Returns the members that are open at first: those with something mapped within. */
 export function openAtFirst(rows: readonly MemberRow[]): Set<string> {
   const used = rows.filter(
-    (each) => each.uses.length > 0 || each.mark.startsWith("=") || each.mark === "ignored",
+    (row) => row.uses.length > 0 || row.mark.startsWith("=") || row.mark === "ignored",
   );
   return new Set(
     rows
-      .filter((row) => row.hasInner && used.some((each) => each.path.startsWith(`${row.path}.`)))
-      .map((each) => each.path),
+      .filter((row) => row.hasInner && used.some((other) => other.path.startsWith(`${row.path}.`)))
+      .map((row) => row.path),
   );
 }

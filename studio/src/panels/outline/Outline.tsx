@@ -41,7 +41,7 @@ export function Outline() {
   }, [isTaken, isCurrent]);
 
   function toggle({ element }: OutlineRow, isOpen: boolean) {
-    const others = refs.filter((each) => each !== element);
+    const others = refs.filter((ref) => ref !== element);
     if (element) setOpened({ file, refs: isOpen ? [...others, element] : others });
   }
 

@@ -32,14 +32,14 @@ beforeEach(() => {
   localStorage.clear();
   server = serve({
     palette: ({ query }) => ({
-      items: ITEMS.filter((each) => each.label.toLowerCase().includes(query.toLowerCase())),
+      items: ITEMS.filter((other) => other.label.toLowerCase().includes(query.toLowerCase())),
     }),
     edit: () => ({ revision: 1, created: [] }),
   });
 });
 
-const added = () => server.params("edit").map((each) => each.label);
-const names = () => screen.getAllByRole("option").map((each) => each.textContent ?? "");
+const added = () => server.params("edit").map((sent) => sent.label);
+const names = () => screen.getAllByRole("option").map((element) => element.textContent ?? "");
 
 it("shows what can be added by group, with what it is", async () => {
   render(<Palette />);

@@ -41,9 +41,9 @@ export function Palette() {
   const held = useHeld(value?.items);
   const items = (file && held) || [];
   const offers: Offer[] = [
-    ...headed(items.filter((each) => each.onto)),
+    ...headed(items.filter((item) => item.onto)),
     ...(file && query === "" ? kept.map((item) => ({ item, group: "recently used" })) : []),
-    ...headed(items.filter((each) => !each.onto)),
+    ...headed(items.filter((item) => !item.onto)),
   ];
   const keys = useListKeys(offers.length, (at) => {
     const offer = offers[at];
@@ -124,7 +124,7 @@ function useHeld<T>(value: T | undefined): T | undefined {
 function headed(items: PaletteItem[]): Offer[] {
   return GROUPS.flatMap((group) =>
     items
-      .filter((each) => each.group === group)
+      .filter((item) => item.group === group)
       .map((item) => ({ item, group: item.onto ? `${group} on ${item.onto}` : group })),
   );
 }
@@ -194,7 +194,7 @@ function scrollInList(element: HTMLElement) {
 
 async function lookUp(file: string, wanted: Recent, onto: Ref): Promise<PaletteItem> {
   const { items } = await ask("palette", { file, query: wanted.label, onto });
-  const found = items.find((each) => each.id === wanted.id);
-  if (!found) throw new Error(`${wanted.label} can not be added here.`);
-  return found;
+  const choice = items.find((item) => item.id === wanted.id);
+  if (!choice) throw new Error(`${wanted.label} can not be added here.`);
+  return choice;
 }

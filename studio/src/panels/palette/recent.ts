@@ -17,15 +17,17 @@ export function recent(storage: Storage): Recent[] {
 }
 
 function isRecent(value: unknown): value is Recent {
-  const each = value as Recent | null;
+  const entry = value as Recent | null;
   return (
-    typeof each?.id === "string" && typeof each.label === "string" && typeof each.group === "string"
+    typeof entry?.id === "string" &&
+    typeof entry.label === "string" &&
+    typeof entry.group === "string"
   );
 }
 
 /** Keeps what was added, and returns the new list. */
 export function remember(storage: Storage, { id, label, group }: Recent): Recent[] {
-  const kept = [{ id, label, group }, ...recent(storage).filter((each) => each.id !== id)].slice(
+  const kept = [{ id, label, group }, ...recent(storage).filter((entry) => entry.id !== id)].slice(
     0,
     MOST,
   );

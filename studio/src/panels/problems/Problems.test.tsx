@@ -45,10 +45,10 @@ beforeEach(() => {
   render(<Problems />);
 });
 
-const shown = () => screen.queryAllByRole("listitem").map((each) => each.textContent ?? "");
+const shown = () => screen.queryAllByRole("listitem").map((element) => element.textContent ?? "");
 
 it("lists the gravest first, with counts and the time that it took", () => {
-  expect(shown().map((each) => each.slice(0, 8))).toEqual(["✖ errorn", "▲ warnin", "● infoco"]);
+  expect(shown().map((line) => line.slice(0, 8))).toEqual(["✖ errorn", "▲ warnin", "● infoco"]);
   expect(screen.getByRole("status")).toHaveTextContent("1 error, 1 warning, 1 remark.");
   expect(screen.getByText("checked in 42 ms")).toBeVisible();
   expect(screen.getByText("robot/bridge · robot.xmi:9 · map-member")).toBeVisible();
@@ -83,8 +83,8 @@ it("says so when there is nothing to say", () => {
 
 it("gives no verdict on what cannot be read", () => {
   const fault = "robot.xmi cannot be read as it is";
-  const told = { revision: 2, elapsed_ms: 1, problems: [] };
-  act(() => update({ problems: { ...told, fault } }));
+  const report = { revision: 2, elapsed_ms: 1, problems: [] };
+  act(() => update({ problems: { ...report, fault } }));
   expect(screen.getByRole("status")).toHaveTextContent(`Not checked: ${fault}.`);
   expect(screen.queryByText(/No problems|checked in/)).toBeNull();
 });

@@ -21,49 +21,51 @@ export function ordered(problems: readonly Problem[]): Problem[] {
 
 /** What the rules say about the file, as it is told after each change. */
 export function Problems() {
-  const told = useStudio((state) => state.problems);
+  const report = useStudio((state) => state.problems);
   const revision = useRevision();
   const [hidden, setHidden] = useState<readonly Severity[]>([]);
   const [filter, setFilter] = useState("");
   const [fault, attempt] = useTrying();
 
-  const all = useMemo(() => ordered(told?.problems ?? []), [told]);
+  const all = useMemo(() => ordered(report?.problems ?? []), [report]);
   const words = filter.toLowerCase().split(/\s+/).filter(Boolean);
-  const shown = all.filter((each) => {
-    const text = `${each.message} ${each.rule} ${each.path} ${each.file}`.toLowerCase();
-    return !hidden.includes(each.severity) && words.every((word) => text.includes(word));
+  const shown = all.filter((problem) => {
+    const text = `${problem.message} ${problem.rule} ${problem.path} ${problem.file}`.toLowerCase();
+    return !hidden.includes(problem.severity) && words.every((word) => text.includes(word));
   });
 
   const cure = ({ commands, label }: Cure) =>
-    void attempt(() => change(commands, label, told?.revision));
+    void attempt(() => change(commands, label, report?.revision));
 
-  if (told === null) return <Quiet>Nothing has been checked yet.</Quiet>;
+  if (report === null) return <Quiet>Nothing has been checked yet.</Quiet>;
   return (
     <section className="problems" aria-label="Problems">
       <header className="bar">
         <strong className="verdict" role="status">
-          {verdict(all, told.fault)}
+          {verdict(all, report.fault)}
         </strong>
-        {told.revision < revision ? (
-          <span className="badge">of revision {told.revision}; checking again…</span>
+        {report.revision < revision ? (
+          <span className="badge">of revision {report.revision}; checking again…</span>
         ) : (
-          !told.fault && <span className="quiet">checked in {Math.round(told.elapsed_ms)} ms</span>
+          !report.fault && (
+            <span className="quiet">checked in {Math.round(report.elapsed_ms)} ms</span>
+          )
         )}
         <fieldset aria-label="Severities shown">
-          {SEVERITIES.map((each) => (
-            <label key={each}>
+          {SEVERITIES.map((severity) => (
+            <label key={severity}>
               <input
                 type="checkbox"
-                checked={!hidden.includes(each)}
+                checked={!hidden.includes(severity)}
                 onChange={() =>
                   setHidden(
-                    hidden.includes(each)
-                      ? hidden.filter((one) => one !== each)
-                      : [...hidden, each],
+                    hidden.includes(severity)
+                      ? hidden.filter((one) => one !== severity)
+                      : [...hidden, severity],
                   )
                 }
               />
-              {count(all, each)}
+              {count(all, severity)}
             </label>
           ))}
         </fieldset>
@@ -77,8 +79,8 @@ export function Problems() {
       </header>
       <Fault>{fault}</Fault>
       <ul>
-        {shown.slice(0, MOST_SHOWN).map((each) => (
-          <Row key={keyOf(each)} problem={each} onCure={cure} />
+        {shown.slice(0, MOST_SHOWN).map((problem) => (
+          <Row key={keyOf(problem)} problem={problem} onCure={cure} />
         ))}
       </ul>
       {shown.length > MOST_SHOWN && (
@@ -120,9 +122,9 @@ function Row({ problem, onCure }: { problem: Problem; onCure: (cure: Cure) => vo
         </small>
       </div>
       <span className="buttons">
-        {problem.cures.map((each) => (
-          <button type="button" key={each.label} onClick={() => onCure(each)}>
-            {each.label}
+        {problem.cures.map((cure) => (
+          <button type="button" key={cure.label} onClick={() => onCure(cure)}>
+            {cure.label}
           </button>
         ))}
       </span>

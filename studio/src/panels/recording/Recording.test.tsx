@@ -27,9 +27,9 @@ const STATE: LiveState = { connections: [], components: [], edges: {}, boxes: {}
 
 afterEach(close);
 
-function show(given: string[] = ["run.mcap"]) {
+function show(recordings: string[] = ["run.mcap"]) {
   const server = serve({
-    "recording.files": () => ({ files: ["run.mcap", "other.mcap"], given }),
+    "recording.files": () => ({ files: ["run.mcap", "other.mcap"], given: recordings }),
     "recording.open": () => ({ share: 1, fault: "", read: READ }),
     "recording.state": ({ at }) => ({ at, state: { ...STATE, health: `at ${at}` } }),
     "recording.why": ({ at }) => ({ at, counter: ["It rose."], state: [] }),

@@ -18,9 +18,9 @@ export default function Recording() {
   const [unlisted, setUnlisted] = useState("");
   useEffect(() => {
     ask("recording.files", {}).then(
-      (found) => {
-        setFiles(found.files);
-        const [first] = found.given;
+      (answer) => {
+        setFiles(answer.files);
+        const [first] = answer.given;
         if (first && !player().name && !player().fault) void open(first);
       },
       (error) => setUnlisted(messageOf(error)),
@@ -39,8 +39,8 @@ export default function Recording() {
             }
           >
             <option value="">none: what runs</option>
-            {files.map((each) => (
-              <option key={each}>{each}</option>
+            {files.map((file) => (
+              <option key={file}>{file}</option>
             ))}
           </select>
         </label>
@@ -98,7 +98,7 @@ function Moves() {
       put({ isPlaying: false });
     };
   }, [isPlaying]);
-  const hasNone = !read?.marks.some((each) => each.kind === "drop");
+  const hasNone = !read?.marks.some((mark) => mark.kind === "drop");
   return (
     <>
       <button type="button" aria-pressed={isPlaying} onClick={() => put({ isPlaying: !isPlaying })}>
@@ -124,10 +124,10 @@ function Shown() {
   if (!read) return null;
   const open = chosen ? `${chosen.bridge}/${chosen.connection}` : "";
   function choose(connection: string) {
-    const found = live?.connections?.find(
-      (each) => `${each.bridge}/${each.connection}` === connection,
+    const traced = live?.connections?.find(
+      (other) => `${other.bridge}/${other.connection}` === connection,
     );
-    put({ chosen: found ? { bridge: found.bridge, connection: found.connection } : null });
+    put({ chosen: traced ? { bridge: traced.bridge, connection: traced.connection } : null });
   }
   return (
     <>

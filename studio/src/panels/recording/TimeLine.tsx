@@ -38,11 +38,11 @@ export function TimeLine({ label, read, at, onAt }: Props) {
     onAt(Math.min(Math.max(0, to), read.duration));
   }
 
-  const count = (kind: Mark["kind"]) => read.marks.filter((each) => each.kind === kind).length;
-  const told = `Marks: ${KINDS.map(([kind, words]) => `${words} ${count(kind)}`).join(", ")}`;
+  const count = (kind: Mark["kind"]) => read.marks.filter((mark) => mark.kind === kind).length;
+  const title = `Marks: ${KINDS.map(([kind, words]) => `${words} ${count(kind)}`).join(", ")}`;
   return (
     <div className="time-line">
-      <svg viewBox={`0 0 ${PLACES} 12`} preserveAspectRatio="none" role="img" aria-label={told}>
+      <svg viewBox={`0 0 ${PLACES} 12`} preserveAspectRatio="none" role="img" aria-label={title}>
         {KINDS.map(([kind], row) => (
           <path key={kind} className={`mark-${kind}`} d={ticks(read, kind, row * 4)} />
         ))}
@@ -61,7 +61,7 @@ export function TimeLine({ label, read, at, onAt }: Props) {
       <output>
         {at.toFixed(2)} of {read.duration.toFixed(1)} s
       </output>
-      <small className="quiet">{told}</small>
+      <small className="quiet">{title}</small>
     </div>
   );
 }
@@ -69,8 +69,8 @@ export function TimeLine({ label, read, at, onAt }: Props) {
 /** One tick for all marks of a place. */
 function ticks({ marks, duration }: ReadRecording, kind: Mark["kind"], y: number): string {
   const places = new Set<number>();
-  for (const each of marks) {
-    if (each.kind === kind) places.add(duration ? Math.round((each.time / duration) * PLACES) : 0);
+  for (const mark of marks) {
+    if (mark.kind === kind) places.add(duration ? Math.round((mark.time / duration) * PLACES) : 0);
   }
   return [...places].map((x) => `M${x} ${y}v4`).join("");
 }

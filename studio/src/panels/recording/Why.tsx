@@ -46,8 +46,8 @@ export function Why() {
 function Sentences({ sentences }: { sentences: string[] }) {
   return (
     <>
-      {sentences.map((each) => (
-        <p key={each}>{each}</p>
+      {sentences.map((sentence) => (
+        <p key={sentence}>{sentence}</p>
       ))}
     </>
   );

@@ -80,9 +80,9 @@ export async function look(): Promise<void> {
     isWanted = false;
     const { name, at } = player();
     try {
-      const found = await ask("recording.state", { recording: name, file: state().file, at });
+      const moment = await ask("recording.state", { recording: name, file: state().file, at });
       if (player().name === name && state().recorded === name)
-        update({ live: found.state, liveAt: 0 });
+        update({ live: moment.state, liveAt: 0 });
       if (player().name === name) put({ fault: "" });
     } catch (error) {
       put({ fault: messageOf(error) });
@@ -93,22 +93,22 @@ export async function look(): Promise<void> {
 
 /** The mark of a kind after a moment, or the one before it. */
 export function nextMark(marks: Mark[], kind: Mark["kind"], at: number, step: 1 | -1) {
-  const fitting = marks.filter((each) => each.kind === kind);
+  const fitting = marks.filter((mark) => mark.kind === kind);
   // Moments are shown to the hundredth.
   return step > 0
-    ? fitting.find((each) => each.time > at + 0.005)
-    : fitting.findLast((each) => each.time < at - 0.005);
+    ? fitting.find((mark) => mark.time > at + 0.005)
+    : fitting.findLast((mark) => mark.time < at - 0.005);
 }
 
 /** Goes to the next drop, or the one before, and explains it. */
 export function stepToDrop(step: 1 | -1): void {
   const { read, at } = player();
-  const found = read && nextMark(read.marks, "drop", at, step);
-  if (!found) {
+  const drop = read && nextMark(read.marks, "drop", at, step);
+  if (!drop) {
     if (read) say(step > 0 ? "No drop comes after this." : "No drop comes before this.");
     return;
   }
-  const { bridge, connection } = found;
+  const { bridge, connection } = drop;
   put({ chosen: { bridge, connection }, isPlaying: false });
-  goTo(found.time);
+  goTo(drop.time);
 }

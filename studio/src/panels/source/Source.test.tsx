@@ -49,11 +49,9 @@ function show(text: string, editable: boolean) {
 async function content(): Promise<HTMLElement> {
   return waitFor(
     () => {
-      const found = document
-        .querySelector(".editor-host")
-        ?.shadowRoot?.querySelector(".cm-content");
-      if (!found) throw new Error("no editor yet");
-      return found as HTMLElement;
+      const line = document.querySelector(".editor-host")?.shadowRoot?.querySelector(".cm-content");
+      if (!line) throw new Error("no editor yet");
+      return line as HTMLElement;
     },
     { timeout: 10_000 },
   );
@@ -66,7 +64,7 @@ it("shows the text in a root of its own, and the span of what is chosen", async 
   expect(document.head.querySelector("style")).toBeNull();
   update({ chosen: "robot.ros2jaus#//@bridges.0" });
   await waitFor(() => {
-    const marks = [...editor.querySelectorAll(".cm-chosen")].map((each) => each.textContent);
+    const marks = [...editor.querySelectorAll(".cm-chosen")].map((element) => element.textContent);
     expect(marks.join("")).toBe("bridge main {}");
   });
 });
@@ -80,7 +78,7 @@ it("writes what is typed before it undoes, by the one history of the project", a
   view?.dispatch({ changes: { from: 0, insert: "x" }, userEvent: "input.type" });
   await userEvent.keyboard("{Control>}z{/Control}");
   await waitFor(() => expect(server.params("undo")).toHaveLength(1));
-  const methods = server.asked.map((each) => each.method);
+  const methods = server.asked.map((request) => request.method);
   expect(methods.indexOf("write")).toBeLessThan(methods.indexOf("undo"));
   expect(server.params("write")[0]).toMatchObject({
     file: "robot.ros2jaus",

@@ -22,15 +22,15 @@ export function Source() {
   );
 
   const file = source?.file ?? opened;
-  const info = project?.files.find((each) => each.path === file);
+  const info = project?.files.find((candidate) => candidate.path === file);
   const notation = source?.notation ?? info?.notation ?? "xmi";
   const { start, end } = source ?? { start: 0, end: 0 };
   const hasSpan = source !== null;
   const span = useMemo(() => (hasSpan ? { start, end } : null), [hasSpan, start, end]);
 
   async function onCursor(offset: number) {
-    const { element: found } = await ask("at", { file, offset }).catch(() => ({ element: "" }));
-    if (found !== "" && found !== element) choose(found);
+    const { element: pointed } = await ask("at", { file, offset }).catch(() => ({ element: "" }));
+    if (pointed !== "" && pointed !== element) choose(pointed);
   }
 
   if (!project || !file) return <Quiet>No file is open.</Quiet>;

@@ -30,8 +30,8 @@ export function TextEditor(props: Props) {
   const { root, file, notation, revision, span } = props;
   const host = useRef<HTMLDivElement>(null);
   const opened = useRef<Opened | null>(null);
-  const told = useRef(props);
-  told.current = props;
+  const latest = useRef(props);
+  latest.current = props;
   const [state, setState] = useState<SyncState>(IN_STEP);
   const [fault, setFault] = useState("");
   const [isOpen, setOpen] = useState(false);
@@ -47,7 +47,7 @@ export function TextEditor(props: Props) {
         opened.current = open(
           element,
           { root, file, notation, start, onState: setState, onFault: setFault },
-          (offset) => told.current.onCursor(offset),
+          (offset) => latest.current.onCursor(offset),
         );
         setOpen(true);
       },
@@ -126,12 +126,12 @@ function open(host: HTMLElement, opening: Opening, onCursor: (offset: number) =>
     if (update.docChanged) {
       client?.changeText(update.state.doc.toString());
       const isOwn = update.transactions.some(
-        (each) => each.docChanged && !each.annotation(fromOutside),
+        (transaction) => transaction.docChanged && !transaction.annotation(fromOutside),
       );
       if (isOwn) sync.touched();
     }
     // Where a person set the cursor; not where the page did, nor while text is typed.
-    const isSet = update.transactions.some((each) => each.isUserEvent("select"));
+    const isSet = update.transactions.some((transaction) => transaction.isUserEvent("select"));
     if (!isSet || update.docChanged) return;
     clearTimeout(cursor);
     cursor = setTimeout(() => onCursor(view.state.selection.main.head), CURSOR_PAUSE_MS);

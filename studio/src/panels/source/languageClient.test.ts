@@ -33,14 +33,16 @@ class FakeSocket {
 
   /** Answers the last request, and lets the client take it. */
   async answer(result: unknown) {
-    const last = this.sent.findLast((each) => each.id !== undefined && each.method !== undefined);
+    const last = this.sent.findLast(
+      (message) => message.id !== undefined && message.method !== undefined,
+    );
     this.tell({ ...(last?.id === undefined ? {} : { id: last.id }), result });
     await vi.waitFor(() => undefined);
     for (let turn = 0; turn < 5; turn++) await Promise.resolve();
   }
 
   get methods() {
-    return this.sent.map((each) => each.method);
+    return this.sent.map((message) => message.method);
   }
 }
 
@@ -77,17 +79,17 @@ describe("the client of the language server", () => {
     client.changeText("ab");
     client.changeText("ab");
     client.changeText("abc");
-    const changes = socket.sent.filter((each) => each.method === "textDocument/didChange");
-    expect(changes.map((each) => each.params?.textDocument)).toEqual([
+    const changes = socket.sent.filter((message) => message.method === "textDocument/didChange");
+    expect(changes.map((change) => change.params?.textDocument)).toEqual([
       { uri: URI, version: 2 },
       { uri: URI, version: 3 },
     ]);
   });
 
   it("takes what is wrong with its text, and not what is wrong with others", async () => {
-    const told: Diagnostic[][] = [];
+    const shown: Diagnostic[][] = [];
     const socket = await greeted();
-    client.openText(URI, "a", (diagnostics) => told.push(diagnostics));
+    client.openText(URI, "a", (diagnostics) => shown.push(diagnostics));
     const wrong = {
       range: { start: { line: 0, character: 0 }, end: { line: 0, character: 1 } },
       message: "no",
@@ -95,7 +97,7 @@ describe("the client of the language server", () => {
     const method = "textDocument/publishDiagnostics";
     socket.tell({ method, params: { uri: "file:///other", diagnostics: [wrong] } });
     socket.tell({ method, params: { uri: URI, diagnostics: [wrong] } });
-    expect(told).toEqual([[wrong]]);
+    expect(shown).toEqual([[wrong]]);
   });
 
   it("asks about a place, and answers what it is asked with nothing", async () => {

@@ -126,10 +126,10 @@ export class LanguageClient {
   // Questions about it
 
   async complete(position: Position): Promise<CompletionItem[]> {
-    const found = await this.about<CompletionItem[] | { items: CompletionItem[] }>("completion", {
+    const answer = await this.about<CompletionItem[] | { items: CompletionItem[] }>("completion", {
       position,
     });
-    return found === null ? [] : Array.isArray(found) ? found : found.items;
+    return answer === null ? [] : Array.isArray(answer) ? answer : answer.items;
   }
 
   hover(position: Position): Promise<Hover | null> {
@@ -171,7 +171,9 @@ export class LanguageClient {
 /** Returns the URI of a file below a folder, as language servers write it. */
 export function fileUri(root: string, file: string): string {
   const path = `${root.replaceAll("\\", "/").replace(/\/$/, "")}/${file}`;
-  const escaped = path.split("/").map((each) => encodeURIComponent(each).replaceAll("%3A", ":"));
+  const escaped = path
+    .split("/")
+    .map((segment) => encodeURIComponent(segment).replaceAll("%3A", ":"));
   return `file://${path.startsWith("/") ? "" : "/"}${escaped.join("/")}`;
 }
 

@@ -40,8 +40,8 @@ const WORD = /^[\w./:`]*$/;
 /** Returns the offset of a position; one past the end is the end. */
 export function offsetOf(text: Text, { line, character }: Position): number {
   if (line >= text.lines) return text.length;
-  const found = text.line(line + 1);
-  return Math.min(found.from + character, found.to);
+  const target = text.line(line + 1);
+  return Math.min(target.from + character, target.to);
 }
 
 export function positionOf(text: Text, offset: number): Position {
@@ -59,21 +59,21 @@ function spec(text: Text, edit: TextEdit): ChangeSpec {
 
 /** Returns a text with edits of it made. */
 export function edited(text: Text, edits: readonly TextEdit[]): string {
-  const changes = edits.map((each) => spec(text, each));
+  const changes = edits.map((edit) => spec(text, edit));
   return ChangeSet.of(changes, text.length).apply(text).toString();
 }
 
 /** Shows what the language server says is wrong. */
-export function showDiagnostics(view: EditorView, told: readonly Diagnostic[]): void {
+export function showDiagnostics(view: EditorView, diagnostics: readonly Diagnostic[]): void {
   const text = view.state.doc;
-  const shown: Shown[] = told.map((each) => {
-    const from = offsetOf(text, each.range.start);
+  const shown: Shown[] = diagnostics.map((diagnostic) => {
+    const from = offsetOf(text, diagnostic.range.start);
     return {
       from,
-      to: Math.max(from, offsetOf(text, each.range.end)),
-      severity: SEVERITIES[each.severity ?? 1] ?? "error",
-      message: each.message,
-      ...(each.code === undefined ? {} : { source: String(each.code) }),
+      to: Math.max(from, offsetOf(text, diagnostic.range.end)),
+      severity: SEVERITIES[diagnostic.severity ?? 1] ?? "error",
+      message: diagnostic.message,
+      ...(diagnostic.code === undefined ? {} : { source: String(diagnostic.code) }),
     };
   });
   view.dispatch(setDiagnostics(view.state, shown));
@@ -92,7 +92,7 @@ async function complete(
   const items = await client.complete(positionOf(text, context.pos));
   if (context.aborted || items.length === 0) return null;
   const from = offsetOf(text, items[0]?.textEdit?.range.start ?? positionOf(text, context.pos));
-  return { from, options: items.map((each) => option(each)), validFor: WORD };
+  return { from, options: items.map((item) => option(item)), validFor: WORD };
 }
 
 function option(item: CompletionItem): Completion {
@@ -111,7 +111,7 @@ function option(item: CompletionItem): Completion {
 
 function take(view: EditorView, item: CompletionItem, from: number, to: number): void {
   const insert = item.textEdit?.newText ?? item.label;
-  const more = (item.additionalTextEdits ?? []).map((each) => spec(view.state.doc, each));
+  const more = (item.additionalTextEdits ?? []).map((edit) => spec(view.state.doc, edit));
   const changes = view.state.changes([{ from, to, insert }, ...more]);
   view.dispatch({
     changes,
@@ -135,11 +135,11 @@ function hovering(client: LanguageClient): Extension {
   return hoverTooltip(async (view, at) => {
     const text = view.state.doc;
     client.changeText(text.toString());
-    const found = await client.hover(positionOf(text, at)).catch(() => null);
-    if (!found) return null;
-    const said = typeof found.contents === "string" ? found.contents : found.contents.value;
-    const pos = found.range ? offsetOf(text, found.range.start) : at;
-    const end = found.range ? offsetOf(text, found.range.end) : at;
+    const hover = await client.hover(positionOf(text, at)).catch(() => null);
+    if (!hover) return null;
+    const said = typeof hover.contents === "string" ? hover.contents : hover.contents.value;
+    const pos = hover.range ? offsetOf(text, hover.range.start) : at;
+    const end = hover.range ? offsetOf(text, hover.range.end) : at;
     return { pos, end, above: true, create: () => ({ dom: told(said) }) };
   });
 }
@@ -157,7 +157,10 @@ function renaming(client: LanguageClient, onRename: (edit: WorkspaceEdit) => voi
   const asked = StateField.define<Renaming | null>({
     create: () => null,
     update: (value, transaction) =>
-      transaction.effects.reduce((last, each) => (each.is(askName) ? each.value : last), value),
+      transaction.effects.reduce(
+        (last, effect) => (effect.is(askName) ? effect.value : last),
+        value,
+      ),
     provide: (field) =>
       showPanel.from(field, (value) =>
         value ? (view) => namePanel(view, value, client, onRename) : null,
@@ -231,7 +234,7 @@ export function languageSupport(
       .format()
       .then((edits) => {
         if (edits?.length)
-          view.dispatch({ changes: edits.map((each) => spec(view.state.doc, each)) });
+          view.dispatch({ changes: edits.map((edit) => spec(view.state.doc, edit)) });
       })
       .catch(() => undefined);
     return true;

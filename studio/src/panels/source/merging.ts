@@ -9,10 +9,10 @@ interface Replaced {
 
 /** Returns what makes one text of another, as small changes. */
 function changesBetween(old: string, fresh: string): Replaced[] {
-  return diff(old, fresh).map((each) => ({
-    from: each.fromA,
-    to: each.toA,
-    insert: fresh.slice(each.fromB, each.toB),
+  return diff(old, fresh).map((change) => ({
+    from: change.fromA,
+    to: change.toA,
+    insert: fresh.slice(change.fromB, change.toB),
   }));
 }
 

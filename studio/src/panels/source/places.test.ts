@@ -43,13 +43,13 @@ describe("places of the language server", () => {
 
 describe("the words of ros2jaus", () => {
   function names(text: string): string[] {
-    const found: string[] = [];
+    const places: string[] = [];
     ros2jaus.parser.parse(text).iterate({
       enter: (node) => {
-        if (node.name !== "Document") found.push(`${node.name}:${text.slice(node.from, node.to)}`);
+        if (node.name !== "Document") places.push(`${node.name}:${text.slice(node.from, node.to)}`);
       },
     });
-    return found;
+    return places;
   }
 
   it("tells comments, elements, features, numbers and texts apart", () => {

@@ -42,13 +42,13 @@ function begin(text: string) {
   view = new EditorView({
     doc: text,
     extensions: EditorView.updateListener.of((update) => {
-      const isOwn = update.transactions.some((each) => !each.annotation(fromOutside));
+      const isOwn = update.transactions.some((transaction) => !transaction.annotation(fromOutside));
       if (update.docChanged && isOwn) sync.touched();
     }),
   });
   state = IN_STEP;
-  sync = new TextSync(view, file, { text, revision: 1, editable: true }, (told) => {
-    state = told;
+  sync = new TextSync(view, file, { text, revision: 1, editable: true }, (message) => {
+    state = message;
   });
 }
 

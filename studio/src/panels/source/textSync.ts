@@ -127,8 +127,8 @@ export class TextSync {
   }
 
   private async read(): Promise<void> {
-    const { text: told, revision } = await this.file.read();
-    const theirs = lines(told).text;
+    const { text: stored, revision } = await this.file.read();
+    const theirs = lines(stored).text;
     if (this.isOver) return;
     this.base = revision;
     if (this.state.theirs !== null) return this.tell({ theirs });

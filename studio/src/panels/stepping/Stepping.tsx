@@ -39,7 +39,7 @@ export function Stepping() {
   if (standing === null) return <Quiet>Asking where the machine begins…</Quiet>;
   return (
     <section className="stepping" aria-label="Step" aria-busy={answer.isPending}>
-      <Where standing={standing} said={said} onSay={(told) => go({ said: told })} />
+      <Where standing={standing} said={said} onSay={(text) => go({ said: text })} />
       <Choices
         standing={standing}
         onChoose={({ actor, what }) => go({ path: [...path, { actor, what, said }] })}
@@ -97,7 +97,7 @@ interface ChoicesProps {
 
 function Choices({ standing, onChoose }: ChoicesProps) {
   const [isAll, setAll] = useState(false);
-  const shown = standing.choices.filter((each) => isAll || !each.why_not);
+  const shown = standing.choices.filter((choice) => isAll || !choice.why_not);
   return (
     <div>
       <label>
@@ -109,18 +109,18 @@ function Choices({ standing, onChoose }: ChoicesProps) {
         also what has no effect
       </label>
       {KINDS.map(([kind, title]) => {
-        const offered = shown.filter((each) => each.kind === kind);
+        const offered = shown.filter((choice) => choice.kind === kind);
         if (offered.length === 0) return null;
         return (
           <div key={kind}>
             <h2>{title}</h2>
             <ul className="choices">
-              {offered.map((each) => (
-                <li key={`${each.actor} ${each.what}`}>
-                  <button type="button" onClick={() => onChoose(each)}>
-                    {nameOf(each, standing.tick)}
+              {offered.map((choice) => (
+                <li key={`${choice.actor} ${choice.what}`}>
+                  <button type="button" onClick={() => onChoose(choice)}>
+                    {nameOf(choice, standing.tick)}
                   </button>{" "}
-                  <span className="quiet">{each.why_not || leads(each, standing.state)}</span>
+                  <span className="quiet">{choice.why_not || leads(choice, standing.state)}</span>
                 </li>
               ))}
             </ul>
@@ -149,7 +149,7 @@ function Taken({ standing, path, onBack }: TakenProps) {
       </button>
       <Fault>{standing.fault}</Fault>
       <ol>
-        {standing.taken.map((each, at) => (
+        {standing.taken.map((choice, at) => (
           // biome-ignore lint/suspicious/noArrayIndexKey: steps have no other name
           <li key={at}>
             <button
@@ -158,9 +158,9 @@ function Taken({ standing, path, onBack }: TakenProps) {
               title="Go back to here"
               onClick={() => onBack(at + 1)}
             >
-              {nameOf(each, standing.tick)}
+              {nameOf(choice, standing.tick)}
             </button>{" "}
-            <span className="quiet">{each.why_not || last(each.state)}</span>
+            <span className="quiet">{choice.why_not || last(choice.state)}</span>
           </li>
         ))}
       </ol>
