@@ -140,8 +140,10 @@ function Waypoints({ component, driver }: Of) {
             <button type="button" aria-pressed={at === chosen} onClick={() => setChosen(at)}>
               Waypoint {at + 1}: {textOf(places[at], driver)}
             </button>
-            {progress?.active === at + 1 && <strong>▶ active</strong>}
-            {progress?.isReached(at + 1) && <strong>✔ reached</strong>}
+            <strong className="mark">
+              {progress?.active === at + 1 && "▶ active"}
+              {progress?.isReached(at + 1) && "✔ reached"}
+            </strong>
             <Order
               name={`waypoint ${at + 1}`}
               at={at}

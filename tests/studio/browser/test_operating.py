@@ -264,6 +264,7 @@ def test_nothing_moves_by_itself(studio, vehicle, open_studio, port, width, heig
 
 PARTS = ".operate section, .dock > *"
 BUTTONS = ".bar button"
+COMMANDING = ".commands button"
 
 
 def places(page, selector):
@@ -379,12 +380,14 @@ def test_waypoints_are_drawn_sent_and_driven(operator, vehicle):
     drive = operator.get_by_role("button", name="Execute")
     expect(drive).to_be_disabled()
     operator.get_by_label("Speed, 0 .. 327.67 m/s").fill("1.5")
+    before = places(operator, COMMANDING)
     drive.click()
     expect(operator.get_by_text("It drives to waypoint 1 of 3.")).to_be_visible()
     assert vehicle.executed == [(1.5, 1)]
     vehicle.reach()
     expect(rows.first).to_contain_text("reached")
     expect(rows.nth(1)).to_contain_text("active")
+    assert places(operator, COMMANDING) == before
     # The page is lost while it drives: it stops, what is drawn stays, and nothing is sent again.
     operator.reload()
     until(lambda: vehicle.status == "STANDBY" and vehicle.controller is None)
