@@ -37,7 +37,8 @@ from jausml_generators.bridge.checks.filling import (
 from jausml_generators.bridge.checks.samples import Sample, chain_gain, limits, sample_of
 from jausml_generators.bridge.connections import ConnectionView
 from jausml_generators.bridge.translation.expressions import INTEGER, REAL
-from jausml_generators.bridge.translation.places import PathError, ros_field
+from jausml_generators.bridge.translation.places import PathError
+from jausml_generators.bridge.translation.ros_fields import ros_field
 from jausml_generators.bridge.translation.translation import frames_of
 from jausml_generators.bridge.translation.values import AssignmentError
 from jausml_generators.bridge.views import BridgeView

@@ -20,18 +20,10 @@ from jausml_generators.bridge.translation.expressions import (
     Length,
     Read,
 )
-from jausml_generators.bridge.translation.places import (
-    Local,
-    PathError,
-    Place,
-    RosField,
-    RosStart,
-    There,
-    Way,
-    markers,
-    ros_field,
-)
-from jausml_generators.bridge.translation.values import Policy, Value, real, ros_kind
+from jausml_generators.bridge.translation.places import Local, PathError, Place, Requirement, There
+from jausml_generators.bridge.translation.policies import Policy
+from jausml_generators.bridge.translation.ros_fields import RosField, RosStart, markers, ros_field
+from jausml_generators.bridge.translation.values import Value, real, ros_kind
 from jausml_generators.python.codec.jaus_fields import JausField, JausStart, jaus_field
 from jausml_generators.python.codec.messages import MessageView
 
@@ -49,7 +41,7 @@ class Many:
 
     place: Place
     path: str
-    conditions: tuple[Way, ...]
+    conditions: tuple[Requirement, ...]
     start: Any
     counts: tuple[float, float]
 
@@ -86,7 +78,7 @@ class JausSource:
     start: JausStart = field(default_factory=lambda: JausStart("source"))
     top: JausSource | None = None
     counters: Counters = field(default_factory=lambda: Counters({}))
-    conditions: tuple[Way, ...] = ()
+    conditions: tuple[Requirement, ...] = ()
     joins: Mapping[str, tuple[str, MessageView]] = field(default_factory=dict)
 
     def inlined(self) -> JausSource:
@@ -134,7 +126,7 @@ class JausSource:
         return Many(end.place, end.path, end.conditions, start, end.limits)
 
     def element(
-        self, many: Many, root: Local, counters: Counters, conditions: tuple[Way, ...]
+        self, many: Many, root: Local, counters: Counters, conditions: tuple[Requirement, ...]
     ) -> JausSource:
         """Returns an element of a list as a source."""
         start = replace(many.start, root=root)
@@ -163,13 +155,13 @@ class RosSource:
     joins: Mapping[str, tuple[str, ros.MessageType]]
     top: RosSource | None = None
     counters: Counters = field(default_factory=lambda: Counters({}))
-    conditions: tuple[Way, ...] = ()
+    conditions: tuple[Requirement, ...] = ()
 
     def inlined(self) -> RosSource:
         """Returns itself, as values of ROS give no names."""
         return self
 
-    def _field(self, path: str) -> tuple[RosField, tuple[Way, ...]]:
+    def _field(self, path: str) -> tuple[RosField, tuple[Requirement, ...]]:
         if path.startswith("/"):
             return (self.top or self)._field(path[1:])  # noqa: SLF001 - of its own class
         name, _, rest = path.partition(".")
@@ -202,7 +194,7 @@ class RosSource:
         return Many(end.place, end.path, conditions, start, end.counts or (0, MANY))
 
     def element(
-        self, many: Many, root: Local, counters: Counters, conditions: tuple[Way, ...]
+        self, many: Many, root: Local, counters: Counters, conditions: tuple[Requirement, ...]
     ) -> RosSource:
         """Returns an element of an array as a source."""
         start: RosStart = replace(many.start, root=root)
