@@ -11,13 +11,8 @@ from xml.etree.ElementTree import Element
 
 from jausml.language.attributes.guards import alternatives, parse_guard
 from jausml.language.exporters.jsidl.behaviour import arguments_of, behaviour, reference_name
-from jausml.language.exporters.jsidl.elements import (
-    Documented,
-    FieldWriter,
-    document,
-    element,
-    text_element,
-)
+from jausml.language.exporters.jsidl.elements import Documented, document, element, text_element
+from jausml.language.exporters.jsidl.fields import FieldWriter
 from jausml.language.importers.jsidl import ImportResult, Source, import_sources
 from jausml.language.importers.jsidl.vocabulary import folded
 from jausml.language.metamodel import Metamodels
