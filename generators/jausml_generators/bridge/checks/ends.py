@@ -12,7 +12,7 @@ from typing import TypeAlias
 from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.semantics.assignments.frames import is_coordinate
 from jausml.language.semantics.paths.scopes import place, source_paths, spelled_out, used_maps
-from jausml_generators.bridge.checks.check import NO_STEP, Chain, quantities_of, store
+from jausml_generators.bridge.checks.check import NO_STEP, Chain, equals, quantities_of, store
 from jausml_generators.bridge.checks.filling import (
     PRESENT,
     Code,
@@ -21,6 +21,7 @@ from jausml_generators.bridge.checks.filling import (
     Place,
     RosMessage,
     Scalar,
+    has_place,
 )
 from jausml_generators.bridge.connections import ConnectionView
 from jausml_generators.bridge.ends import JoinView, ReportJoinView
@@ -43,7 +44,7 @@ class Ends:
     view: ConnectionView
     name: str
     type_name: Callable[[ros.MessageType], str]
-    uses: Surroundings
+    surroundings: Surroundings
     frames: Mapping[str, Code] = field(default_factory=dict)
 
     @property
@@ -101,7 +102,7 @@ class Ends:
         return chains_by_source
 
     def _unit_step(self, assignment: bridge.FieldAssignment) -> tuple[float, float]:
-        return self.uses.unit_step(self.map, assignment, to_ros=self.to_ros) or NO_STEP
+        return self.surroundings.unit_step(self.map, assignment, to_ros=self.to_ros) or NO_STEP
 
     @property
     def overridden(self) -> dict[str, float]:
@@ -110,7 +111,7 @@ class Ends:
         Vectors are figures of the map as it stands.
         """
         maps = used_maps(self.map, to_ros=self.to_ros)
-        return self.uses.overridden(quantity for one in maps for quantity in one.quantities)
+        return self.surroundings.overridden(quantity for one in maps for quantity in one.quantities)
 
     def join_of(self, path: str) -> AnyJoin | None:
         """Returns the join that a path of the source starts with."""
@@ -168,13 +169,13 @@ class Ends:
                 yield from (word.strip() for word in assignment.target.split(","))
 
     @functools.cached_property
-    def _surroundings(self) -> set[object]:
+    def _containers(self) -> set[object]:
         """The containers around the target paths that assignments write to."""
         return {container for path in self._targets() for container in self.target.around(path)}
 
     def is_made(self, path: str) -> bool:
         """Whether all that stands around a target path is there, since assignments make it."""
-        return self.target.around(path) <= self._surroundings
+        return self.target.around(path) <= self._containers
 
     def is_alone(self, path: str) -> bool:
         """Tells whether at most one assignment writes to a target path, or within it."""
@@ -184,6 +185,11 @@ class Ends:
         """Returns Python for the initial value of a target at a path."""
         new_target = "expected" if self.target.around(path) else f"{self.view.target_name}()"
         return self.target.place(path).code.replace("target", new_target, 1)
+
+    def as_made(self, path: str) -> list[str]:
+        """Returns the assertions that the target has its initial value at a path."""
+        place = self.target.place(path)
+        return [*has_place(place), equals(place.code, self.default(path))]
 
     def defaults(self, paths: Iterable[str]) -> list[str]:
         """Returns the statements that `default` needs for paths: those that make `expected`."""
