@@ -22,7 +22,8 @@ from jausml.language.semantics.connections.calls import (
     takes,
 )
 from jausml.language.semantics.directions import TO_JAUS
-from jausml.language.semantics.jaus.services import code, with_inherited
+from jausml.language.semantics.jaus.inheritance import with_inherited
+from jausml.language.semantics.jaus.services import code
 from jausml.language.semantics.names import words
 from jausml.language.semantics.paths.ros_paths import ros_name
 

@@ -15,8 +15,8 @@ from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model import Model
 from jausml.language.model.names import name_of
 from jausml.language.semantics.jaus.core_services import CORE
+from jausml.language.semantics.jaus.inheritance import lineage
 from jausml.language.semantics.jaus.inherited_machines import CORE_MACHINE
-from jausml.language.semantics.jaus.services import lineage
 from jausml.language.semantics.names import LONGEST, package_key, snake_case
 from jausml.language.text.reading.declared_messages import FIRST_CODE
 from jausml.language.validation.rules.bridge.maps import decisions_made

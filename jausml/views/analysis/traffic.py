@@ -16,7 +16,8 @@ from jausml.language.semantics.connections.reports import passed_rate, requested
 from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.hosts import host_of
 from jausml.language.semantics.jaus.core_services import standard_services
-from jausml.language.semantics.jaus.services import code, with_inherited
+from jausml.language.semantics.jaus.inheritance import with_inherited
+from jausml.language.semantics.jaus.services import code
 from jausml.language.semantics.paths.scopes import parse_path, spelled_out, target_paths
 from jausml.views.analysis.sizes import Assumptions, Size, jaus_size, runtime_constants
 from jausml.views.analysis.streams import (

@@ -21,6 +21,7 @@ from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model.comparison import NOTHING, Difference, Policy, compare
 from jausml.language.model.diagnostics import Diagnostic, Location, RuleInfo, Severity
 from jausml.language.model.model import Model
+from jausml.language.semantics.jaus.inheritance import with_inherited
 from jausml.language.semantics.jaus.inherited_machines import (
     Machine,
     is_core_trigger,
@@ -28,7 +29,6 @@ from jausml.language.semantics.jaus.inherited_machines import (
     states_of,
 )
 from jausml.language.semantics.jaus.machines import described
-from jausml.language.semantics.jaus.services import with_inherited
 
 UNSAID = {"frame": "unstated", "moves": "True", "documentation": NOTHING}
 """Features for which JSIDL has no place everywhere, and what an import says of them then.
