@@ -26,6 +26,7 @@ from jausml_generators.bridge.translation.places import (
     MarkerOperand,
     PathError,
     Place,
+    Requirement,
 )
 
 _STEP = re.compile(r"(?P<name>[A-Za-z]\w*)(?:\[(?P<index>\d+)\])?")
@@ -81,7 +82,7 @@ class RosField:
     field: ros.Field | None
     constants: tuple[tuple[str, str], ...]
     elements: tuple[tuple[Longer, ros.Field], ...]
-    conditions: tuple[Condition, ...]
+    conditions: tuple[Requirement, ...]
     owner: Place
 
 
