@@ -26,17 +26,14 @@ from jausml.proving.layout import (
 from jausml.proving.positions import positions_of, spread_positions
 from jausml.proving.round_trips import RoundTrip
 
-_WATCHED = 8
-"""How many numbers of the other message are followed, of those that depend on one."""
+_WATCHED = 8  # how many numbers of the other message are followed, of those that depend on one
 
 _PROBES, _ALL = 48, 256
 """Values that are tried to see whether a scaled number or a float matters, and any other one."""
 
-_OPTIONS = 16
-"""Options of variants that are tried at most."""
+_OPTIONS = 16  # options of variants that are tried at most
 
-_LONGEST = 8
-"""How many elements usual lists have at most."""
+_LONGEST = 8  # how many elements usual lists have at most
 
 _ANGLES = {"radian", "rad"}
 

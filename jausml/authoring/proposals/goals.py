@@ -28,8 +28,7 @@ from jausml.language.semantics.names import words
 from jausml.language.semantics.paths.ros_paths import ros_name
 
 _REASON = ("error_msg", "error_message", "message", "reason", "status_message")
-_DEEPEST = 2
-"""How many messages a list of a goal may lie in, as that of a nav_msgs/Path does."""
+_DEEPEST = 2  # how many messages a list of a goal may lie in, as that of a nav_msgs/Path does
 
 _LEFT, _DONE = frozenset({"remaining", "left"}), frozenset({"current", "index", "active"})
 

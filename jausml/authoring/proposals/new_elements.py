@@ -25,8 +25,7 @@ _LAST = 254
 _LONGEST_BEGIN = LONGEST - 10
 """Letters of a name before its number, which would be cut off otherwise."""
 
-_FIRST = (100, 1)
-"""Subsystem and node of the first component of a model."""
+_FIRST = (100, 1)  # subsystem and node of the first component of a model
 
 
 def free_name(wanted: str, taken: Iterable[str]) -> str:

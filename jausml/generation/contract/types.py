@@ -21,8 +21,7 @@ from jausml.generation.contract.symbols import (
 from jausml.generation.contract.syntax import absolute, is_decorated_by
 
 _LISTS = {"list", "List", "Sequence", "Iterable", "Collection", "tuple", "deque"}
-_DEPTH = 20
-"""Steps from a name to what it means, beyond which nothing is told of it."""
+_DEPTH = 20  # steps from a name to what it means, beyond which nothing is told of it
 
 
 @dataclass(frozen=True)
