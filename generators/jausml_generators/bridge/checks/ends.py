@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
@@ -35,6 +35,9 @@ AnyJoin: TypeAlias = "JoinView | ReportJoinView"
 @dataclass(frozen=True)
 class Ends:
     """A connection with its messages under the names that they have in tests.
+
+    Where methods take names of joins, these are those in Python, and a variable of each name is
+    there, which has the message of the join.
 
     Attributes:
         name: Its name in Python, or what stands for it.
@@ -197,62 +200,41 @@ class Ends:
         expected = self.message("expected", is_ros=self.to_ros)
         return expected.fill(dict.fromkeys(within)) if within else []
 
-    def translated(self, join_names: Iterable[str] = ()) -> list[str]:
-        """Returns the statements that translate `source` into `target`.
-
-        Args:
-            join_names: Names of joins, in Python, whose message is a variable of that name.
-        """
-        present = set(join_names)
+    def translated(self, join_names: Collection[str] = ()) -> list[str]:
+        """Returns the statements that translate `source` into `target`."""
         return [
-            *self.joined(present),
-            store("target", self.call("source", present)),
+            *self.joined(join_names),
+            store("target", self.call("source", join_names)),
             f"assert isinstance(target, {self.view.target_name})",
         ]
 
-    def refused(self, error: str, before: str = "", join_names: Iterable[str] = ()) -> list[str]:
+    def refused(self, error: str, before: str = "", join_names: Collection[str] = ()) -> list[str]:
         """Returns the statements that show that `source` is not translated.
 
         Args:
             before: What keeps the error, e.g. ` as caught`.
-            join_names: Names of joins, in Python, whose message is a variable of that name.
         """
-        present = set(join_names)
-        refusal = f"with pytest.raises({error}){before}:\n    {self.call('source', present)}"
-        return [*self.joined(present), refusal]
+        call_text = self.call("source", join_names)
+        refusal = f"with pytest.raises({error}){before}:\n    {call_text}"
+        return [*self.joined(join_names), refusal]
 
-    def call(self, source: str, join_names: Iterable[str] = ()) -> str:
-        """Returns the call that translates a message.
-
-        Args:
-            source: The message, as Python text.
-            join_names: Names of joins, in Python, whose message is a variable of that name.
-        """
+    def call(self, source: str, join_names: Collection[str] = ()) -> str:
+        """Returns the call that translates a message, which is given as Python text."""
         return call(f"bridge.translate_{self.name}", source, *self.join_arguments(join_names))
 
-    def join_arguments(self, join_names: Iterable[str] = ()) -> list[str]:
-        """Returns the arguments that give joined messages to a translation.
-
-        Args:
-            join_names: Names of joins, in Python, whose message is a variable of that name.
-        """
-        present = set(join_names)
+    def join_arguments(self, join_names: Collection[str] = ()) -> list[str]:
+        """Returns the arguments that give joined messages to a translation."""
         return [
-            f"{join.name}={join.name if self._is_given(join, present) else 'None'}"
+            f"{join.name}={join.name if self._is_given(join, join_names) else 'None'}"
             for join in self.view.joins
         ]
 
-    def joined(self, join_names: Iterable[str] = ()) -> list[str]:
-        """Returns the statements that make joined messages without which nothing is translated.
-
-        Args:
-            join_names: Names of joins, in Python, whose message is there.
-        """
-        present = set(join_names)
+    def joined(self, join_names: Collection[str] = ()) -> list[str]:
+        """Returns the statements that make joined messages without which nothing is translated."""
         return [
             line
             for join in self.view.joins
-            if join.name not in present and self._is_given(join, present)
+            if join.name not in join_names and self._is_given(join, join_names)
             for line in self.joined_message(join).fill(self._needed(join))
         ]
 
@@ -270,8 +252,8 @@ class Ends:
         return values
 
     @staticmethod
-    def _is_given(join: AnyJoin, present: set[str]) -> bool:
-        return join.name in present or join.join.whenStale.name == "dropMessage"
+    def _is_given(join: AnyJoin, join_names: Collection[str]) -> bool:
+        return join.name in join_names or join.join.whenStale.name == "dropMessage"
 
 
 def _usual(place: Place) -> Scalar:
