@@ -66,7 +66,7 @@ def _pause(pace: ReplayPace, key: str) -> None:
 
 def _rounds(bag: Bag, pace: ReplayPace, stop: Event, *, is_loop: bool) -> Iterator[RosMessage]:
     """Yields the messages of a recording when their time has come, once or forever."""
-    is_next = True
+    is_next = True  # but an empty recording is not gone through again
     while is_next and not stop.is_set():
         is_next = False
         for message in pace.messages(bag.messages()):

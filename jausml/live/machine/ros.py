@@ -66,11 +66,11 @@ def package_cure(name: str) -> str:
 
 def _rclpy() -> Finding:
     sourced = os.environ.get("ROS_DISTRO", "")
-    named = f"rclpy is installed{f', ROS_DISTRO is {sourced}' if sourced else ''}"
+    text = f"rclpy is installed{f', ROS_DISTRO is {sourced}' if sourced else ''}"
     if sourced in ("", *_DISTRIBUTIONS):
-        return Finding("ros", "rclpy", Verdict.OK, named)
+        return Finding("ros", "rclpy", Verdict.OK, text)
     cure = f"source /opt/ros/{distribution()}/setup.bash: bridges are for ROS 2 Jazzy and Kilted"
-    return Finding("ros", "rclpy", Verdict.WARNING, named, cure)
+    return Finding("ros", "rclpy", Verdict.WARNING, text, cure)
 
 
 def _middleware() -> Finding:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 
 from jausml_generators.bridge.checks.check import Chain, Check, holds, tidy
 from jausml_generators.bridge.checks.ends import Ends
@@ -65,35 +66,39 @@ def _passed(
     ends: Ends, sample: Sample, values: dict[str, Scalar], path: str, chain: Chain
 ) -> Iterator[Check]:
     """Yields the check of what a target becomes where a message without a source passes."""
-    policy = _policy(chain)
-    target = chain.targets[0]
     if not all(map(ends.is_alone, chain.targets)):
         return
-    place = ends.target.place(target)
-    absent = [*ends.source.fill(values), *ends.translated()]
-    if policy in {"unstated", "leave"}:
-        outcome = ends.defaults(chain.targets)
-        for target_path in chain.targets:
-            text = ends.target.unknown(target_path) if policy == "unstated" else ""
-            own = ends.target.place(target_path)
-            outcome += has_value(own, own.parse(text)) if text else ends.as_made(target_path)
-        about = f"Without {path} {target} is as it is made, or says that it has no value."
-    elif policy == "receptionTime":
-        changed = holds(f"{place.code} != {ends.default(target)}")
-        outcome = [*ends.defaults([target]), changed]
-        about = f"Without {path} {target} is the time of reception."
-    elif policy == "useDefault" and len(chain.sources) == 1 and len(chain.targets) == 1:
-        try:
-            value = place.parse(str(chain.assignment.defaultValue or ""))
-        except ValueTextError:
-            return
-        outcome = has_value(place, value)
-        about = f"Without {path} {target} takes its default."
-    elif policy == "lastValue" and target in sample.expected:
-        outcome = has_value(place, sample.expected[target])
-        absent = [*ends.source.fill(sample.values), *ends.translated(), *absent]
-        about = f"Without {path} {target} keeps its last value."
-    else:
+    outcome = _outcome(ends, sample, chain)
+    if outcome is None:
         return
+    words, assertions = outcome
+    lines = [*ends.source.fill(values), *ends.translated(), *assertions]
+    if _policy(chain) == "lastValue":
+        lines = [*ends.source.fill(sample.values), *ends.translated(), *lines]
+    target = chain.targets[0]
     name = f"{ends.name}_{short_name(target)}_without_{short_name(path)}"
-    yield Check(name, about, tidy((*absent, *outcome)))
+    yield Check(name, f"Without {path} {target} {words}.", tidy(lines))
+
+
+def _outcome(ends: Ends, sample: Sample, chain: Chain) -> tuple[str, list[str]] | None:
+    """Returns what targets become without a source, in words and as assertions; None if unknown."""
+    target = chain.targets[0]
+    place = ends.target.place(target)
+    match _policy(chain):
+        case "unstated" | "leave" as policy:
+            assertions = ends.defaults(chain.targets)
+            for path in chain.targets:
+                text = ends.target.unknown(path) if policy == "unstated" else ""
+                own = ends.target.place(path)
+                assertions += has_value(own, own.parse(text)) if text else ends.as_made(path)
+            return "is as it is made, or says that it has no value", assertions
+        case "receptionTime":
+            changed = holds(f"{place.code} != {ends.default(target)}")
+            return "is the time of reception", [*ends.defaults([target]), changed]
+        case "useDefault" if len(chain.sources) == len(chain.targets) == 1:
+            with suppress(ValueTextError):
+                value = place.parse(str(chain.assignment.defaultValue or ""))
+                return "takes its default", has_value(place, value)
+        case "lastValue" if target in sample.expected:
+            return "keeps its last value", has_value(place, sample.expected[target])
+    return None

@@ -24,8 +24,9 @@ def _plan(
 ) -> object:
     verdict = context.verdicts.of(file)
     folder = _out(context, file, out)
-    why = _obstacle(context, verdict)
-    return Planned(str(folder), problems=why) if why else plan(verdict.report, folder, force=force)
+    if why := _obstacle(context, verdict):
+        return Planned(str(folder), problems=why)
+    return plan(verdict.report, folder, force=force)
 
 
 def _obstacle(context: StudioContext, verdict: Verdict) -> str:
@@ -36,8 +37,7 @@ def _obstacle(context: StudioContext, verdict: Verdict) -> str:
 def _report(context: StudioContext, file: str) -> Report:
     """Returns the report on a file, of which code may be made if that has no errors."""
     verdict = context.verdicts.of(file)
-    why = _obstacle(context, verdict)
-    if why:
+    if why := _obstacle(context, verdict):
         raise AnswerError(why)
     return verdict.report
 

@@ -185,6 +185,7 @@ class Reporting(Stopping):
         ]
 
     def _values(self, now: float, faults: list[TopicFault]) -> tuple[tuple[str, str], ...]:
+        """Returns the names and values that diagnostics show, in their order."""
         counts = self.statistics
         age = "never" if counts.last_arrival is None else f"{now - counts.last_arrival:.3f}"
         return (
@@ -226,6 +227,7 @@ class Reporting(Stopping):
         return faults
 
     def _facts(self, former: _Totals, present: _Totals, faults: list[TopicFault]) -> Facts:
+        """Returns what the state is judged by."""
         is_heard = self.statistics.last_arrival is not None
         # Where messages arrive and none has passed yet, the reason is a join without a message.
         has_begun = is_heard and self.stopped in (StopReason.START, StopReason.INACTIVE)
