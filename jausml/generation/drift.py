@@ -15,8 +15,8 @@ from jausml.generation.contract.finding import File, Finding, FindingKind
 from jausml.generation.contract.imports import Surroundings
 from jausml.generation.contract.interface import Interface
 from jausml.generation.contract.overrides import compare_class
-from jausml.generation.contract.scopes import SourceProblem, absolute, tree_of
 from jausml.generation.contract.symbols import Class, Module
+from jausml.generation.contract.syntax import SourceProblem, absolute, tree_of
 from jausml.generation.contract.types import Types
 from jausml.generation.contract.uses import misfits
 from jausml.generation.manifest import Manifest, find_python, inspect

@@ -26,8 +26,7 @@ SOURCE = Path("core", "core.cpp")
 LIBRARY = "_core.so"
 
 _DIGEST = b'jausml_digest[] = "'
-_LONGEST_BUILD = 600.0
-"""Seconds after which a compiler is given up."""
+_LONGEST_BUILD = 600.0  # seconds after which a compiler is given up
 
 
 class State(Enum):

@@ -25,6 +25,10 @@ class Primitive:
 
     Attributes:
         code: Format character of `struct`.
+        size: Bytes.
+        python: Type in Python.
+        zero: The value 0 as Python text.
+        idl: Type by rosidl in `get_fields_and_field_types`.
     """
 
     code: str
@@ -53,9 +57,12 @@ class FieldLayout:
     """A field of a message.
 
     Attributes:
-        array: `single`, `fixedArray`, `boundedSequence` or `unboundedSequence`.
+        array: How many it has: `single`, `fixedArray`, `boundedSequence` or `unboundedSequence`.
+        count: Elements of a fixed array, most elements of a bounded sequence; else 0.
+        primitive: Type of a number, or of the elements; None for others.
         text: `string` or `wstring`; empty for others.
         bound: Most characters of a text; 0 without a limit.
+        message: Type of a message inside; None for others.
         default: Default of the model as Python value; None without one.
     """
 
@@ -117,15 +124,9 @@ def _field(field: ros.Field) -> FieldLayout:
         raise CdrError(f"field {name} has no type")
     kind = field.type.name
     default = None if field.defaultValue is None else _default(field.defaultValue, kind, array)
-    return FieldLayout(
-        name,
-        array,
-        field.arraySize,
-        PRIMITIVES.get(kind),
-        kind if kind in TEXTS else "",
-        field.stringBound,
-        default=default,
-    )
+    text = kind if kind in TEXTS else ""
+    number, bound = PRIMITIVES.get(kind), field.stringBound
+    return FieldLayout(name, array, field.arraySize, number, text, bound, default=default)
 
 
 def _default(text: str, kind: str, array: str) -> Any:
@@ -155,6 +156,7 @@ def _collect(
     types: dict[ros.MessageType, None],
     around: tuple[ros.MessageType, ...],
 ) -> None:
+    """Adds a type behind those of the messages inside it."""
     if message in around:
         raise CdrError(f"ROS type {full_name(message)} contains itself")
     if message not in types:

@@ -13,14 +13,9 @@ from jausml.language.semantics.connections.calls import driver_messages
 from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.jaus.commands import Guard, guard_of, guard_of_receivers
 from jausml.language.semantics.jaus.core_services import CORE, SERVED_BY_RUNTIME, standard_services
+from jausml.language.semantics.jaus.inheritance import lineage, with_inherited
 from jausml.language.semantics.jaus.inherited_machines import Machine, machines_of
-from jausml.language.semantics.jaus.services import (
-    find_same,
-    lineage,
-    provided_services,
-    service_versions,
-    with_inherited,
-)
+from jausml.language.semantics.jaus.services import find_same, provided_services, service_versions
 from jausml.model_checking.bridge_products import CommandingProduct, ObeyingProduct
 from jausml.model_checking.runtime_machines import CommandConnection, CoreServices
 from jausml.model_checking.search import Product

@@ -22,8 +22,7 @@ FOLDER = "JAUSML_WORKSPACE"
 _BEFORE = 1_000_000_000
 """Time of unchanged files: what was compiled of another text must never pass for that of a file."""
 
-_LONGEST = 120
-"""Seconds that the tests of a package may take; what hangs was noticed too."""
+_LONGEST = 120  # seconds that the tests of a package may take; what hangs was noticed too
 
 _PRELOADED = ("pytest", "_pytest.assertion.rewrite", "hypothesis.strategies", "rclpy.node")
 _ARGUMENTS = ("-q", "-x", "--tb=line", "-c", os.devnull, "--rootdir", ".", "-p", "no:cacheprovider")

@@ -22,11 +22,9 @@ from jausml.proving.round_trips import round_trips
 from jausml.proving.running import Settings, prove
 
 _MODEL_CHECK_STATES = 100_000
-_MODEL_CHECK_BUDGET = 10.0
-"""Seconds; what is not searched by then is no finding here."""
+_MODEL_CHECK_BUDGET = 10.0  # seconds; what is not searched by then is no finding here
 
-_PROOF_BUDGET = 1.0
-"""Seconds for all values of wide numbers; a mistake shows in the chosen ones."""
+_PROOF_BUDGET = 1.0  # seconds for all values of wide numbers; a mistake shows in the chosen ones
 
 
 class ModelCheckOracle:

@@ -31,8 +31,7 @@ _STAMP = {
 SHARES = (0.6, 0.5, 0.25, 0.1, 0.9, 0.0)
 """Where between its limits the usual value of a number may lie: best at no zero and no extreme."""
 
-_SPAN = 20
-"""Of how many integers the usual one is taken."""
+_SPAN = 20  # of how many integers the usual one is taken
 
 _REAL = 1.25
 _ENCAPSULATION = b"\0\1\0\0"

@@ -11,6 +11,7 @@ from jausml.language.semantics.paths.jaus_paths import JausPlace
 from jausml.language.semantics.paths.ros_paths import RosPlace
 from jausml.language.semantics.paths.scopes import PathScope, outer_scope
 from jausml.proving.compiled_form import CompiledForm, ProofCode, Sweep
+from jausml.proving.inputs import Input, inputs
 from jausml.proving.layout import (
     FLOAT,
     JAUS,
@@ -23,19 +24,16 @@ from jausml.proving.layout import (
     Usual,
 )
 from jausml.proving.positions import positions_of, spread_positions
-from jausml.proving.round_trips import Input, RoundTrip, inputs
+from jausml.proving.round_trips import RoundTrip
 
-_WATCHED = 8
-"""How many numbers of the other message are followed, of those that depend on one."""
+_WATCHED = 8  # how many numbers of the other message are followed, of those that depend on one
 
 _PROBES, _ALL = 48, 256
 """Values that are tried to see whether a scaled number or a float matters, and any other one."""
 
-_OPTIONS = 16
-"""Options of variants that are tried at most."""
+_OPTIONS = 16  # options of variants that are tried at most
 
-_LONGEST = 8
-"""How many elements usual lists have at most."""
+_LONGEST = 8  # how many elements usual lists have at most
 
 _ANGLES = {"radian", "rad"}
 

@@ -10,11 +10,9 @@ from jausml.proving.layout import FLOAT, Number
 SEED = 5684
 """Begins the random values, so that each run tries the same ones."""
 
-_NEIGHBOURS = 64
-"""How many neighbours of an end are tried."""
+_NEIGHBOURS = 64  # how many neighbours of an end are tried
 
-_LARGEST_USUAL = 400.0
-"""Random floats lie within plus and minus this."""
+_LARGEST_USUAL = 400.0  # random floats lie within plus and minus this
 
 _NOTABLE_REALS = (
     0.5,

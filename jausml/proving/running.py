@@ -40,8 +40,7 @@ WIDEST = 32
 _DIRECTED, _DIRECTED_OF_MORE = 1 << 16, 1 << 14
 """How many values are tried of wide numbers, and of those of which there is no trying all."""
 
-_TRIED = 1 << 18
-"""Values by which it is found out how long all would take."""
+_TRIED = 1 << 18  # values by which it is found out how long all would take
 
 
 @dataclass(frozen=True)

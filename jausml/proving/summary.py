@@ -24,15 +24,13 @@ from jausml.proving.results import (
 from jausml.proving.round_trips import RoundTrip, assignment_of, is_alone, is_held
 from jausml.views.pages import page
 
-_COMPARED = 300
-"""How many values go through both forms, besides those that Python alone treats."""
+_COMPARED = 300  # how many values go through both forms, besides those that Python alone treats
 
 EXAMPLES = 64
 """Of how many values of wide numbers the Python form tells what it does with them."""
 
 _STEPS = 1.5
-_SINGLE = 2.0**-23
-"""Part of a number by which its neighbour in single precision differs."""
+_SINGLE = 2.0**-23  # part of a number by which its neighbour in single precision differs
 
 _CLAMP = "clamp "
 

@@ -19,7 +19,7 @@ from jausml.language.semantics.jaus.commands import (
     obeys_controller_alone,
 )
 from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
-from jausml.language.semantics.jaus.services import with_inherited
+from jausml.language.semantics.jaus.inheritance import with_inherited
 from jausml.language.semantics.paths.scopes import sound_connections
 from jausml.language.semantics.subject import Subject
 from jausml.safety_case.evidence import FAULT_RUNS, MODEL_CHECK, MUTATIONS, PROOF, TEST_RUN

@@ -35,8 +35,7 @@ _ROOM = {_GOAL: 170, _STRATEGY: 160, _SOLUTION: 92, _CONTEXT: 170, _JUSTIFICATIO
 """Width of texts, in pixels."""
 
 _LEGEND = "diamond: undeveloped · dashed circle: evidence against · ellipse: reason of a person"
-_AT_ONCE = 4
-"""Goals of a picture, as many as can be read on a page."""
+_AT_ONCE = 4  # goals of a picture, as many as can be read on a page
 
 _PADDING, _SLANT, _DIAMOND, _MOST_LINES = 9, 14, 9, 8
 STYLE = style("light") + (

@@ -15,9 +15,9 @@ from ports import free_port
 
 from jausml import installing
 from jausml.cli import main
+from jausml.live.machine.programs import PROGRAMS
 from jausml.live.peers.makes.rover import JausPlusPlus
 from jausml.live.peers.makes.vehicle import Place, Vehicle
-from jausml.live.programs import PROGRAMS
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.settings import TransportSettings
 from jausml.views.diagrams.writers import svg
@@ -111,7 +111,7 @@ def test_a_receive_buffer_that_the_kernel_does_not_grant(
 ):
     limit = tmp_path / "rmem_max"
     limit.write_text(f"{TransportSettings().receive_buffer - missing}\n")
-    monkeypatch.setattr("jausml.live.machine._LIMIT", limit)
+    monkeypatch.setattr("jausml.live.machine.network._BUFFER_LIMIT", limit)
     status, checks = doctor("--port", free_port())
     assert status == 0
     assert checks["network", "receive buffer"]["verdict"] == verdict
@@ -183,7 +183,7 @@ def test_keys_of_ros(doctor, monkeypatch, tmp_path, made, strategy, verdict):
 def test_shared_memory_that_is_nearly_full_is_told(doctor, monkeypatch):
     _, checks = doctor("--port", free_port())
     assert checks["ros", "shared memory"]["verdict"] == "ok"
-    monkeypatch.setattr("jausml.live.machine._SHARED_BY_A_NODE", 1 << 60)
+    monkeypatch.setattr("jausml.live.machine.ros._SHARED_BY_A_NODE", 1 << 60)
     status, checks = doctor("--port", free_port())
     assert (status, checks["ros", "shared memory"]["verdict"]) == (0, "warning")
     assert "KiB left" in checks["ros", "shared memory"]["text"]
@@ -195,10 +195,12 @@ def test_extras_are_those_that_verbs_need(doctor, monkeypatch, tmp_path):
         *("version", "diagram", "studio", "editor", "top", "record")
     }
     assert checks["python", "diagram"]["verdict"] == "ok"
-    monkeypatch.setattr("jausml.live.machine._is_installed", lambda name: name != "graphviz-pure")
+    monkeypatch.setattr(
+        "jausml.live.machine.python.is_installed", lambda name: name != "graphviz-pure"
+    )
     _, checks = doctor("--port", free_port())
     assert checks["python", "diagram"]["cure"] == installing.command("diagram")
-    monkeypatch.setattr("jausml.live.machine._PAGE", tmp_path / "index.html")
+    monkeypatch.setattr("jausml.live.machine.python._PAGE_OF_THE_STUDIO", tmp_path / "index.html")
     _, checks = doctor("--port", free_port())
     assert checks["python", "studio"]["verdict"] == "note"
     assert "make wheel" in checks["python", "studio"]["cure"]

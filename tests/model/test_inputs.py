@@ -32,7 +32,7 @@ STREAMS = {
     "cli/shared/files.py": "lines of bounded length, by pipes too",
     "cli/live/recordings.py": "writes, and captures, large and by pipes",
     "live/recording/parts.py": "writes",
-    "live/machine.py": "a setting of the kernel",
+    "live/machine/network.py": "a setting of the kernel",
 }
 
 

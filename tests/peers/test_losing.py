@@ -9,7 +9,8 @@ from threading import Event, Thread
 import pytest
 import warm
 
-from jausml.live.peers.network import DEFAULT_GROUP, identified, make_network
+from jausml.live.peers.identity import identified
+from jausml.live.peers.network import DEFAULT_GROUP, make_network
 from jausml.live.peers.operator import running_operator
 from jausml.runtime import JausComponent
 from jausml.runtime.base.address import BROADCAST, JausAddress

@@ -6,7 +6,8 @@ from sweeps import sweep
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models
 from jausml.language.model.names import name_of
-from jausml.language.semantics.jaus.services import code, lineage
+from jausml.language.semantics.jaus.inheritance import lineage
+from jausml.language.semantics.jaus.services import code
 from jausml.language.text.notation import NOTATIONS
 
 NOTATION = pytest.mark.parametrize("notation", ["xmi", "text"])

@@ -25,7 +25,7 @@ import type_support
 
 from jausml.generation.native import compiler, first_program
 from jausml.language.interfaces import Installation
-from jausml.live.programs import PROGRAMS
+from jausml.live.machine.programs import PROGRAMS
 
 ROOT = Path(__file__).resolve().parents[2]
 SHARED = Path(os.environ.get("JAUSML_SHARED") or ROOT.parent / "shared")

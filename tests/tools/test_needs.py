@@ -11,7 +11,7 @@ from for_each import for_each
 from scripts import ran
 from sweeps import sweep
 
-from jausml.live.programs import PROGRAMS
+from jausml.live.machine.programs import PROGRAMS
 
 ROOT = Path(__file__).resolve().parents[2]
 

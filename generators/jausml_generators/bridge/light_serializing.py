@@ -16,11 +16,35 @@ where `row1` has x and the length of the name. A run has a layout for each of th
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 from jausml.language.cdr import FieldLayout, Sizes, fields_of
 from jausml.language.metamodel.classes import ros
 from jausml_generators.python.names import Scope, snake_case
 from jausml_generators.python.statements import call, long_string
+
+
+@dataclass(frozen=True)
+class _TextForm:
+    """How a type of texts is serialized: the functions for one and for several, and its unit.
+
+    Attributes:
+        size: Bytes of a character, by which its length is counted.
+    """
+
+    read: str
+    read_many: str
+    encode: str
+    write_many: str
+    size: int
+
+
+_TEXT_FORMS = {
+    "string": _TextForm("cdr_.text", "cdr_.texts", "cdr_.encoded", "cdr_.put_texts", 1),
+    "wstring": _TextForm(
+        "cdr_.wide_text", "cdr_.wide_texts", "cdr_.wide", "cdr_.put_wide_texts", 4
+    ),
+}
 
 
 def reading_lines(
@@ -95,9 +119,10 @@ class _Reader:
         if field.message is None:
             length = self._item("I")
             self.flush()
-            if field.text == "string":
-                return self._read(call("cdr_.text", "data", "offset", length))
-            return self._read(call("cdr_.wide_text", "data", "offset", length, "order"))
+            form = _TEXT_FORMS[field.text]
+            # The order of the bytes matters where a character has several.
+            order = ["order"] if form.size > 1 else []
+            return self._read(call(form.read, "data", "offset", length, *order))
         name = self._class_of(field.message)
         if self._sizes.is_inlined(field.message):
             return call(name, *self.values(field.message))
@@ -111,7 +136,7 @@ class _Reader:
         if field.message is not None:
             function = f"{self._class_of(field.message)}._read_many"
         else:
-            function = "cdr_.texts" if field.text == "string" else "cdr_.wide_texts"
+            function = _TEXT_FORMS[field.text].read_many
         return self._read(call(function, "data", "offset", count, "order"))
 
     def _read(self, code: str) -> str:
@@ -129,18 +154,16 @@ def writing_lines(
     """Returns the body of a method that appends the message `self`, which begins at `offset`."""
     writer = _Writer(class_of, runs, sizes)
     writer.add(message, "self")
-    writer.flush()
-    *lines, last = writer.lines
-    if last.startswith("offset = "):
-        return (*lines, last.replace("offset =", "return", 1))
-    return (*lines, last, "return offset")
+    return writer.finish()
 
 
 class _Writer:
     def __init__(
         self, class_of: Callable[[ros.MessageType], str], runs: Runs, sizes: Sizes
     ) -> None:
-        self.lines: list[str] = []
+        self._lines: list[str] = []
+        # The offset behind the lines, as Python text; assigned when another line follows.
+        self._offset = "offset"
         self._class_of = class_of
         self._runs = runs
         self._sizes = sizes
@@ -161,17 +184,33 @@ class _Writer:
             else:
                 self._sequence(field, f"{place}.{field.name}")
 
-    def flush(self) -> None:
+    def finish(self) -> tuple[str, ...]:
+        """Returns all statements, of which the last returns the offset behind the message."""
+        self._flush()
+        return (*self._lines, f"return {self._offset}")
+
+    def _flush(self) -> None:
         """Adds the statements that write the numbers in a row so far."""
         if not self._items:
             return
-        self.lines += [
+        self._add(
             f"run = {self._runs.name_of(self._items)}[offset & 7]",
             call("append", call("run.pack", *self._values)),
             "offset += run.size",
-        ]
+        )
         self._items.clear()
         self._values.clear()
+
+    def _add(self, *lines: str) -> None:
+        if self._offset != "offset":
+            self._lines.append(f"offset = {self._offset}")
+            self._offset = "offset"
+        self._lines += lines
+
+    def _put(self, function: str, *arguments: str) -> None:
+        """Adds a call that appends bytes and returns the offset behind them."""
+        self._add()
+        self._offset = call(function, *arguments)
 
     def _item(self, item: str, value: str) -> None:
         self._items.append(item)
@@ -179,7 +218,7 @@ class _Writer:
 
     def _local(self, place: str, code: str) -> str:
         name = self._names.claim(snake_case(place.rpartition(".")[2]))
-        self.lines.append(f"{name} = {code}")
+        self._add(f"{name} = {code}")
         return name
 
     def _single(self, field: FieldLayout, place: str) -> None:
@@ -192,20 +231,19 @@ class _Writer:
             has_fields = len(field.message.fields) > 0
             self.add(field.message, self._local(place, place) if has_fields else place)
         else:
-            self.flush()
-            name = self._class_of(field.message)
-            self.lines.append(f"offset = {call(f'{name}._write', place, 'append', 'offset')}")
+            self._flush()
+            self._put(f"{self._class_of(field.message)}._write", place, "append", "offset")
 
     def _text(self, field: FieldLayout, place: str) -> None:
         bound = (str(field.bound),) if field.bound else ()
-        function = "cdr_.encoded" if field.text == "string" else "cdr_.wide"
-        name = self._local(place, call(function, place, *bound))
-        self._item("I", f"len({name})" if field.text == "string" else f"len({name}) // 4")
-        self.flush()
-        if field.text == "string":
-            self.lines += [f"append({name})", f"offset += len({name})"]
+        form = _TEXT_FORMS[field.text]
+        name = self._local(place, call(form.encode, place, *bound))
+        self._item("I", _count(name, form.size))
+        self._flush()
+        if form.size == 1:
+            self._add(f"append({name})", f"offset += len({name})")
         else:
-            self.lines.append(f"offset = {call('cdr_.put', 'append', 'offset', name, '4')}")
+            self._put("cdr_.put", "append", "offset", name, str(form.size))
 
     def _array(self, field: FieldLayout, place: str) -> None:
         count = str(field.count)
@@ -215,7 +253,7 @@ class _Writer:
             self._item(f"{field.count}{code}", raw)
             return
         name = self._local(place, call("cdr_.exactly", place, count))
-        self.flush()
+        self._flush()
         self._elements(field, name)
 
     def _sequence(self, field: FieldLayout, place: str) -> None:
@@ -225,23 +263,28 @@ class _Writer:
         if field.primitive is None:
             name = self._local(place, code)
             self._item("I", f"len({name})")
-            self.flush()
+            self._flush()
             self._elements(field, name)
             return
         size = field.primitive.size
         name = self._local(place, call("cdr_.raw", f'"{field.primitive.code}"', code))
-        self._item("I", f"len({name}) // {size}" if size > 1 else f"len({name})")
-        self.flush()
-        self.lines.append(f"offset = {call('cdr_.put', 'append', 'offset', name, str(size))}")
+        self._item("I", _count(name, size))
+        self._flush()
+        self._put("cdr_.put", "append", "offset", name, str(size))
 
     def _elements(self, field: FieldLayout, name: str) -> None:
         arguments = [name, "append", "offset"]
         if field.message is not None:
             function = f"{self._class_of(field.message)}._write_many"
         else:
-            function = "cdr_.put_texts" if field.text == "string" else "cdr_.put_wide_texts"
+            function = _TEXT_FORMS[field.text].write_many
             arguments += [str(field.bound)] if field.bound else []
-        self.lines.append(f"offset = {call(function, *arguments)}")
+        self._put(function, *arguments)
+
+
+def _count(octets: str, size: int) -> str:
+    """Returns the number of elements in octets, as Python text."""
+    return f"len({octets}) // {size}" if size > 1 else f"len({octets})"
 
 
 class Runs:

@@ -19,9 +19,9 @@ from jausml.language.semantics.jaus.core_services import (
     answers_for_subsystem,
     with_standard,
 )
+from jausml.language.semantics.jaus.inheritance import lineage
 from jausml.language.semantics.jaus.services import (
     inputs_by_name,
-    lineage,
     outputs_by_name,
     query_name,
     service_versions,

@@ -32,8 +32,7 @@ PROOF = "proof.hpp"
 """The header of sweeps."""
 
 _INDENT = "    "
-_SIZE = 4
-"""Bytes of numbers of which all values can be tried, but hardly in whole messages."""
+_SIZE = 4  # bytes of numbers of which all values can be tried, but hardly in whole messages
 
 
 class _NoSweepError(Exception):

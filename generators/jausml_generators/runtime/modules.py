@@ -19,8 +19,7 @@ from jausml.generation.artifact import CANNOT_PARSE
 from jausml_generators.python.package import FACE
 
 _FOLDER = Path(jausml.__file__).parent / "runtime"
-_WHOLE = "*"
-"""Stands for all names of a package."""
+_WHOLE = "*"  # stands for all names of a package
 _GAP = r"[ \t]+"
 _FROM = rf"(?:from{_GAP}\S+{_GAP})?import{_GAP}"
 _IMPORT = re.compile(rf"^[ \t]*({_FROM}(?:\([^)]*\)|.*))$", re.MULTILINE)

@@ -52,8 +52,7 @@ _ON_THE_WIRE = (
     "jaus.EnumeratedValue",
 )
 
-_OFF_THE_WIRE = {"name", "documentation"}
-"""The features of a field that do not matter on the wire."""
+_OFF_THE_WIRE = {"name", "documentation"}  # the features of a field that do not matter on the wire
 
 _SEEN = (
     "jaus.Component",
@@ -107,8 +106,7 @@ _NAMED_IN_CODE = (
 )
 """Elements whose names are those of generated modules, classes, methods or parameters."""
 
-_GROWING = {"provides", "inherits"}
-"""Features to which values may be added without harm to anybody."""
+_GROWING = {"provides", "inherits"}  # features to which values may be added without harm to anybody
 
 
 class Kind(Enum):

@@ -23,8 +23,7 @@ from jausml.views.diagrams.graph import ADDED, CHANGED, REMOVED, Edge, End, Grap
 PartT = TypeVar("PartT", Node, Port, Group)
 
 _SIGNS = {ADDED: "+", REMOVED: "\N{MINUS SIGN}", CHANGED: "~"}
-_OLD = "old!"
-"""Before the ids of parts that the new state has no more."""
+_OLD = "old!"  # before the ids of parts that the new state has no more
 
 
 @dataclass(frozen=True)

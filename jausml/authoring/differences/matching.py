@@ -16,8 +16,7 @@ from jausml.language.model.names import name_of, with_owners
 
 _KEYS = ("target", "path", "jaus", "value", "index", "text")
 """Attributes that tell elements without a name apart, the first that a class has."""
-_MOST = 60
-"""Elements of one list that are compared with each other to find renamed ones."""
+_MOST = 60  # elements of one list that are compared with each other to find renamed ones
 _ALIKE = 0.5
 """Share of the facts of two elements that must be equal for one to be the other, renamed."""
 

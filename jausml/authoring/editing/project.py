@@ -28,12 +28,10 @@ from jausml.language.model.reading.reader import ReadResult, read_models
 from jausml.language.model.refs import Ref
 from jausml.language.text.notation import NOTATIONS
 
-_ATTEMPTS = 3
-"""Times that commands are planned again when other programs change files meanwhile."""
+_ATTEMPTS = 3  # times that commands are planned again when other programs change files meanwhile
 
 
-_OUTSIDE = "JML209"
-"""The rule by which a file outside of the root is not read."""
+_OUTSIDE = "JML209"  # the rule by which a file outside of the root is not read
 
 
 def _folder_of_all(path: Path) -> Path:

@@ -25,7 +25,7 @@ from jausml.language.metamodel.classes import jaus, ros
 from jausml.language.model.names import qualified_name
 from jausml.language.model.values import show
 from jausml.language.semantics.conversions import CONVERSIONS
-from jausml.language.semantics.jaus.services import with_inherited
+from jausml.language.semantics.jaus.inheritance import with_inherited
 from jausml.language.text.reading.imports import library_files, library_maps
 from jausml.language.text.reading.parsing import parsed_text
 from jausml.language.text.tree import Assignment, Direction, Element, End, Feature, Name, snake_case

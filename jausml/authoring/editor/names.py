@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from itertools import takewhile
 
 from jausml.authoring.editor.context import class_of, class_of_value, feature_named, table
 from jausml.authoring.editor.places import Place, is_within
@@ -11,8 +12,8 @@ from jausml.language.metamodel import ClassTable
 from jausml.language.semantics.conversions import CONVERSIONS, Argument
 from jausml.language.text import tree
 
+# Keyword and class of what source paths may begin with, by whether they lead to ROS.
 _JOINS = {True: ("report_join", "bridge.ReportJoin"), False: ("join", "bridge.Join")}
-"""Keyword and class of what source paths may begin with, by whether they lead to ROS."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +39,13 @@ class Declaration:
 
 @dataclass(frozen=True, slots=True)
 class Reference:
-    """A name that refers to an element."""
+    """A name that refers to an element.
+
+    Attributes:
+        wanted: The class of the element.
+        owners: The items around it, the outermost first.
+        is_first_step: Whether it is a path of which the first step is the name.
+    """
 
     name: tree.Name
     wanted: ClassTable
@@ -66,25 +73,23 @@ class Names:
 
     def declared_at(self, place: Place) -> Declaration | None:
         """Returns the declaration whose name is at a place."""
-        matches = (
-            declaration
-            for declaration in self.declarations
-            if is_within(declaration.name.span, place)
-        )
-        return next(matches, None)
+        for declaration in self.declarations:
+            if is_within(declaration.name.span, place):
+                return declaration
+        return None
 
     def reference_at(self, place: Place) -> Reference | None:
         """Returns the reference at a place."""
-        return next(
-            (reference for reference in self.references if is_within(reference.name.span, place)),
-            None,
-        )
+        for reference in self.references:
+            if is_within(reference.name.span, place):
+                return reference
+        return None
 
 
 def names_of(document: tree.SyntaxTree) -> Names:
     """Returns the names of a document."""
     collector = _Collector()
-    collector.items(document.items, None, None, ())
+    collector.items(document.items, None, ())
     return collector.names
 
 
@@ -103,12 +108,9 @@ def find(reference: Reference, names: Names) -> Declaration | None:
 
 
 def _shared(first: Sequence[tree.Item], second: Sequence[tree.Item]) -> int:
-    shared = 0
-    for one, other in zip(first, second, strict=False):
-        if one is not other:
-            break
-        shared += 1
-    return shared
+    """Returns how many owners two sequences have in common, from the outermost on."""
+    pairs = zip(first, second, strict=False)
+    return sum(1 for _ in takewhile(lambda pair: pair[0] is pair[1], pairs))
 
 
 class _Collector:
@@ -116,21 +118,23 @@ class _Collector:
 
     def __init__(self) -> None:
         self.names = Names()
-        self._of_map: dict[str, set[str]] = {}
-        """The names of the joins of the map that is walked through, by keyword."""
+        # The names of the joins of the map that is walked through, by keyword.
+        self._joins_of_map: dict[str, set[str]] = {}
 
     def items(
-        self,
-        items: Iterable[tree.Item],
-        container: tree.Item | None,
-        owner: ClassTable | None,
-        owners: tuple[tree.Item, ...],
+        self, items: Iterable[tree.Item], own: ClassTable | None, owners: tuple[tree.Item, ...]
     ) -> None:
+        """Collects the names in some items.
+
+        Args:
+            own: The class of the element that has them; None for others, and for what is unknown.
+            owners: What is around them, the outermost first.
+        """
         for item in items:
             if isinstance(item, tree.Element):
-                self._element(item, class_of(item, owner), owners)
+                self._element(item, class_of(item, own), owners)
             elif isinstance(item, tree.Feature):
-                self._feature(item, container, owner, owners)
+                self._feature(item, own, owners)
             elif isinstance(item, tree.End):
                 wanted = table("jaus.MessageDef" if item.is_jaus else "ros.MessageType")
                 self._refer(item.type, wanted, owners)
@@ -140,7 +144,7 @@ class _Collector:
                 self._declare(item.name, table("bridge.TestVector"), item, owners)
                 self._joins([entry.path for entry in item.given], owners, to_ros=item.to_ros)
             elif isinstance(item, tree.Direction):
-                self.items(item.assignments, item, None, (*owners, item))
+                self.items(item.assignments, None, (*owners, item))
             elif isinstance(item, tree.Assignment):
                 self._assignment(item, owners)
 
@@ -149,20 +153,16 @@ class _Collector:
     ) -> None:
         if element.name is not None and own is not None:
             self._declare(element.name, own, element, owners)
-        around = self._of_map
+        around = self._joins_of_map
         if own is table("bridge.AttributeMap"):
-            self._of_map = _joins_in(element)
-        self.items(element.items, element, own, (*owners, element))
-        self._of_map = around
+            self._joins_of_map = _joins_in(element)
+        self.items(element.items, own, (*owners, element))
+        self._joins_of_map = around
 
     def _feature(
-        self,
-        feature: tree.Feature,
-        container: tree.Item | None,
-        owner: ClassTable | None,
-        owners: tuple[tree.Item, ...],
+        self, feature: tree.Feature, own: ClassTable | None, owners: tuple[tree.Item, ...]
     ) -> None:
-        known = feature_named(feature, container, owner)
+        known = feature_named(feature, owners[-1] if owners else None, own)
         for value in feature.values:
             if isinstance(value, tree.Element):
                 self._element(value, class_of_value(value, known), owners)
@@ -176,7 +176,7 @@ class _Collector:
             self._joins(paths, owners, to_ros=direction.to_ros)
         for call in assignment.conversions:
             self._call(call, owners)
-        self.items(assignment.items, assignment, None, (*owners, assignment))
+        self.items(assignment.items, None, (*owners, assignment))
 
     def _call(self, call: tree.Call, owners: tuple[tree.Item, ...]) -> None:
         conversion = CONVERSIONS.get(call.name.text)
@@ -191,7 +191,7 @@ class _Collector:
     ) -> None:
         """Notes paths that may begin with the name of a join of their map."""
         keyword, wanted = _JOINS[to_ros]
-        joins = self._of_map.get(keyword, ())
+        joins = self._joins_of_map.get(keyword, ())
         for path in paths:
             if path.text.partition(".")[0] in joins:
                 reference = Reference(path, table(wanted), owners, is_first_step=True)

@@ -44,8 +44,7 @@ from jausml.language.text.writing.spelling import word
 PAUSE = 0.3
 """Seconds without a change after which an open text is read as a model."""
 
-_SOURCE = "jausml"
-"""The finder of the problems that are shown."""
+_SOURCE = "jausml"  # the finder of the problems that are shown
 
 _SEVERITIES = {
     Severity.ERROR: types.DiagnosticSeverity.Error,

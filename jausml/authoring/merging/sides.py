@@ -18,8 +18,7 @@ from jausml.language.model import refs
 from jausml.language.model.model import Model
 from jausml.language.model.refs import Ref
 
-_MOST_NAMED = 3
-"""Changes of one element that the text of a conflict has at most."""
+_MOST_NAMED = 3  # changes of one element that the text of a conflict has at most
 
 Value: TypeAlias = "EObject | str | None"
 """A value that is equal on all sides: text as XMI has it; the element of the base, else of the side

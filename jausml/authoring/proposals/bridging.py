@@ -17,14 +17,13 @@ from jausml.language.semantics.connections.exchanges import EVENT, MESSAGE
 from jausml.language.semantics.directions import TO_JAUS, TO_ROS
 from jausml.language.semantics.jaus.commands import is_command, is_emergency
 from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
+from jausml.language.semantics.jaus.inheritance import lineage, with_inherited
 from jausml.language.semantics.jaus.services import (
     code,
     find_same,
-    lineage,
     provides_access_control,
     query_name,
     signature,
-    with_inherited,
 )
 from jausml.language.semantics.paths.ros_paths import ros_name
 

@@ -21,11 +21,11 @@ from jausml.language.semantics.jaus.commands import (
     obeys_controller_alone,
     responses,
 )
+from jausml.language.semantics.jaus.fields import attributes
+from jausml.language.semantics.jaus.inheritance import lineage
 from jausml.language.semantics.jaus.services import (
     ACCESS_CONTROL,
-    attributes,
     find_input,
-    lineage,
     provides_access_control,
     query_name,
 )

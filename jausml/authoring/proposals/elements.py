@@ -18,7 +18,8 @@ from jausml.language.model.names import around, name_of
 from jausml.language.model.values import suggest
 from jausml.language.project import library, own_instances
 from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
-from jausml.language.semantics.jaus.services import lineage, outputs
+from jausml.language.semantics.jaus.inheritance import lineage
+from jausml.language.semantics.jaus.services import outputs
 from jausml.language.semantics.paths.markers import in_words
 from jausml.language.semantics.paths.ros_paths import ros_name
 

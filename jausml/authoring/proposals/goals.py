@@ -22,13 +22,13 @@ from jausml.language.semantics.connections.calls import (
     takes,
 )
 from jausml.language.semantics.directions import TO_JAUS
-from jausml.language.semantics.jaus.services import code, with_inherited
+from jausml.language.semantics.jaus.inheritance import with_inherited
+from jausml.language.semantics.jaus.services import code
 from jausml.language.semantics.names import words
 from jausml.language.semantics.paths.ros_paths import ros_name
 
 _REASON = ("error_msg", "error_message", "message", "reason", "status_message")
-_DEEPEST = 2
-"""How many messages a list of a goal may lie in, as that of a nav_msgs/Path does."""
+_DEEPEST = 2  # how many messages a list of a goal may lie in, as that of a nav_msgs/Path does
 
 _LEFT, _DONE = frozenset({"remaining", "left"}), frozenset({"current", "index", "active"})
 

@@ -15,8 +15,8 @@ from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model import Model
 from jausml.language.model.names import name_of
 from jausml.language.semantics.jaus.core_services import CORE
+from jausml.language.semantics.jaus.inheritance import lineage
 from jausml.language.semantics.jaus.inherited_machines import CORE_MACHINE
-from jausml.language.semantics.jaus.services import lineage
 from jausml.language.semantics.names import LONGEST, package_key, snake_case
 from jausml.language.text.reading.declared_messages import FIRST_CODE
 from jausml.language.validation.rules.bridge.maps import decisions_made
@@ -25,8 +25,7 @@ _LAST = 254
 _LONGEST_BEGIN = LONGEST - 10
 """Letters of a name before its number, which would be cut off otherwise."""
 
-_FIRST = (100, 1)
-"""Subsystem and node of the first component of a model."""
+_FIRST = (100, 1)  # subsystem and node of the first component of a model
 
 
 def free_name(wanted: str, taken: Iterable[str]) -> str:

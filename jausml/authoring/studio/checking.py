@@ -20,14 +20,12 @@ from jausml.language.validation.rule import Report
 
 _LOG = logging.getLogger(__name__)
 
-_PAUSE = 5.0
-"""Seconds without a wish after which garbage of verdicts is collected."""
+_PAUSE = 5.0  # seconds without a wish after which garbage of verdicts is collected
 
 _STEPS = 20_000, 20, 1_000_000
 """Thresholds of the collector while a session runs: steps of some milliseconds, and never all."""
 
-_MOST_UNTIDY = 8
-"""Verdicts after which garbage is collected all the same: models are large."""
+_MOST_UNTIDY = 8  # verdicts after which garbage is collected all the same: models are large
 
 
 @dataclass(frozen=True)

@@ -1,12 +1,9 @@
-"""The context of request handlers: the project, its pictures and kept edits, and the pages."""
+"""Context of request handlers: what all requests of a studio are about."""
 
 from __future__ import annotations
 
-import logging
 import threading
-from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from itertools import count
@@ -19,6 +16,7 @@ from jausml.authoring.editing.records import Change, Freshness
 from jausml.authoring.proposals.elements import Scope
 from jausml.authoring.studio.checking import Verdict, Verdicts
 from jausml.authoring.studio.drawing import Drawings
+from jausml.authoring.studio.faults import Faults
 from jausml.authoring.studio.recordings import Recordings
 from jausml.authoring.studio.rpc import files_as_json, log_as_json
 from jausml.authoring.studio.views.trying import Trials
@@ -39,7 +37,13 @@ _MOST_KEPT = 64
 
 @dataclass(frozen=True)
 class KeptEdit:
-    """An edit that was not done."""
+    """An edit that was not done.
+
+    Attributes:
+        number: Its number among the kept ones, by which pages name it.
+        base: The revision of the project that it was made for.
+        why: Why it was not done.
+    """
 
     number: int
     label: str
@@ -60,9 +64,7 @@ def _file(command: Command) -> str:
     return refs.split(command.owner if isinstance(command, Add) else command.element)[0]
 
 
-_MOST_SHOWN = 8
-
-_MOST_FAULTS = 100
+_MOST_VIEWED = 8
 
 
 class ViewedFiles:
@@ -76,53 +78,26 @@ class ViewedFiles:
         """Remembers that someone looks at a file."""
         with self._lock:
             others = (other for other in self.files if other != file)
-            self.files = (file, *others)[:_MOST_SHOWN]
+            self.files = (file, *others)[:_MOST_VIEWED]
 
 
-class Faults(logging.Handler):
-    """Keeps what is logged of warnings and faults, with their tracebacks."""
-
-    def __init__(self) -> None:
-        super().__init__(logging.WARNING)
-        self._records: deque[dict[str, Any]] = deque(maxlen=_MOST_FAULTS)
-
-    @property
-    def all(self) -> list[dict[str, Any]]:
-        """The latest, the last one first."""
-        return list(self._records.copy())[::-1]
-
-    @contextmanager
-    def kept(self) -> Iterator[None]:
-        """Keeps what is logged as long as the context lasts."""
-        logger = logging.getLogger("jausml")
-        logger.addHandler(self)
-        try:
-            yield
-        finally:
-            logger.removeHandler(self)
-
-    def emit(self, record: logging.LogRecord) -> None:
-        """Keeps a record."""
-        formatted = logging.Formatter().formatException
-        entry = {
-            "time": record.created,
-            "level": record.levelname.lower(),
-            "text": record.getMessage(),
-            "details": formatted(record.exc_info) if record.exc_info else "",
-        }
-        self._records.append(entry)
-
-
+# The network of this computer alone.
 _USUAL = (DEFAULT_INTERFACE, DEFAULT_PORT, DEFAULT_GROUP, ())
-"""The network of this computer alone."""
 
 
 @dataclass
 class StudioContext:
     """The surroundings of request handlers.
 
-    `out`: where `generate` writes when nobody says otherwise, empty for its default.
-    `given_recordings`: those that pages may open beside the files of the project.
+    Attributes:
+        out: Where `generate` writes when nobody says otherwise, empty for its default.
+        network: The network on which live values are looked for.
+        subscribers: The pages.
+        given_recordings: Those that pages may open beside the files of the project.
+        sent_verdicts: The latest verdict of each file as pages know it.
+        pictures: The last picture of each view, by file and view.
+        kept: Edits that were not done, the oldest first; what changes something takes its turn.
+        followers: Are called when the project has changed.
     """
 
     project: Project
@@ -139,14 +114,10 @@ class StudioContext:
         self.recordings = Recordings(self.project.root, self.given_recordings)
         self.verdicts = Verdicts(self.project)
         self.sent_verdicts: dict[str, tuple[Verdict, dict[str, Any]]] = {}
-        """The latest verdict of each file as pages know it."""
         self.pictures: dict[tuple[str, str], dict[str, Any]] = {}
-        """The last picture of each view, by file and view."""
         self.kept: tuple[KeptEdit, ...] = ()
-        """Edits that were not done, the oldest first; what changes something takes its turn."""
-        self._numbers = count(1)
         self.followers: list[Callable[[], None]] = []
-        """Are called when the project has changed."""
+        self._numbers = count(1)
 
     def freshness(self, verdict: Verdict) -> Freshness:
         """Returns how current a verdict is: in conflict also when an edit of a file is kept."""
@@ -188,7 +159,8 @@ class StudioContext:
     def refresh(self, files: Iterable[str] = ()) -> None:
         """Reads changes of other programs, and reports them.
 
-        `files`: files that may have changed, relative to the root; without any, all.
+        Args:
+            files: Files that may have changed, relative to the root; without any, all.
         """
         self.notify_outside(self.project.refresh(files))
 
@@ -196,7 +168,7 @@ class StudioContext:
         """Tells of changes by other programs."""
         for change in changes:
             event = "conflict" if change.is_conflict else "outside"
-            is_gone = all(held.path != change.file for held in self.project.files)
+            is_gone = all(file.path != change.file for file in self.project.files)
             parameters = {"file": change.file, "diff": change.diff, "gone": is_gone}
             self.subscribers.notify(event, parameters)
         if changes:

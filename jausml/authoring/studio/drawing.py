@@ -19,11 +19,9 @@ from jausml.views.diagrams.writers import values
 
 _LOG = logging.getLogger(__name__)
 
-_MOST_PICTURES = 8
-"""Pictures of a view that are remembered: as many pages get differences."""
+_MOST_PICTURES = 8  # pictures of a view that are remembered: as many pages get differences
 
-_INTO = 60
-"""Pixels from the corner of a box to where one looks at it."""
+_INTO = 60  # pixels from the corner of a box to where one looks at it
 
 _LISTS = ("nodes", "groups", "edges")
 

@@ -18,6 +18,7 @@ from jausml.authoring.studio.checking import Checking, Verdict, prepare
 from jausml.authoring.studio.context import StudioContext
 from jausml.authoring.studio.handlers import (
     editing,
+    generating,
     modelling,
     partitioning,
     recordings,
@@ -31,7 +32,7 @@ from jausml.language.model.project import is_model_file
 from jausml.live.serving.rpc import Answering, Method
 from jausml.live.serving.sockets import PACE
 
-_MODULES = (showing, editing, modelling, partitioning, stepping, recordings)
+_MODULES = (showing, editing, generating, modelling, partitioning, stepping, recordings)
 _LOG = logging.getLogger(__name__)
 
 DEBOUNCE_MS, STEP_MS = 50, 10
@@ -45,7 +46,7 @@ def methods_of(context: StudioContext) -> dict[str, Method]:
         for module in _MODULES
         for name, answer in module.METHODS.items()
     }
-    changes = editing.CHANGES.items()
+    changes = {**editing.CHANGES, **generating.CHANGES}.items()
     return methods | {name: Method(partial(do, context), in_turn=True) for name, do in changes}
 
 

@@ -22,8 +22,7 @@ if TYPE_CHECKING:
 
 _EXAMPLE = "twist.linear.x=Velocity_X"
 _WAYS = {"both": (True, False), "to-ros": (True,), "to-jaus": (False,)}
-_OPTIONS = {True: "to_ros", False: "to_jaus"}
-"""The options with the assignments of each direction."""
+_OPTIONS = {True: "to_ros", False: "to_jaus"}  # the options with the assignments of each direction
 
 
 @click.command("map")

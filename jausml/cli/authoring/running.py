@@ -22,8 +22,7 @@ if TYPE_CHECKING:
 _FRAME_PATHS = ("header.frame_id", "child_frame_id")
 _ODOMETRY = "nav_msgs/msg/Odometry"
 
-_LONGEST_VALUE = 60
-"""Characters of a parameter that are shown."""
+_LONGEST_VALUE = 60  # characters of a parameter that are shown
 
 
 def graph_options(command: Callable[..., None]) -> Callable[..., None]:

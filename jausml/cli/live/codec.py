@@ -51,8 +51,7 @@ _NAMED = re.compile(r"[A-Za-z]\w*\s+(\{|[\w.\[\]]+=)")
 
 _ARGUMENT = "argument "
 
-_BEGINNING = 1024
-"""Bytes of a file that tell whether it is text."""
+_BEGINNING = 1024  # bytes of a file that tell whether it is text
 
 Line = tuple[str, str]
 """Where a line stands, and its text."""

@@ -24,7 +24,7 @@ from jausml.cli.shared.terminal import painted
 
 if TYPE_CHECKING:
     from jausml.language.model.project import Reading
-    from jausml.live.machine import Finding
+    from jausml.live.machine.findings import Finding
 
 
 @click.command("doctor")
@@ -58,20 +58,19 @@ def command(
     Exit status: 0 nothing is wrong (notes and warnings may be shown), 1 something cannot work, 2
     usage, 3 internal error.
     """
-    from jausml.live import machine
-    from jausml.live.machine import Outcome
+    from jausml.live.machine.checks import machine_checks
+    from jausml.live.machine.findings import Verdict
 
     settings = transport_settings(interface, port, multicast_group)
     paths = models or project_files()
     packages = _packages(paths, reading) if paths else {}
-    findings = [*machine.python_checks(), *machine.program_checks(), *machine.ros_checks(packages)]
-    findings += machine.network_checks(settings)
+    findings = list(machine_checks(packages, settings))
     if peers:
         findings += _peers(interface, port, multicast_group, peers)
-    shown = [finding for finding in findings if not (quiet and finding.verdict is Outcome.OK)]
+    shown = [finding for finding in findings if not (quiet and finding.verdict is Verdict.OK)]
     if shown or output_format == "json":
         click.echo(_as_json(shown) if output_format == "json" else _as_text(shown))
-    if any(finding.verdict is Outcome.ERROR for finding in findings):
+    if any(finding.verdict is Verdict.ERROR for finding in findings):
         raise click.exceptions.Exit(PROBLEMS)
 
 
@@ -79,7 +78,7 @@ def _peers(interface: str, port: int, group: str, peers: Sequence[str]) -> list[
     """Returns the findings about components that are asked."""
     from jausml.cli.live.network import identified_network, network_from
     from jausml.cli.shared.models import open_catalogue
-    from jausml.live.machine import Finding, Outcome
+    from jausml.live.machine.findings import Finding, Verdict
     from jausml.live.peers.operator import check_peers
 
     network = network_from(None, interface, port, group, peers)
@@ -88,8 +87,8 @@ def _peers(interface: str, port: int, group: str, peers: Sequence[str]) -> list[
             verdicts = check_peers(ours, open_catalogue(()))
     except OSError as error:
         text = f"nobody can be asked: {error.strerror or error}"
-        return [Finding("peers", "network", Outcome.ERROR, text)]
-    return [Finding("peers", name, Outcome(verdict), text) for name, verdict, text in verdicts]
+        return [Finding("peers", "network", Verdict.ERROR, text)]
+    return [Finding("peers", name, Verdict(verdict), text) for name, verdict, text in verdicts]
 
 
 def _packages(paths: Sequence[str], reading: Reading) -> dict[str, bool]:

@@ -121,7 +121,7 @@ def ended_by_signals() -> Iterator[None]:
 @contextmanager
 def identified_network(network: Network, count: int = 1) -> Iterator[Network]:
     """Yields the network with our id, and warns when another tool has it."""
-    from jausml.live.peers.network import identified
+    from jausml.live.peers.identity import identified
 
     with identified(network, count) as ours:
         if ours.is_shared:
@@ -281,7 +281,7 @@ def _message_names(context: click.Context, _parameter: click.Parameter, begun: s
 def _provided(parameters: dict[str, Any]) -> list[str]:
     """Returns URN and version of the services of the named component, none if it says none."""
     from jausml.live.peers.discovery import label_of, provided_services
-    from jausml.live.peers.network import identified
+    from jausml.live.peers.identity import identified
 
     try:
         peers = parameters.get("peers") or ()

@@ -35,8 +35,7 @@ LOST = 4
 
 _LONGEST_PAUSE = 0.1
 
-_LATE_REPORTS = 3
-"""Periodic reports that may be missing before it is told."""
+_LATE_REPORTS = 3  # periodic reports that may be missing before it is told
 
 
 @click.group("ocu", invoke_without_command=True)

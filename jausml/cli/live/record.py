@@ -43,8 +43,7 @@ _TURN = 0.1
 _MEGA = 10**6
 _FRAGMENT = 0x3FFF
 
-_NAMED = 5
-"""Topics without a publisher that are named, the others are counted."""
+_NAMED = 5  # topics without a publisher that are named, the others are counted
 
 
 @click.command("record")

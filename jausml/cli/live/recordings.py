@@ -19,7 +19,7 @@ from jausml.cli.shared.files import (
     reason_of,
     shown_path,
 )
-from jausml.cli.shared.terminal import Progress, step
+from jausml.cli.shared.terminal import Progress, step, warn
 
 if TYPE_CHECKING:
     from jausml.live.traffic.frames import UdpReader
@@ -69,6 +69,19 @@ def already_there(path: str) -> EnvironmentFault:
 def shown_time(seconds: float) -> str:
     """Returns a time as people read it, of the world and to the millisecond."""
     return datetime.fromtimestamp(seconds, tz=timezone.utc).isoformat(" ", "milliseconds")
+
+
+def warn_if_damaged(path: str, fault: str, reached: int | None) -> bool:
+    """Warns of the part of a recording that cannot be read; returns whether there is one.
+
+    Args:
+        fault: What is wrong with it; empty for nothing.
+        reached: The time of the last message that could be read, in nanoseconds; None for none.
+    """
+    if fault and reached is not None:
+        until = shown_time(reached / 1e9)
+        warn(f"{shown_path(path)} is not whole: {fault}; it was read until {until}")
+    return bool(fault)
 
 
 class _Counted:

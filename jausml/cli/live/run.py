@@ -167,7 +167,7 @@ def require_packages(entries: Sequence[ProcessEntry], folder: Path, python_path:
 
 def _remedy(name: str, folder: Path, is_own: bool) -> str:
     from jausml.language.model.library import has_package
-    from jausml.live.machine import package_cure
+    from jausml.live.machine.ros import package_cure
 
     if not (is_own or has_package(name)):
         return (

@@ -341,14 +341,14 @@ def to_jsidl(
     read or written, 3 internal error.
     """
     from jausml.language.exporters.jsidl import JSIDL_EXPORT_RULES, export_jsidl
-    from jausml.language.semantics.jaus import services
+    from jausml.language.semantics.jaus import inheritance
     from jausml.language.validation.rule import Report
 
     read = valid_model(model, reading, outcome="nothing written")
     chosen = _services(read)
     if not chosen:
         raise EnvironmentFault(f"{click.format_filename(model)} has no services")
-    result = export_jsidl(read, services.with_inherited(chosen) if with_inherited else chosen)
+    result = export_jsidl(read, inheritance.with_inherited(chosen) if with_inherited else chosen)
     report = Report(read, (model,), tuple(result.diagnostics), rules=JSIDL_EXPORT_RULES)
     _show(report, output_format, quiet=quiet)
     folder = made_folder(Path(output))

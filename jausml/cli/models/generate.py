@@ -21,8 +21,7 @@ if TYPE_CHECKING:
     from jausml.language.model.model import Model
     from jausml.language.model.project import Reading
 
-_FEW = 3
-"""Files of a package that are listed one by one when the same becomes of them."""
+_FEW = 3  # files of a package that are listed one by one when the same becomes of them
 
 _MODES = ("check", "diff", "dry_run")
 _EXAMPLE = """\

@@ -13,8 +13,7 @@ from jausml.cli.shared.files import PROBLEMS, EnvironmentFault, git, write_repor
 if TYPE_CHECKING:
     from jausml.authoring.merging.merging import States
 
-_MOST_CONFLICTS = 127
-"""The status of git for this many conflicts or more; above it are faults."""
+_MOST_CONFLICTS = 127  # the status of git for this many conflicts or more; above it are faults
 
 
 @click.command("merge")

@@ -14,8 +14,8 @@ from itertools import groupby
 from pathlib import Path
 
 from jausml.generation.contract.interface import module_of
-from jausml.generation.contract.scopes import last_name
 from jausml.generation.contract.symbols import Module
+from jausml.generation.contract.syntax import last_name
 from jausml.generation.writer import replace_file
 from jausml.language.model.diagnostics import Diagnostic, Location, RuleInfo, Severity
 from jausml.language.model.inputs import read_input

@@ -7,8 +7,9 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from jausml.generation.contract.finding import Edit, File, name_edit, removal
-from jausml.generation.contract.scopes import Scope, absolute, own_nodes
+from jausml.generation.contract.scopes import Scope, own_nodes
 from jausml.generation.contract.symbols import Module
+from jausml.generation.contract.syntax import absolute
 from jausml.generation.contract.types import Names, Types
 from jausml.language.model.values import nearest
 

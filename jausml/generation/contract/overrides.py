@@ -16,7 +16,7 @@ from jausml.generation.contract.finding import (
     attribute_edit,
     name_edit,
 )
-from jausml.generation.contract.scopes import flat, last_name
+from jausml.generation.contract.syntax import flat, last_name
 
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 

@@ -8,15 +8,13 @@ import enum
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 
-from jausml.generation.contract.scopes import (
-    Binding,
-    Bound,
+from jausml.generation.contract.scopes import Binding, Bound, names_of
+from jausml.generation.contract.syntax import (
     SourceProblem,
     absolute,
     flat,
     is_decorated_by,
     last_name,
-    names_of,
     tree_of,
 )
 

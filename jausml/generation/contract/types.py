@@ -6,14 +6,7 @@ import ast
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from jausml.generation.contract.scopes import (
-    Binding,
-    Bound,
-    Scope,
-    absolute,
-    is_decorated_by,
-    scopes_of,
-)
+from jausml.generation.contract.scopes import Binding, Bound, Scope, scopes_of
 from jausml.generation.contract.symbols import (
     UNKNOWN,
     Class,
@@ -25,10 +18,10 @@ from jausml.generation.contract.symbols import (
     Value,
     is_enumeration,
 )
+from jausml.generation.contract.syntax import absolute, is_decorated_by
 
 _LISTS = {"list", "List", "Sequence", "Iterable", "Collection", "tuple", "deque"}
-_DEPTH = 20
-"""Steps from a name to what it means, beyond which nothing is told of it."""
+_DEPTH = 20  # steps from a name to what it means, beyond which nothing is told of it
 
 
 @dataclass(frozen=True)

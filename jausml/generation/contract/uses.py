@@ -15,7 +15,6 @@ from jausml.generation.contract.finding import (
     name_edit,
 )
 from jausml.generation.contract.imports import Imports, Lost, Surroundings, alike
-from jausml.generation.contract.scopes import Place, Walk, is_decorated_by
 from jausml.generation.contract.symbols import (
     Class,
     Function,
@@ -24,7 +23,9 @@ from jausml.generation.contract.symbols import (
     is_enumeration,
     is_slotted,
 )
+from jausml.generation.contract.syntax import is_decorated_by
 from jausml.generation.contract.types import Method, Names, Object, Type
+from jausml.generation.contract.walk import Place, Walk
 
 
 @dataclass(frozen=True)

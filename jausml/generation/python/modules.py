@@ -168,8 +168,7 @@ _START = re.compile(
 _AROUND = {"    ": "class _:\n", "        ": "class _:\n    def _():\n"}
 """The lines around a piece of code that let it be parsed, by its indentation."""
 _NO_NAME = str.maketrans(dict.fromkeys(set(printable) - {*ascii_letters, *digits, "_"}, " "))
-_PREFIX = re.compile("[bfrtu]{1,2}")
-"""Words that may stand before a string, and change what it is."""
+_PREFIX = re.compile("[bfrtu]{1,2}")  # words that may stand before a string, and change what it is
 _STAND_INS = "\u01c2\u01c3"
 """Letters that no rendered word has; as many of one as a word has letters stand in for it."""
 _LONGER = {

@@ -7,7 +7,7 @@ from collections.abc import Hashable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from jausml.language.metamodel import ClassTable, FeatureKind, FeatureTable, Metamodels
+from jausml.language.metamodel import FeatureKind, FeatureTable, Metamodels
 from jausml.language.metamodel.classes.ecore import EObject
 
 NOTHING = "nothing"
@@ -54,7 +54,13 @@ digits with which they are written.
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """One difference between two models."""
+    """One difference between two models.
+
+    Attributes:
+        path: The names of the elements from the compared one to that which differs.
+        first: The values of the feature in the first model as text, or `NOTHING`.
+        first_element: The element that differs; the one that owns what the first model lacks.
+    """
 
     path: str
     feature: str
@@ -90,61 +96,49 @@ class _Comparison:
         self._policy = policy
 
     def run(self) -> Iterator[Difference]:
+        """Yields the differences, those of two elements before those of what they own."""
         first, second = self._roots
         pending = [(first, second, _label(first))]
         while pending:
             one, other, path = pending.pop()
+            if one.eClass is not other.eClass:
+                yield Difference(path, "class", one.eClass.name, other.eClass.name, one, other)
+                continue
             children: list[tuple[EObject, EObject, str]] = []
-            yield from self._pair(one, other, path, children)
+            for feature in self._compared_features(one):
+                if feature.kind is not FeatureKind.CONTAINMENT:
+                    yield from self._values(one, other, path, feature)
+                    continue
+                ours, theirs = self._keyed(one, feature), self._keyed(other, feature)
+                children += [
+                    (child, theirs[key], f"{path}/{_label(child, feature, key)}")
+                    for key, child in ours.items()
+                    if key in theirs
+                ]
+                for key, child in ours.items():
+                    if key not in theirs:
+                        yield Difference(path, feature.name, _label(child), NOTHING, child, other)
+                for key, child in theirs.items():
+                    if key not in ours:
+                        yield Difference(path, feature.name, NOTHING, _label(child), one, child)
             pending += reversed(children)
 
-    def _pair(
-        self, one: EObject, other: EObject, path: str, children: list[tuple[EObject, EObject, str]]
-    ) -> Iterator[Difference]:
-        table = self._metamodels.class_of(one)
-        if one.eClass is not other.eClass:
-            names = one.eClass.name, other.eClass.name
-            yield Difference(path, "class", *names, one, other)
-            return
-        for feature in table.features.values():
-            if self._is_ignored(table, feature):
-                continue
-            if feature.kind is FeatureKind.CONTAINMENT:
-                yield from self._owned(one, other, path, feature, children)
-            elif feature.kind is not FeatureKind.CONTAINER:
-                yield from self._values(one, other, path, feature)
-
-    def _is_ignored(self, table: ClassTable, feature: FeatureTable) -> bool:
-        ignored = self._policy.ignored
-        qualified = (f"{supertype.qualified_name}.{feature.name}" for supertype in table.supertypes)
-        return feature.name in ignored or any(name in ignored for name in qualified)
-
-    def _owned(
-        self,
-        one: EObject,
-        other: EObject,
-        path: str,
-        feature: FeatureTable,
-        children: list[tuple[EObject, EObject, str]],
-    ) -> Iterator[Difference]:
-        ours = self._keyed(one, feature)
-        theirs = self._keyed(other, feature)
-        for key, child in ours.items():
-            if key in theirs:
-                children.append((child, theirs[key], f"{path}/{_label(child, feature, key)}"))
-            else:
-                yield Difference(path, feature.name, _label(child), NOTHING, child, other)
-        for key, child in theirs.items():
-            if key not in ours:
-                yield Difference(path, feature.name, NOTHING, _label(child), one, child)
+    def _compared_features(self, obj: EObject) -> Iterator[FeatureTable]:
+        """Yields the features that may not differ, in order."""
+        table, ignored = self._metamodels.class_of(obj), self._policy.ignored
+        for name, feature in table.features.items():
+            names = {name, *(f"{owner.qualified_name}.{name}" for owner in table.supertypes)}
+            if feature.kind is not FeatureKind.CONTAINER and ignored.isdisjoint(names):
+                yield feature
 
     def _keyed(self, obj: EObject, feature: FeatureTable) -> dict[Hashable, EObject]:
+        """Returns the elements of a feature by what makes them belong together in both models."""
         value = getattr(obj, feature.name)
         values = list(value) if feature.many else [] if value is None else [value]
-        by = self._policy.matched_by.get(feature.name)
+        attribute = self._policy.matched_by.get(feature.name)
         keyed: dict[Hashable, EObject] = {}
         for position, element in enumerate(values):
-            key: Hashable = getattr(element, by) if by else position
+            key: Hashable = getattr(element, attribute) if attribute else position
             # A second element of the key is told apart by its position.
             keyed[(key, position) if key in keyed else key] = element
         return keyed

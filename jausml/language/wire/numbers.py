@@ -52,8 +52,7 @@ def merged(ranges: Iterable[tuple[int, int]]) -> Ranges:
     return tuple(spans)
 
 
-_SLACK = 1e-3
-"""Part of a step by which floating point may miss an integer that was decoded before."""
+_SLACK = 1e-3  # part of a step by which floating point may miss an integer that was decoded before
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,8 @@ from jausml.live.api.messages import (
 )
 from jausml.live.messages import MessageEntry
 from jausml.live.peers.discovery import controller_of, label_of
-from jausml.live.peers.network import DEFAULT_GROUP, Network, component_address, fault, identified
+from jausml.live.peers.identity import identified
+from jausml.live.peers.network import DEFAULT_GROUP, Network, component_address, fault
 from jausml.live.peers.operator import Operator, running_operator
 from jausml.live.peers.requesting import request
 from jausml.live.peers.watching import Reply

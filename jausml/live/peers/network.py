@@ -1,18 +1,11 @@
-"""Network of a live tool by the options of a user, and the JAUS id of the tool.
-
-The id is that of the option, or one that no other tool of this host has.
-"""
+"""Network of a live tool, by the options of a user."""
 
 from __future__ import annotations
 
 import errno
 import logging
-import os
-import socket
-import sys
-from collections.abc import Iterable, Iterator
-from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass, replace
+from collections.abc import Iterable
+from dataclasses import dataclass
 
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.settings import (
@@ -30,19 +23,19 @@ DEFAULT_INTERFACE = "127.0.0.1"
 DEFAULT_PORT = JUDP_PORT
 DEFAULT_GROUP = JUDP_GROUP
 
+# Their ids have no byte 0xFF, which Junior takes for a wildcard.
+TOOL_SUBSYSTEM = 65000
+"""Subsystem of live tools."""
 
-# Subsystem of our tools. Their ids have no byte 0xFF, which Junior takes for a wildcard.
-SUBSYSTEM = 65000
-
-_LAST = 254
 _NOWHERE = logging.NullHandler()
 
 
 @dataclass(frozen=True, slots=True)
 class Network:
-    """Our JAUS id, and the transport.
+    """The network of a tool.
 
     Attributes:
+        own: Our JAUS id; `identified` makes it one of this tool alone, unless it was chosen.
         is_own_given: Whether a user chose the id.
         is_shared: Whether another tool of this host has the same id.
     """
@@ -54,16 +47,14 @@ class Network:
 
     @property
     def place(self) -> str:
-        """Interface, port and group on which we listen, in words."""
+        """Where we listened, as the end of a sentence."""
         settings = self.settings
         if settings.transport is TransportKind.NODE_MANAGER:
             return "listened through the node manager of this host"
         if settings.transport is TransportKind.JTCP:
             return f"listened on interface {settings.interface}, TCP port {settings.port}"
-        return (
-            f"listened on interface {settings.interface}, port {settings.port}, multicast group "
-            f"{settings.multicast_group}"
-        )
+        where = f"interface {settings.interface}, port {settings.port}"
+        return f"listened on {where}, multicast group {settings.multicast_group}"
 
     def hints(self) -> str:
         """Returns the possible causes when no message came at all, the likeliest first."""
@@ -104,7 +95,7 @@ def make_network(
     transport: str = TransportKind.JUDP.value,
     node_manager_directory: str = "",
 ) -> Network:
-    """Returns the network of options (`ValueError`: an id or a peer is not valid).
+    """Returns the network of options.
 
     Args:
         own: Our JAUS id; None for any.
@@ -112,6 +103,9 @@ def make_network(
         transport: One of `TRANSPORTS`.
         node_manager_directory: Folder of the local sockets of a node manager; empty for the folder
             of temporary files.
+
+    Raises:
+        ValueError: An id or a peer is not valid.
     """
     settings = TransportSettings(
         interface=interface,
@@ -122,7 +116,7 @@ def make_network(
         node_manager_directory=node_manager_directory,
     )
     if own is None:
-        return Network(JausAddress(SUBSYSTEM, 1, 1), settings, is_own_given=False)
+        return Network(JausAddress(TOOL_SUBSYSTEM, 1, 1), settings, is_own_given=False)
     return Network(component_address(own), settings)
 
 
@@ -147,49 +141,3 @@ def _peer(text: str) -> tuple[JausAddress, Endpoint]:
     if not host or not (port.isascii() and port.isdigit()):
         raise ValueError(f"{text!r} is not ID=HOST:PORT, e.g. 100.1.2=192.168.0.7:3794")
     return component_address(address), (host, int(port))
-
-
-@contextmanager
-def identified(network: Network, count: int = 1) -> Iterator[Network]:
-    """Yields the network with our id, which is marked as used for other tools of this host.
-
-    An id that the user chose stays; `is_shared` is set if another tool has it. Otherwise the id is
-    65000, the last number of the interface, which differs between hosts of a network, and the first
-    free number on this host (`count`: number of consecutive ids that must be free).
-    """
-    with ExitStack() as claims:
-        if network.is_own_given:
-            free = _claimed(network.own, count, claims)
-            yield replace(network, is_shared=not free)
-            return
-        for own in _candidates(network.settings.interface, count):
-            if _claimed(own, count, claims):
-                break
-            claims.close()
-        yield replace(network, own=own)
-
-
-def _candidates(interface: str, count: int) -> Iterator[JausAddress]:
-    node = int(interface.rpartition(".")[2])
-    node = node if 0 < node <= _LAST else 1
-    # Where ids cannot be claimed, the process id usually makes them different.
-    first = 1 if sys.platform == "linux" else os.getpid() % (_LAST - count) + 1
-    for component in range(first, _LAST - count + 2):
-        yield JausAddress(SUBSYSTEM, node, component)
-
-
-def _claimed(own: JausAddress, count: int, claims: ExitStack) -> bool:
-    """Claims ids until the stack is closed, and returns whether all of them were free."""
-    if sys.platform != "linux":
-        return True
-    for offset in range(count):
-        address = JausAddress(own.subsystem, own.node, (own.component - 1 + offset) % _LAST + 1)
-        # An abstract socket, one for each network namespace: the system frees it with the process.
-        claim = claims.enter_context(socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM))
-        try:
-            claim.bind(f"\0jausml tool {address}")
-        except OSError as error:
-            if error.errno != errno.EADDRINUSE:
-                raise
-            return False
-    return True

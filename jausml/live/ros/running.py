@@ -158,12 +158,10 @@ def _ends(infos: Iterable[Any], own: Any) -> tuple[RosEndpoint, ...]:
     return tuple(sorted(endpoints))
 
 
-_MOST = 200
-"""Parameters of a node that are read."""
+_MOST = 200  # parameters of a node that are read
 
 
-_PATIENCE = 1.0
-"""Seconds for an answer, before the same is asked again."""
+_PATIENCE = 1.0  # seconds for an answer, before the same is asked again
 
 
 class ParameterReader:

@@ -196,8 +196,7 @@ BUSY = -32002
 
 Id = str | int | float | None
 
-_LARGEST = 2**53
-"""Beyond it the numbers of JSON are not exact."""
+_LARGEST = 2**53  # beyond it the numbers of JSON are not exact
 
 ResultT = TypeVar("ResultT")
 

@@ -20,8 +20,7 @@ LARGEST_MESSAGE = 8 * 1024 * 1024
 """Bytes of a message that a page sends; a text of a file is the longest."""
 
 _SECONDS_TO_GREET = 10.0
-_MOST_AT_ONCE = 64
-"""Requests of a page that wait for their answers."""
+_MOST_AT_ONCE = 64  # requests of a page that wait for their answers
 
 _POLICY_VIOLATION = 1008
 _LOG = logging.getLogger(__name__)
@@ -31,11 +30,9 @@ _MOST_UNSENT = 1024
 PACE = 100.0
 """Requests each second that a page of the models, or its editor, may go on with."""
 
-_AHEAD = 10.0
-"""Seconds whose requests may come at once, as at the beginning of a page."""
+_AHEAD = 10.0  # seconds whose requests may come at once, as at the beginning of a page
 
-_OCTETS_OF_A_REQUEST = 65536
-"""Length for which a request, or what it is answered, counts once more."""
+_OCTETS_OF_A_REQUEST = 65536  # length for which a request, or what it is answered, counts once more
 
 _TRY_AGAIN_LATER = 1013
 

@@ -8,7 +8,8 @@ from contextlib import ExitStack
 from threading import Event, Lock, Thread
 
 from jausml.live.messages import Catalogue
-from jausml.live.peers.network import Network, fault, identified, silence_log
+from jausml.live.peers.identity import identified
+from jausml.live.peers.network import Network, fault, silence_log
 from jausml.live.peers.operator import Identity, Operator, running_operator
 from jausml.live.peers.query_client import NoAnswer
 from jausml.live.systems.folding import expected

@@ -119,7 +119,11 @@ class _Provider:
 
 
 class _RunningSearch:
-    """A search under way, and its listeners in the component."""
+    """A search under way, and its listeners in the component.
+
+    Attributes:
+        bound: The peers that it has found, which are kept while they are alive.
+    """
 
     def __init__(self, component: Host, search: PeerSearch) -> None:
         self.criteria = search
@@ -196,7 +200,7 @@ class PeerClient:
         """Probes the peers, and sends the queries of open searches when due."""
         loop = self._component.loop
         self._timer.set(CHECK_INTERVAL, self._check)
-        for address in self._bound():
+        for address in self._peers():
             self._probe(self._providers[address])
         open_searches = [search for search in self._searches.values() if self._is_open(search)]
         if open_searches and loop.now() >= self._next_search:
@@ -212,7 +216,8 @@ class PeerClient:
             self._interval = min(self._interval * 2, SLOWEST_SEARCH)
         self._next_search = self._component.loop.now() + self._interval
 
-    def _bound(self) -> set[JausAddress]:
+    def _peers(self) -> set[JausAddress]:
+        """Returns the peers of all searches."""
         return {address for search in self._searches.values() for address in search.bound}
 
     @staticmethod
@@ -258,6 +263,7 @@ class PeerClient:
         provider.missed = 0 if acknowledged else provider.missed + 1
         if acknowledged and not provider.is_alive:
             provider.is_alive = True
+            # It comes behind those that were alive before.
             del self._providers[provider.address]
             self._providers[provider.address] = provider
             self._choose_soon()
@@ -270,9 +276,9 @@ class PeerClient:
         if not provider.is_alive:
             return
         self._component.counters.count("peer_client.lost", str(provider.address))
-        bound = self._bound()
+        peers = self._peers()
         for other in list(self._providers.values()):
-            if other.is_alive and other.address not in bound:  # when last probed
+            if other.is_alive and other.address not in peers:  # when last probed
                 other.is_alive = False
                 self._probe(other)
         self._interval, self._next_search = CHECK_INTERVAL, 0.0

@@ -16,7 +16,8 @@ from jausml.language.semantics.connections.reports import passed_rate, requested
 from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.hosts import host_of
 from jausml.language.semantics.jaus.core_services import standard_services
-from jausml.language.semantics.jaus.services import code, with_inherited
+from jausml.language.semantics.jaus.inheritance import with_inherited
+from jausml.language.semantics.jaus.services import code
 from jausml.language.semantics.paths.scopes import parse_path, spelled_out, target_paths
 from jausml.views.analysis.sizes import Assumptions, Size, jaus_size, runtime_constants
 from jausml.views.analysis.streams import (
@@ -61,6 +62,7 @@ class _Streams:
         }
 
     def all(self) -> list[Stream]:
+        """Returns the streams, those of a connection at the other end shared with it."""
         return [*self._reports(), *self._messages(), *self._upkeep()]
 
     # ------------------------------------------------------------------ reports
@@ -90,10 +92,10 @@ class _Streams:
         if not isinstance(provider, bridge.Bridge):
             return []
         return [
-            bridge_connection
-            for bridge_connection in provider.bridgeConnections
-            if not (is_to_ros(bridge_connection) or is_single(bridge_connection))
-            and code(bridge_connection.map.message) == code(message)
+            connection
+            for connection in provider.bridgeConnections
+            if not (is_to_ros(connection) or is_single(connection))
+            and code(connection.map.message) == code(message)
         ]
 
     def _requested(
@@ -102,71 +104,69 @@ class _Streams:
         requests: list[Request],
         feeding: list[bridge.Connection],
     ) -> Iterator[Stream]:
+        """Yields the streams of requests that share an event, or of queries for one message.
+
+        Args:
+            feeding: The connections of the provider that make the report.
+        """
         first = requests[0]
         connections: list[Asking] = [*(request.connection for request in requests), *feeding]
         length = max(self._assumptions.length_of(connection) for connection in connections)
         size = self._report_size(first, feeding, length)
-        rates = [request.hertz for request in requests if request.exchange != "change"]
-        source = feeding[0] if feeding else first.connection
-        hertz = max(rates) if rates else self._changes_of(source)
-        basis = DECLARED if rates else ASSUMED
         if first.exchange == "query":
-            # Each connection asks by itself.
             for request in requests:
-                query = self._query_size(request, provider)
-                yield self._stream(
-                    first.client, provider, query[0], "query", query[1], request.hertz, DECLARED,
-                    [request.connection],
-                )  # fmt: skip
-                yield self._stream(
-                    provider, first.client, str(first.message.name), "report", size, request.hertz,
-                    DECLARED, [request.connection, *feeding],
-                )  # fmt: skip
+                yield from self._queried(first.client, provider, request, feeding, size, DECLARED)
             return
-        hertz = self.offered_rate(provider, hertz) if rates else hertz
-        size = size.plus(self._constants.event_header)
-        yield self._stream(
-            provider,
-            first.client,
-            str(first.message.name),
-            "event",
-            size,
-            hertz,
-            basis,
-            connections,
-        )
+        rates = [request.hertz for request in requests if request.exchange != "change"]
+        if rates:
+            hertz, basis = self._offered_rate(provider, max(rates)), DECLARED
+        else:
+            hertz, basis = self._changes_of(feeding[0] if feeding else first.connection), ASSUMED
+        name, size = str(first.message.name), size.plus(self._constants.event_header)
+        yield self._stream(provider, first.client, name, "event", size, hertz, basis, connections)
         yield from self._renewals(provider, first, is_periodic=bool(rates))
+
+    def _queried(
+        self,
+        client: jaus.Component | None,
+        provider: jaus.Component | None,
+        request: Request,
+        feeding: list[bridge.Connection],
+        size: Size,
+        basis: str,
+    ) -> Iterator[Stream]:
+        """Yields a query of a connection, and the report of a size that answers it."""
+        asking, hertz = request.connection, request.hertz
+        query, query_size = self._query_size(request, provider)
+        yield self._stream(client, provider, query, "query", query_size, hertz, basis, [asking])
+        name, ends = str(request.message.name), [asking, *feeding]
+        yield self._stream(provider, client, name, "report", size, hertz, basis, ends)
 
     def _unrequested(self, owner: bridge.Bridge, connection: bridge.Connection) -> Iterator[Stream]:
         """Yields the streams to one client that is not in the model."""
         size = self._message_size(connection)
-        name, exchange = str(connection.map.message.name), connection.exchange.name
+        exchange = connection.exchange.name
         rate = float(connection.rate or owner.frequency)
         if exchange == "everyChangeEvent":
             rate = self._changes_of(connection)
         if exchange == "query":
             request = Request(owner, connection, connection.map.message, "query", rate)
-            query = self._query_size(request, owner)
-            yield self._stream(
-                None, owner, query[0], "query", query[1], rate, ASSUMED, [connection]
-            )
-            yield self._stream(owner, None, name, "report", size, rate, ASSUMED, [connection])
+            yield from self._queried(None, owner, request, [], size, ASSUMED)
             return
-        size = size.plus(self._constants.event_header)
+        name, size = str(connection.map.message.name), size.plus(self._constants.event_header)
         yield self._stream(owner, None, name, "event", size, rate, ASSUMED, [connection])
 
-    def offered_rate(self, provider: jaus.Component | None, hertz: float) -> float:
+    def _offered_rate(self, provider: jaus.Component | None, hertz: float) -> float:
         """Returns the rate that a provider gives a client that asks for another."""
         if provider is None or provider.external:
             return min(hertz, self._constants.highest_event_rate)
         return min(max(hertz, self._constants.event_rate_min), self._constants.highest_event_rate)
 
     def _report_size(self, request: Request, feeding: list[bridge.Connection], length: int) -> Size:
-        present: frozenset[str] | None = None
-        if feeding:
-            present = frozenset().union(*map(_assigned_fields, feeding))
-        if isinstance(request.connection, bridge.Connection) and isinstance(
-            request.client, bridge.Bridge
+        """Returns the size of a report with the fields that its provider fills and is asked for."""
+        present = frozenset().union(*map(_assigned_fields, feeding)) if feeding else None
+        if isinstance(request.client, bridge.Bridge) and isinstance(
+            request.connection, bridge.Connection
         ):
             query = request.query_of(request.named_provider)
             if query is not None and _has_presence_vector(query):
@@ -175,71 +175,56 @@ class _Streams:
         return jaus_size(wire.resolve(request.message), length, present)
 
     def _query_size(self, request: Request, provider: jaus.Component | None) -> tuple[str, Size]:
-        search = getattr(request.connection, "search", None)
-        from_ = provider or search
-        query = request.query_of(from_)
+        """Returns the name of the query for a report, and its size."""
+        query = request.query_of(provider or getattr(request.connection, "search", None))
         if query is None:
             return "its query", Size(2, 2, 2)
         return str(query.name), jaus_size(wire.resolve(query), self._assumptions.length)
 
     # ------------------------------------------------------------------ single messages
 
-    def _messages(self) -> Iterator[Stream]:
-        sent: list[tuple[bridge.Connection, Stream]] = []
-        for owner in self._system.bridges:
-            for bridge_connection in owner.bridgeConnections:
-                if not is_to_ros(bridge_connection) and is_single(bridge_connection):
-                    for peer in peers_of(bridge_connection):
-                        sent.append((bridge_connection, self._sent(owner, peer, bridge_connection)))
+    def _messages(self) -> list[Stream]:
+        streams = [
+            self._sent(owner, peer, connection)
+            for owner in self._system.bridges
+            for connection in owner.bridgeConnections
+            if is_single(connection) and not is_to_ros(connection)
+            for peer in peers_of(connection)
+        ]
         for receiver in self._system.bridges:
-            for bridge_connection in receiver.bridgeConnections:
-                if is_to_ros(bridge_connection) and is_single(bridge_connection):
-                    sent += self._received(
-                        receiver, bridge_connection, [stream for _, stream in sent]
-                    )
-        yield from (stream for _, stream in sent)
+            for connection in receiver.bridgeConnections:
+                if is_single(connection) and is_to_ros(connection):
+                    streams += self._received(receiver, connection, streams)
+        return streams
 
     def _sent(
         self, owner: bridge.Bridge, peer: jaus.Component | None, connection: bridge.Connection
     ) -> Stream:
-        stream = self._stream(
-            owner,
-            peer,
-            str(connection.map.message.name),
-            "message",
-            self._message_size(connection),
-            self._changes_of(connection),
-            ASSUMED,
-            [connection],
-        )
+        name, size = str(connection.map.message.name), self._message_size(connection)
+        rate = self._changes_of(connection)
+        stream = self._stream(owner, peer, name, "message", size, rate, ASSUMED, [connection])
         stream.wants_acknowledgement = bool(connection.acknowledge)
         return stream
 
     def _received(
         self, receiver: bridge.Bridge, connection: bridge.Connection, sent: list[Stream]
-    ) -> list[tuple[bridge.Connection, Stream]]:
+    ) -> list[Stream]:
         """Adds a connection to the streams that it takes; returns those without a sender."""
-        name, known = str(connection.map.message.name), set()
+        name, senders = str(connection.map.message.name), set()
         for stream in sent:
             is_peer = not connection.peers or stream.sender in connection.peers
             if stream.receiver is receiver and stream.message == name and is_peer:
                 stream.connections.append(connection)
-                known.add(stream.sender)
-        missing: list[jaus.Component | None] = [
-            peer for peer in connection.peers if peer not in known
-        ]
-        if not connection.peers and not known:
-            missing = [None]
-        size = jaus_size(
-            wire.resolve(connection.map.message), self._assumptions.length_of(connection)
-        )
+                senders.add(stream.sender)
+        if senders and not connection.peers:
+            return []
+        length = self._assumptions.length_of(connection)
+        size = jaus_size(wire.resolve(connection.map.message), length)
         rate = self._assumptions.rate_of(connection)
         return [
-            (
-                connection,
-                self._stream(sender, receiver, name, "message", size, rate, ASSUMED, [connection]),
-            )
-            for sender in missing
+            self._stream(peer, receiver, name, "message", size, rate, ASSUMED, [connection])
+            for peer in peers_of(connection)
+            if peer not in senders
         ]
 
     def _changes_of(self, source: Asking) -> float:

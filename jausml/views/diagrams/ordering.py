@@ -19,8 +19,7 @@ from jausml.views.diagrams.graph import Graph, Node
 _ROUNDS, _FEW_ROUNDS = 6, 2
 """Rounds after which an order is good enough, and that of a large graph."""
 
-_MOST_EDGES = 120
-"""Edges of graphs in which neighbours change places by trial."""
+_MOST_EDGES = 120  # edges of graphs in which neighbours change places by trial
 
 _MOVABLE = ("system", "map:")
 """Views of which boxes may change places; services stand in the order of inheritance."""

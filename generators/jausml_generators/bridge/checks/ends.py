@@ -5,14 +5,14 @@ from __future__ import annotations
 import functools
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
 from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.semantics.assignments.frames import is_coordinate
 from jausml.language.semantics.paths.scopes import place, source_paths, spelled_out, used_maps
-from jausml_generators.bridge.checks.check import NO_STEP, Chain, quantities_of, store
+from jausml_generators.bridge.checks.check import NO_STEP, Chain, equals, quantities_of, store
 from jausml_generators.bridge.checks.filling import (
     PRESENT,
     Code,
@@ -21,6 +21,7 @@ from jausml_generators.bridge.checks.filling import (
     Place,
     RosMessage,
     Scalar,
+    has_place,
 )
 from jausml_generators.bridge.connections import ConnectionView
 from jausml_generators.bridge.ends import JoinView, ReportJoinView
@@ -35,6 +36,9 @@ AnyJoin: TypeAlias = "JoinView | ReportJoinView"
 class Ends:
     """A connection with its messages under the names that they have in tests.
 
+    Where methods take names of joins, these are those in Python, and a variable of each name is
+    there, which has the message of the join.
+
     Attributes:
         name: Its name in Python, or what stands for it.
         frames: What stands for the names of frames that its map sets, by path; none for themselves.
@@ -43,7 +47,7 @@ class Ends:
     view: ConnectionView
     name: str
     type_name: Callable[[ros.MessageType], str]
-    uses: Surroundings
+    surroundings: Surroundings
     frames: Mapping[str, Code] = field(default_factory=dict)
 
     @property
@@ -101,7 +105,7 @@ class Ends:
         return chains_by_source
 
     def _unit_step(self, assignment: bridge.FieldAssignment) -> tuple[float, float]:
-        return self.uses.unit_step(self.map, assignment, to_ros=self.to_ros) or NO_STEP
+        return self.surroundings.unit_step(self.map, assignment, to_ros=self.to_ros) or NO_STEP
 
     @property
     def overridden(self) -> dict[str, float]:
@@ -110,7 +114,7 @@ class Ends:
         Vectors are figures of the map as it stands.
         """
         maps = used_maps(self.map, to_ros=self.to_ros)
-        return self.uses.overridden(quantity for one in maps for quantity in one.quantities)
+        return self.surroundings.overridden(quantity for one in maps for quantity in one.quantities)
 
     def join_of(self, path: str) -> AnyJoin | None:
         """Returns the join that a path of the source starts with."""
@@ -168,13 +172,13 @@ class Ends:
                 yield from (word.strip() for word in assignment.target.split(","))
 
     @functools.cached_property
-    def _surroundings(self) -> set[object]:
+    def _containers(self) -> set[object]:
         """The containers around the target paths that assignments write to."""
         return {container for path in self._targets() for container in self.target.around(path)}
 
     def is_made(self, path: str) -> bool:
         """Whether all that stands around a target path is there, since assignments make it."""
-        return self.target.around(path) <= self._surroundings
+        return self.target.around(path) <= self._containers
 
     def is_alone(self, path: str) -> bool:
         """Tells whether at most one assignment writes to a target path, or within it."""
@@ -185,68 +189,52 @@ class Ends:
         new_target = "expected" if self.target.around(path) else f"{self.view.target_name}()"
         return self.target.place(path).code.replace("target", new_target, 1)
 
+    def as_made(self, path: str) -> list[str]:
+        """Returns the assertions that the target has its initial value at a path."""
+        place = self.target.place(path)
+        return [*has_place(place), equals(place.code, self.default(path))]
+
     def defaults(self, paths: Iterable[str]) -> list[str]:
         """Returns the statements that `default` needs for paths: those that make `expected`."""
         within = [path for path in paths if self.target.around(path)]
         expected = self.message("expected", is_ros=self.to_ros)
         return expected.fill(dict.fromkeys(within)) if within else []
 
-    def translated(self, join_names: Iterable[str] = ()) -> list[str]:
-        """Returns the statements that translate `source` into `target`.
-
-        Args:
-            join_names: Names of joins, in Python, whose message is a variable of that name.
-        """
-        present = set(join_names)
+    def translated(self, join_names: Collection[str] = ()) -> list[str]:
+        """Returns the statements that translate `source` into `target`."""
         return [
-            *self.joined(present),
-            store("target", self.call("source", present)),
+            *self.joined(join_names),
+            store("target", self.call("source", join_names)),
             f"assert isinstance(target, {self.view.target_name})",
         ]
 
-    def refused(self, error: str, before: str = "", join_names: Iterable[str] = ()) -> list[str]:
+    def refused(self, error: str, before: str = "", join_names: Collection[str] = ()) -> list[str]:
         """Returns the statements that show that `source` is not translated.
 
         Args:
             before: What keeps the error, e.g. ` as caught`.
-            join_names: Names of joins, in Python, whose message is a variable of that name.
         """
-        present = set(join_names)
-        refusal = f"with pytest.raises({error}){before}:\n    {self.call('source', present)}"
-        return [*self.joined(present), refusal]
+        call_text = self.call("source", join_names)
+        refusal = f"with pytest.raises({error}){before}:\n    {call_text}"
+        return [*self.joined(join_names), refusal]
 
-    def call(self, source: str, join_names: Iterable[str] = ()) -> str:
-        """Returns the call that translates a message.
-
-        Args:
-            source: The message, as Python text.
-            join_names: Names of joins, in Python, whose message is a variable of that name.
-        """
+    def call(self, source: str, join_names: Collection[str] = ()) -> str:
+        """Returns the call that translates a message, which is given as Python text."""
         return call(f"bridge.translate_{self.name}", source, *self.join_arguments(join_names))
 
-    def join_arguments(self, join_names: Iterable[str] = ()) -> list[str]:
-        """Returns the arguments that give joined messages to a translation.
-
-        Args:
-            join_names: Names of joins, in Python, whose message is a variable of that name.
-        """
-        present = set(join_names)
+    def join_arguments(self, join_names: Collection[str] = ()) -> list[str]:
+        """Returns the arguments that give joined messages to a translation."""
         return [
-            f"{join.name}={join.name if self._is_given(join, present) else 'None'}"
+            f"{join.name}={join.name if self._is_given(join, join_names) else 'None'}"
             for join in self.view.joins
         ]
 
-    def joined(self, join_names: Iterable[str] = ()) -> list[str]:
-        """Returns the statements that make joined messages without which nothing is translated.
-
-        Args:
-            join_names: Names of joins, in Python, whose message is there.
-        """
-        present = set(join_names)
+    def joined(self, join_names: Collection[str] = ()) -> list[str]:
+        """Returns the statements that make joined messages without which nothing is translated."""
         return [
             line
             for join in self.view.joins
-            if join.name not in present and self._is_given(join, present)
+            if join.name not in join_names and self._is_given(join, join_names)
             for line in self.joined_message(join).fill(self._needed(join))
         ]
 
@@ -264,8 +252,8 @@ class Ends:
         return values
 
     @staticmethod
-    def _is_given(join: AnyJoin, present: set[str]) -> bool:
-        return join.name in present or join.join.whenStale.name == "dropMessage"
+    def _is_given(join: AnyJoin, join_names: Collection[str]) -> bool:
+        return join.name in join_names or join.join.whenStale.name == "dropMessage"
 
 
 def _usual(place: Place) -> Scalar:

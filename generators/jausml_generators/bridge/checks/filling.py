@@ -26,13 +26,13 @@ from jausml_generators.bridge.translation.expressions import (
     TEXT,
     Expression,
 )
-from jausml_generators.bridge.translation.places import HasValue, RosField, RosStart, ros_field
+from jausml_generators.bridge.translation.places import HasValue, only_conditions
 from jausml_generators.bridge.translation.printing import (
     condition_text,
     expression_text,
     place_text,
 )
-from jausml_generators.bridge.translation.steps import conditions
+from jausml_generators.bridge.translation.ros_fields import RosField, RosStart, ros_field
 from jausml_generators.bridge.translation.targets import marked_paths
 from jausml_generators.bridge.translation.values import ros_kind
 from jausml_generators.python.codec.jaus_fields import JausField, JausStart, jaus_field
@@ -147,7 +147,7 @@ class JausMessage:
             field.values,
             self._step(path),
             tuple((name, str(value)) for name, value in field.listed),
-            tuple(map(condition_text, conditions(field.conditions))),
+            tuple(map(condition_text, only_conditions(field.conditions))),
         )
 
     def unknown(self, path: str) -> str:

@@ -16,15 +16,9 @@ from jausml.generation.literals import python_literal
 from jausml.generation.python import Imports, Origin, offered
 from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.conversions.definition import QUATERNION
+from jausml_generators.bridge.checks.absences import absences
 from jausml_generators.bridge.checks.check import NAME, Chain, Check, frame_stand_in, store, tidy
-from jausml_generators.bridge.checks.connection_checks import (
-    absences,
-    examples,
-    forms,
-    safe_values,
-    times,
-    vectors,
-)
+from jausml_generators.bridge.checks.connection_checks import examples, forms, safe_values, times
 from jausml_generators.bridge.checks.ends import Ends
 from jausml_generators.bridge.checks.filling import (
     Code,
@@ -35,9 +29,11 @@ from jausml_generators.bridge.checks.filling import (
     short_name,
 )
 from jausml_generators.bridge.checks.samples import Sample, chain_gain, limits, sample_of
+from jausml_generators.bridge.checks.vectors import vectors
 from jausml_generators.bridge.connections import ConnectionView
 from jausml_generators.bridge.translation.expressions import INTEGER, REAL
-from jausml_generators.bridge.translation.places import PathError, ros_field
+from jausml_generators.bridge.translation.places import PathError
+from jausml_generators.bridge.translation.ros_fields import ros_field
 from jausml_generators.bridge.translation.translation import frames_of
 from jausml_generators.bridge.translation.values import AssignmentError
 from jausml_generators.bridge.views import BridgeView

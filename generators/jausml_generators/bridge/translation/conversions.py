@@ -11,6 +11,7 @@ from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.conversions import authored, conversion_of, numbers
 from jausml.language.semantics.conversions.conversion import MAXIMUM
 from jausml_generators.bridge.translation import expressions
+from jausml_generators.bridge.translation.body import Body
 from jausml_generators.bridge.translation.expressions import (
     BITS,
     BOOLEAN,
@@ -35,7 +36,7 @@ from jausml_generators.bridge.translation.expressions import (
 )
 from jausml_generators.bridge.translation.places import Local, Place
 from jausml_generators.bridge.translation.printing import literal
-from jausml_generators.bridge.translation.steps import Body, Let
+from jausml_generators.bridge.translation.steps import Let
 from jausml_generators.bridge.translation.surroundings import Surroundings
 from jausml_generators.bridge.translation.targets import Target
 from jausml_generators.bridge.translation.values import (
@@ -183,9 +184,8 @@ class Chain:
         *_, maximum = ends
         minimum = ends[0] if len(ends) > 1 else _opposite(maximum)
         # The map limits this on purpose, whatever the connection does with what does not fit.
-        policy = self._body.named_policy(numbers.Clamp.name)
-        path, bounds = self._target_paths[0], (minimum, maximum)
-        return Limit(policy.owner, policy.name, "within", path, value.expression, bounds)
+        owner, path = self._body.policies.owner, self._target_paths[0]
+        return Limit(owner, "clamp", "within", path, value.expression, (minimum, maximum))
 
     def _results(
         self, expression: Expression, kinds: list[str], values: list[Value]

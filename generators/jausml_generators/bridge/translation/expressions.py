@@ -28,6 +28,11 @@ class Constant:
     kind: str
 
 
+def number(value: float) -> Constant:
+    """Returns a number as a constant of its kind."""
+    return Constant(value, INTEGER if isinstance(value, int) else REAL)
+
+
 @dataclass(frozen=True)
 class Read:
     """The value at a place."""

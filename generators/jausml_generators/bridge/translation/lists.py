@@ -23,12 +23,20 @@ from jausml_generators.bridge.translation.expressions import (
     UserCall,
 )
 from jausml_generators.bridge.translation.octet_lists import octets
-from jausml_generators.bridge.translation.places import AsLongAs, Local, Place, There, Way, joined
+from jausml_generators.bridge.translation.places import (
+    AsLongAs,
+    Local,
+    Place,
+    Requirement,
+    There,
+    without_implied,
+)
+from jausml_generators.bridge.translation.policies import NO_POLICY
 from jausml_generators.bridge.translation.sources import INDEX, Counters, Many
-from jausml_generators.bridge.translation.steps import Each, Octets, Require, Write, gives
+from jausml_generators.bridge.translation.steps import Each, Octets, Require, Write, sets
 from jausml_generators.bridge.translation.targets import ManyTarget
 from jausml_generators.bridge.translation.translation import Translation
-from jausml_generators.bridge.translation.values import NO_POLICY, AssignmentError
+from jausml_generators.bridge.translation.values import AssignmentError
 
 
 def add_list(translation: Translation, assignment: bridge.ListAssignment) -> None:
@@ -84,10 +92,10 @@ class _ListSteps:
             items = self._counted(items)
             self._fill(items)
 
-    def _all_conditions(self) -> tuple[Way, ...]:
+    def _all_conditions(self) -> tuple[Requirement, ...]:
         others = [self._outer.source.value(path, NO_POLICY) for path in self._paths[1:]]
         conditions = [*self._many.conditions, *(c for other in others for c in other.conditions)]
-        return joined(conditions)
+        return without_implied(conditions)
 
     # -- what is gone through --------------------------------------------------------------------
 
@@ -140,7 +148,7 @@ class _ListSteps:
         needed = self._many.path if must else ""
         is_outermost = isinstance(self._assignment.eContainer(), bridge.AttributeMap)
         # Memory of names across messages is for the list of the message, not for lists within it.
-        owner = self._body.owner if needed and is_outermost else ""
+        owner = self._body.policies.owner if needed and is_outermost else ""
         local = self._body.local("items", ByName(constant, key_list, items.value, needed, owner))
         counts = (len(names), len(names))
         # A name may be missing in this message; its element is then None.
@@ -166,7 +174,7 @@ class _ListSteps:
         # The source never has more or fewer than the target carries: nothing needs a check.
         if wanted[0] <= items.counts[0] and items.counts[1] <= wanted[1]:
             return items
-        limit = self._body.whole_policy.limit("sized", items.value, self._target.path, wanted)
+        limit = self._body.policies.of_wholes.limit("sized", items.value, self._target.path, wanted)
         return replace(items, value=limit)
 
     def _octets(self, items: _Items) -> Octets | None:
@@ -180,7 +188,7 @@ class _ListSteps:
     def _fill(self, items: _Items) -> None:
         item, index, element = Local("item"), Local("index"), Local("element")
         counters = Counters({INDEX: Read(Place(index), INTEGER), COUNT: Length(items.like)})
-        conditions: tuple[Way, ...] = (There(Place(item)),) if items.may_be_none else ()
+        conditions: tuple[Requirement, ...] = (There(Place(item)),) if items.may_be_none else ()
         outer, body = self._outer, self._body.deeper()
         source: Any = outer.source
         target: Any = outer.target
@@ -202,7 +210,7 @@ class _ListSteps:
                 INDEX in counters.used,
                 element,
                 # Steps that always write the element need no empty one before.
-                None if gives(steps, Place(element)) else self._target.new_element,
+                None if sets(steps, Place(element)) else self._target.new_element,
                 steps,
                 self._target.place,
                 starts_empty=self._target.fresh,

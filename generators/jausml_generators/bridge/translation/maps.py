@@ -11,6 +11,7 @@ from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.semantics.connections.stops import stop_assignments
 from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.paths.scopes import spelled_out
+from jausml_generators.bridge.translation.body import Body
 from jausml_generators.bridge.translation.expressions import (
     FORMAT,
     OCTETS,
@@ -21,14 +22,16 @@ from jausml_generators.bridge.translation.expressions import (
     Translate,
 )
 from jausml_generators.bridge.translation.lists import add_list
-from jausml_generators.bridge.translation.places import Equal, Place, RosStart
+from jausml_generators.bridge.translation.places import Equal, Place
+from jausml_generators.bridge.translation.policies import NO_POLICY, Policies
 from jausml_generators.bridge.translation.printing import printed
+from jausml_generators.bridge.translation.ros_fields import RosStart
 from jausml_generators.bridge.translation.sources import JausSource, RosSource
-from jausml_generators.bridge.translation.steps import Body, Require, Write
+from jausml_generators.bridge.translation.steps import Require, Write
 from jausml_generators.bridge.translation.surroundings import NestedTranslation, Surroundings
 from jausml_generators.bridge.translation.targets import JausTarget, RosTarget
 from jausml_generators.bridge.translation.translation import Translation, paths_of
-from jausml_generators.bridge.translation.values import NO_POLICY, Value
+from jausml_generators.bridge.translation.values import Value
 from jausml_generators.python.codec.jaus_fields import JausStart
 from jausml_generators.python.codec.messages import MessageView
 from jausml_generators.python.names import snake_case
@@ -51,7 +54,7 @@ def to_ros(
     Args:
         joins: Parameter and class of each joined report, by name of the join.
     """
-    body = Body(owner, connection.outOfRange.name)
+    body = Body(Policies(owner, connection.outOfRange.name))
     _map_to_ros(body, connection.map, message, class_name, joins, surroundings)
     return body
 
@@ -68,7 +71,7 @@ def to_jaus(
     Args:
         joins: Parameter and `ros.MessageType` of each joined message, by name of the join.
     """
-    body = Body(owner, connection.outOfRange.name)
+    body = Body(Policies(owner, connection.outOfRange.name))
     _map_to_jaus(body, connection.map, message, joins, surroundings)
     return body
 
@@ -81,7 +84,7 @@ def stop(
     surroundings: Surroundings,
 ) -> Body:
     """Returns the steps that make `target`, of either side, without a source."""
-    body = Body(owner, connection.outOfRange.name)
+    body = Body(Policies(owner, connection.outOfRange.name))
     map_ = connection.map
     if is_to_ros(connection):
         translation = _translation_to_ros(body, map_, message, {}, surroundings)
@@ -145,7 +148,7 @@ def _translation_to_ros(
     target = RosTarget(attribute_map.type, start, surroundings.type_name)
     source = JausSource(message, JausStart("source", names=body.local_of), joins=joins)
     return _MapTranslation(
-        body, surroundings, attribute_map, source, target, body.owner, _nested_method
+        body, surroundings, attribute_map, source, target, body.policies.owner, _nested_method
     )
 
 
@@ -159,7 +162,7 @@ def _translation_to_jaus(
     source = RosSource(attribute_map.type, RosStart("source", attribute_map.type), joins)
     target = JausTarget(message)
     return _MapTranslation(
-        body, surroundings, attribute_map, source, target, body.owner, _nested_method
+        body, surroundings, attribute_map, source, target, body.policies.owner, _nested_method
     )
 
 
@@ -169,7 +172,7 @@ def _nested_method(translation: Translation, attribute_map: bridge.AttributeMap)
     Args:
         attribute_map: The `bridge.AttributeMap` of the message inside.
     """
-    surroundings, owner = translation.surroundings, translation.body.owner
+    surroundings, owner = translation.surroundings, translation.body.policies.owner
     key = (owner, attribute_map, translation.to_ros)
     if key in surroundings.nested:
         return surroundings.nested[key].name
@@ -184,7 +187,7 @@ def _nested_method(translation: Translation, attribute_map: bridge.AttributeMap)
     text = "\n\n".join(filter(None, [f"{source_words} to {target_words}.", about]))
     # Entered before its statements are made, so that a message within itself finds its method.
     nested = surroundings.nested[key] = NestedTranslation(name, source, target, text)
-    body = Body(owner, translation.body.policy)
+    body = Body(translation.body.policies)
     if translation.to_ros:
         _map_to_ros(body, attribute_map, message, type_name, {}, surroundings)
     else:
@@ -242,4 +245,4 @@ def _to_jaus(translation: Translation, assignment: bridge.MessageAssignment) -> 
     method = translation.nested_method(translation, assignment.map)
     with body.under(value.conditions):
         payload = Encode(Translate(method, value.expression))
-        target.put(body, path, target.carrier(path, payload, body.whole_policy))
+        target.put(body, path, target.carrier(path, payload, body.policies.of_wholes))

@@ -7,7 +7,7 @@ from typing import TypeAlias
 from jausml.language.cdr import PRIMITIVES
 from jausml.language.metamodel.classes import ros
 from jausml_generators.bridge.translation import expressions as values
-from jausml_generators.bridge.translation.places import RosStart
+from jausml_generators.bridge.translation.ros_fields import RosStart
 from jausml_generators.bridge.translation.steps import Each, Octets, Write
 from jausml_generators.python.codec.jaus_fields import JausStart
 from jausml_generators.python.codec.members import PartValue

@@ -20,18 +20,10 @@ from jausml_generators.bridge.translation.expressions import (
     Length,
     Read,
 )
-from jausml_generators.bridge.translation.places import (
-    Local,
-    PathError,
-    Place,
-    RosField,
-    RosStart,
-    There,
-    Way,
-    markers,
-    ros_field,
-)
-from jausml_generators.bridge.translation.values import Policy, Value, real, ros_kind
+from jausml_generators.bridge.translation.places import Local, PathError, Place, Requirement, There
+from jausml_generators.bridge.translation.policies import Policy
+from jausml_generators.bridge.translation.ros_fields import RosField, RosStart, markers, ros_field
+from jausml_generators.bridge.translation.values import Value, real, ros_kind
 from jausml_generators.python.codec.jaus_fields import JausField, JausStart, jaus_field
 from jausml_generators.python.codec.messages import MessageView
 
@@ -44,12 +36,15 @@ class Many:
     """A list as the source of assignments.
 
     Attributes:
+        path: The path as counters and errors name it.
         conditions: What must hold for it to be there.
+        start: Where the paths of its elements start, once they are in a variable.
+        counts: Fewest and most elements.
     """
 
     place: Place
     path: str
-    conditions: tuple[Way, ...]
+    conditions: tuple[Requirement, ...]
     start: Any
     counts: tuple[float, float]
 
@@ -60,6 +55,7 @@ class Counters:
 
     Attributes:
         values: The values of `index` and `count`.
+        used: The names of those that were asked for.
     """
 
     values: Mapping[str, Expression]
@@ -78,6 +74,7 @@ class JausSource:
     """A JAUS message, or an element of a list in it.
 
     Attributes:
+        top: The source that is the message; None for itself.
         conditions: What must hold for the element to be there.
         joins: Python name and class of each joined report, by name of the join.
     """
@@ -86,7 +83,7 @@ class JausSource:
     start: JausStart = field(default_factory=lambda: JausStart("source"))
     top: JausSource | None = None
     counters: Counters = field(default_factory=lambda: Counters({}))
-    conditions: tuple[Way, ...] = ()
+    conditions: tuple[Requirement, ...] = ()
     joins: Mapping[str, tuple[str, MessageView]] = field(default_factory=dict)
 
     def inlined(self) -> JausSource:
@@ -108,7 +105,7 @@ class JausSource:
         return replace(end, conditions=(*self.conditions, *end.conditions))
 
     def value(self, path: str, policy: Policy) -> Value:
-        """Returns the value at the end of a path."""
+        """Returns the value at the end of a path, or that of a counter, with its policy."""
         try:
             # A path may name a counter of the loop, but a field of that name comes first.
             end = self.field(path)
@@ -134,7 +131,7 @@ class JausSource:
         return Many(end.place, end.path, end.conditions, start, end.limits)
 
     def element(
-        self, many: Many, root: Local, counters: Counters, conditions: tuple[Way, ...]
+        self, many: Many, root: Local, counters: Counters, conditions: tuple[Requirement, ...]
     ) -> JausSource:
         """Returns an element of a list as a source."""
         start = replace(many.start, root=root)
@@ -155,6 +152,7 @@ class RosSource:
     Attributes:
         type: The `ros.MessageType` of the message.
         joins: Python name and `ros.MessageType` of each joined message, by name of the join.
+        top: The source that is the message; None for itself.
         conditions: What must hold for the element to be there.
     """
 
@@ -163,27 +161,28 @@ class RosSource:
     joins: Mapping[str, tuple[str, ros.MessageType]]
     top: RosSource | None = None
     counters: Counters = field(default_factory=lambda: Counters({}))
-    conditions: tuple[Way, ...] = ()
+    conditions: tuple[Requirement, ...] = ()
 
     def inlined(self) -> RosSource:
         """Returns itself, as values of ROS give no names."""
         return self
 
-    def _field(self, path: str) -> tuple[RosField, tuple[Way, ...]]:
+    def field(self, path: str) -> RosField:
+        """Returns the end of a path; one that begins with `/` starts at the message."""
         if path.startswith("/"):
-            return (self.top or self)._field(path[1:])  # noqa: SLF001 - of its own class
+            return (self.top or self).field(path[1:])
         name, _, rest = path.partition(".")
         if self.top is None and name in self.joins:
             root, joined = self.joins[name]
             end = ros_field(joined, rest or ".", RosStart(root, joined, label=name))
-            return end, (There(Place(root)), *end.conditions)
+            return replace(end, conditions=(There(Place(root)), *end.conditions))
         end = ros_field(self.type, path, self.start)
-        return end, (*self.conditions, *end.conditions)
+        return replace(end, conditions=(*self.conditions, *end.conditions))
 
     def value(self, path: str, policy: Policy) -> Value:
-        """Returns the value at the end of a path."""
+        """Returns the value at the end of a path, or that of a counter, with its policy."""
         try:
-            end, conditions = self._field(path)
+            end = self.field(path)
         except PathError:
             counter = self.counters.value(path, policy) or _count(self, path, policy)
             if counter is None:
@@ -191,18 +190,18 @@ class RosSource:
             return counter
         limits = None if end.is_array else INTEGER_RANGES.get(end.type)
         value = Read(end.place, ros_kind(end))
-        return Value(value, conditions, limits=limits, policy=policy, listed=end.constants)
+        return Value(value, end.conditions, limits=limits, policy=policy, listed=end.constants)
 
     def many(self, path: str) -> Many:
         """Returns the array at the end of a path."""
-        end, conditions = self._field(path)
+        end = self.field(path)
         if not end.is_array:
             raise PathError(f"'{end.path}' is no array")
         start = RosStart("", end.message_type, end.field, end.path, end.owner)
-        return Many(end.place, end.path, conditions, start, end.counts or (0, MANY))
+        return Many(end.place, end.path, end.conditions, start, end.counts or (0, MANY))
 
     def element(
-        self, many: Many, root: Local, counters: Counters, conditions: tuple[Way, ...]
+        self, many: Many, root: Local, counters: Counters, conditions: tuple[Requirement, ...]
     ) -> RosSource:
         """Returns an element of an array as a source."""
         start: RosStart = replace(many.start, root=root)

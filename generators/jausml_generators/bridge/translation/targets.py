@@ -10,6 +10,7 @@ from jausml.language.metamodel.classes import ros
 from jausml.language.semantics.paths.markers import marks_of, unknown
 from jausml.language.semantics.paths.ros_paths import fields_by_name
 from jausml.language.semantics.paths.scopes import parse_path
+from jausml_generators.bridge.translation.body import Body
 from jausml_generators.bridge.translation.expressions import (
     BITS,
     BOOLEAN,
@@ -28,26 +29,19 @@ from jausml_generators.bridge.translation.expressions import (
     New,
     Read,
     Scalar,
+    number,
 )
-from jausml_generators.bridge.translation.places import (
-    HasValue,
-    Local,
-    Place,
-    RosField,
-    RosStart,
-    markers,
-    ros_field,
-)
-from jausml_generators.bridge.translation.steps import Append, Body, Let, Write
+from jausml_generators.bridge.translation.places import HasValue, Local, Place
+from jausml_generators.bridge.translation.policies import Policy
+from jausml_generators.bridge.translation.ros_fields import RosField, RosStart, markers, ros_field
+from jausml_generators.bridge.translation.steps import Append, Let, Write
 from jausml_generators.bridge.translation.values import (
     PYTHON_TYPES,
     AssignmentError,
-    Policy,
     Value,
     constant,
     fitted_to_jaus,
     fitted_to_ros,
-    number,
     ros_constant,
     ros_kind,
 )

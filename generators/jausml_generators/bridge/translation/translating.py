@@ -31,8 +31,7 @@ from jausml_generators.python.names import Scope, names_in, snake_case
 from jausml_generators.python.statements import may_set_limits
 
 # Control characters stand in no name, and in literals only as escapes.
-_NAME = "\1"
-"""Stands for the name of a connection."""
+_NAME = "\1"  # stands for the name of a connection
 
 
 @dataclass

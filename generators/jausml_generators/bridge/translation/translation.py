@@ -26,6 +26,7 @@ from jausml.language.semantics.conversions.authored import Expression as Authore
 from jausml.language.semantics.conversions.definition import Definition
 from jausml.language.semantics.conversions.times import TimeToTimestamp
 from jausml.language.semantics.paths.scopes import expanded, place
+from jausml_generators.bridge.translation.body import Body
 from jausml_generators.bridge.translation.conversions import Chain
 from jausml_generators.bridge.translation.expressions import (
     BITS,
@@ -46,19 +47,19 @@ from jausml_generators.bridge.translation.places import (
     HasValue,
     PathError,
     Place,
-    Way,
-    joined,
-    ros_field,
+    Requirement,
+    only_conditions,
+    without_implied,
 )
+from jausml_generators.bridge.translation.policies import NO_POLICY, Policy
+from jausml_generators.bridge.translation.ros_fields import ros_field
 from jausml_generators.bridge.translation.sources import JausSource, RosSource
-from jausml_generators.bridge.translation.steps import Body, Keep, Require, WhereKept, conditions
+from jausml_generators.bridge.translation.steps import Keep, Require, WhereKept
 from jausml_generators.bridge.translation.surroundings import Surroundings
 from jausml_generators.bridge.translation.targets import JausTarget, RosTarget
 from jausml_generators.bridge.translation.values import (
-    NO_POLICY,
     UNLIMITED,
     AssignmentError,
-    Policy,
     Value,
     constant,
     ros_kind,
@@ -108,8 +109,8 @@ _RESULT = "=result"
 """How an expression of a choice calls what conversions made; no name of a model has the sign."""
 
 
-def _is_marker(way: Way) -> bool:
-    return isinstance(way, HasValue)
+def _is_marker(requirement: Requirement) -> bool:
+    return isinstance(requirement, HasValue)
 
 
 def _is_total(conversion: bridge.Conversion) -> bool:
@@ -235,7 +236,7 @@ class Translation(ABC):
     def _policy_of(self, assignment: bridge.FieldAssignment) -> Policy:
         placed = place(self.map, assignment, to_ros=self.to_ros)
         targets = placed.target_attributes if placed is not None else []
-        return self.body.policy_of(assignment, of_a_place=any(map(is_coordinate, targets)))
+        return self.body.policies.of(assignment, of_a_place=any(map(is_coordinate, targets)))
 
     def results_of(
         self, assignment: bridge.FieldAssignment, values: Sequence[Value]
@@ -256,7 +257,9 @@ class Translation(ABC):
         if policy == "useDefault" and len(values) > 1:
             self._field_of_some(assignment)
             return
-        requirements = joined(condition for value in values for condition in value.conditions)
+        requirements = without_implied(
+            condition for value in values for condition in value.conditions
+        )
         chosen = self._chosen(assignment, values, requirements) if policy == "useDefault" else None
         if chosen is not None:
             self._put(assignment, [chosen])
@@ -273,7 +276,7 @@ class Translation(ABC):
         self,
         assignment: bridge.FieldAssignment,
         values: Sequence[Value],
-        requirements: Sequence[Way],
+        requirements: Sequence[Requirement],
     ) -> Value | None:
         """Returns one value for both cases, so that a list is translated as a whole.
 
@@ -287,7 +290,7 @@ class Translation(ABC):
         )
         if not is_element or not all(map(_is_total, assignment.conversions)):
             return None
-        marks = [way for way in requirements if isinstance(way, HasValue)]
+        marks = [mark for mark in requirements if isinstance(mark, HasValue)]
         asked = dict(operand for mark in marks for operand in mark.operands)
         is_clear = all(
             asked[name] == marker_operand
@@ -327,7 +330,7 @@ class Translation(ABC):
         """Several sources, of which the absent ones count as the default value."""
         source, policy = self.source.inlined(), self._policy_of(assignment)
         values = [source.value(path, policy) for path in paths_of(assignment.source)]
-        tests = [conditions(value.conditions) for value in values]
+        tests = [only_conditions(value.conditions) for value in values]
         if all(tests):
             self._store_absent(assignment, "unstated")
             with self.body.where(*dict.fromkeys(tests)):
@@ -340,7 +343,7 @@ class Translation(ABC):
             return value
         text, target = assignment.defaultValue or "", assignment.target
         default = constant(value.kind, text, UNLIMITED, target, value.listed)
-        either = Either(conditions(value.conditions), value.expression, default)
+        either = Either(only_conditions(value.conditions), value.expression, default)
         local = self.body.local(_hint(value.expression), either)
         return replace(value, expression=Read(Place(local), value.kind), conditions=())
 
@@ -348,7 +351,7 @@ class Translation(ABC):
         self,
         assignment: bridge.FieldAssignment,
         values: Sequence[Value],
-        requirements: Sequence[Way],
+        requirements: Sequence[Requirement],
     ) -> None:
         """Keeps what the last message with the sources gave, and stores that."""
         targets = paths_of(assignment.target)

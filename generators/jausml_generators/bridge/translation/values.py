@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from jausml.language.interfaces.definitions import INTEGER_RANGES
 from jausml.language.wire import REALS
@@ -29,7 +29,9 @@ from jausml_generators.bridge.translation.expressions import (
     New,
     Ranges,
 )
-from jausml_generators.bridge.translation.places import RosField, Way
+from jausml_generators.bridge.translation.places import Requirement
+from jausml_generators.bridge.translation.policies import NO_POLICY, Policy
+from jausml_generators.bridge.translation.ros_fields import RosField
 from jausml_generators.python.codec.jaus_fields import JausField, Limits
 
 NUMBERS = {REAL, INTEGER, BOOLEAN}
@@ -73,39 +75,6 @@ class AssignmentError(ValueError):
 
 
 @dataclass(frozen=True)
-class Policy:
-    """The policy for values that do not fit their target.
-
-    Attributes:
-        owner: Attribute of the bridge that is the connection; empty for values that need no policy.
-        name: `clamp`, `drop_field`, `drop_message` or `error`.
-        identifiers: The policy of identifiers and counts; empty for the same one.
-    """
-
-    owner: str = ""
-    name: str = ""
-    identifiers: str = ""
-
-    @property
-    def of_identifiers(self) -> Policy:
-        """The policy of integers that are no measures: a near number has another meaning."""
-        return replace(self, name=self.identifiers) if self.identifiers else self
-
-    def limit(self, how: str, value: Expression, path: str, bounds: Sequence[float] = ()) -> Limit:
-        """Returns a value within limits.
-
-        Args:
-            how: What keeps it there; empty for two numbers.
-        """
-        constants = tuple(number(bound) for bound in bounds)
-        return Limit(self.owner, self.name, how, path, value, constants)
-
-
-NO_POLICY = Policy()
-"""The policy of constants, and of values that are only asked whether they are there."""
-
-
-@dataclass(frozen=True)
 class Value:
     """A value on its way to the target.
 
@@ -116,7 +85,7 @@ class Value:
     """
 
     expression: Expression
-    conditions: tuple[Way, ...] = ()
+    conditions: tuple[Requirement, ...] = ()
     units: str = ""
     limits: tuple[float, float] | None = None
     policy: Policy = NO_POLICY
@@ -128,11 +97,6 @@ class Value:
     def kind(self) -> str:
         """Kind of the value."""
         return self.expression.kind
-
-
-def number(value: float) -> Constant:
-    """Returns a number as a constant of its kind."""
-    return Constant(value, INTEGER if isinstance(value, int) else REAL)
 
 
 def ros_kind(target: RosField) -> str:

@@ -19,8 +19,7 @@ from jausml_generators.python.codec.members import (
 from jausml_generators.python.codec.scalars import Blob, Fixed
 from jausml_generators.python.statements import call
 
-_ANY_OCTET = {"b": (-128, 127), "B": (0, 255)}
-"""All numbers of an octet, by its format in `struct`."""
+_ANY_OCTET = {"b": (-128, 127), "B": (0, 255)}  # all numbers of an octet, by its format in `struct`
 
 
 @dataclass(frozen=True)

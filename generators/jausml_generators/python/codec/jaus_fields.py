@@ -37,8 +37,8 @@ from jausml_generators.bridge.translation.places import (
     Named,
     PathError,
     Place,
+    Requirement,
     There,
-    Way,
 )
 from jausml_generators.python.codec.classes import (
     Alternative,
@@ -111,7 +111,7 @@ class JausField:
 
     path: str
     place: Place
-    conditions: tuple[Way, ...]
+    conditions: tuple[Requirement, ...]
     containers: tuple[tuple[Place, Expression], ...]
     kind: str
     limits: Limits = _UNLIMITED
@@ -166,7 +166,7 @@ class _Walk:
         self._end: Member | SubField | Alternative | Format | None = None
         self._holder = ""
         self._is_optional = False
-        self._conditions: list[Way] = []
+        self._conditions: list[Requirement] = []
         self._containers: list[tuple[Place, Expression]] = []
         self._is_made = True
         self._unwrap()

@@ -24,8 +24,7 @@ _PARTING = re.compile("([./])")
 _ROLES = ("request", "response", "goal", "result", "feedback")
 """Steps that say which part of a service or an action is meant."""
 
-_FOLDERS = ("msg", "srv", "action")
-"""Steps that a ROS name may have, and that name nothing."""
+_FOLDERS = ("msg", "srv", "action")  # steps that a ROS name may have, and that name nothing
 
 
 def words_for(

@@ -37,8 +37,7 @@ from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.model.values import suggest
 from jausml.language.semantics.conversions import CONVERSIONS
 
-_MOST = 6
-"""How many choices a line names."""
+_MOST = 6  # how many choices a line names
 
 Words = tuple[tuple[str, str], ...]
 """Targets, each with what fills it."""

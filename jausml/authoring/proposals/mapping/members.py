@@ -99,8 +99,7 @@ def _paths(place: PathPlace, before: str, depth: int) -> Iterator[str]:
             yield from _paths(inner_place, path, depth + 1)
 
 
-_ALIKE = 1.0
-"""How much a likeness counts; what the paths have in common counts less."""
+_ALIKE = 1.0  # how much a likeness counts; what the paths have in common counts less
 
 _HEADER, _STAMP, _EARLIER = "header", "header.stamp", 0.5
 """The time of a message, and what it counts more than other times in it."""

@@ -22,8 +22,7 @@ from jausml.language.semantics.paths.jaus_paths import JausPlace
 from jausml.language.semantics.paths.ros_paths import ros_name
 from jausml.language.semantics.paths.scopes import outer_scope, parse_path
 
-_MOST = 8
-"""How many members a line names."""
+_MOST = 8  # how many members a line names
 
 _STAMP = "header.stamp"
 

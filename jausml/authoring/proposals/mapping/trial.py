@@ -149,8 +149,7 @@ _RULES = frozenset(
 )
 """The rules that judge an assignment by itself."""
 
-_TOGETHER = _RULES | {"JML415"}
-"""The rules that judge an assignment beside the others of its map."""
+_TOGETHER = _RULES | {"JML415"}  # the rules that judge an assignment beside the others of its map
 
 
 @dataclass(frozen=True)

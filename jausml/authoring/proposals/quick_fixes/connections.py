@@ -25,8 +25,7 @@ from jausml.language.semantics.paths.jaus_paths import JausPlace
 from jausml.language.semantics.paths.ros_paths import RosPlace
 from jausml.language.semantics.paths.scopes import outer_scope, target_paths
 
-_PERIODS = 3
-"""How many messages may be lost before a source counts as silent."""
+_PERIODS = 3  # how many messages may be lost before a source counts as silent
 
 
 def stop(finding: Found) -> Iterator[QuickFix]:

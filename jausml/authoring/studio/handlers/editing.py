@@ -1,4 +1,4 @@
-"""Requests that change the project or what is generated of it, and what was done."""
+"""Requests that change the project, and those for what was done."""
 
 from __future__ import annotations
 
@@ -12,19 +12,15 @@ from jausml.authoring.editing.records import Entry
 from jausml.authoring.projects.creating import model_text
 from jausml.authoring.projects.starting import STARTING_POINTS
 from jausml.authoring.projects.texts import ProjectError, metamodels_for
-from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.proposals.new_elements import free_address
-from jausml.authoring.studio.checking import Verdict
 from jausml.authoring.studio.context import KeptEdit, StudioContext
 from jausml.authoring.studio.handlers import showing
 from jausml.authoring.studio.rpc import command, entry_as_json
-from jausml.authoring.studio.views.planning import Planned, diff, execute, out_folder, plan
 from jausml.authoring.studio.views.wording import for_people
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import Model
 from jausml.language.semantics.names import system_name
 from jausml.language.text.notation import SUFFIX
-from jausml.language.validation.rule import Report
 
 _ADDRESS = "address"
 
@@ -48,17 +44,17 @@ def _edit(
     at: Dropped | None = None,
 ) -> dict[str, Any]:
     """Carries out commands, all or none; dry, tells what they would do."""
-    meant = [command(words, f"commands[{index}]") for index, words in enumerate(commands)]
+    read = [command(words, f"commands[{index}]") for index, words in enumerate(commands)]
     project = context.project
     if dry:
-        seen = project.preview(meant, base)
+        preview = project.preview(read, base)
         return {
             "revision": project.revision,
-            "created": seen.created,
-            "diff": seen.diff,
-            "referrers": seen.referrers,
+            "created": preview.created,
+            "diff": preview.diff,
+            "referrers": preview.referrers,
         }
-    return _carried_out(context, meant, label, project.revision if base is None else base, at=at)
+    return _carried_out(context, read, label, project.revision if base is None else base, at=at)
 
 
 def _carried_out(
@@ -69,6 +65,12 @@ def _carried_out(
     kept: KeptEdit | None = None,
     at: Dropped | None = None,
 ) -> dict[str, Any]:
+    """Carries out commands that were made for a revision, and reports what came of it.
+
+    Args:
+        kept: The kept edit that has the commands, if there is one.
+        at: Where the first new element is to be drawn.
+    """
     project = context.project
     try:
         # Who does it again has seen what others did, and means it.
@@ -87,10 +89,10 @@ def _carried_out(
         context.discard(kept.number)
     if at is not None and entry.created:
         context.drawings.expect(at.file, at.view, entry.created[0], (at.x, at.y))
-    return _told(context, entry)
+    return _reported(context, entry)
 
 
-def _told(context: StudioContext, entry: Entry) -> dict[str, Any]:
+def _reported(context: StudioContext, entry: Entry) -> dict[str, Any]:
     """Reports an entry to pages, and returns its new elements."""
     if entry.changes:
         context.changed()
@@ -102,6 +104,7 @@ def _kept(context: StudioContext) -> dict[str, Any]:
 
 
 def _again(context: StudioContext, number: int) -> dict[str, Any]:
+    """Carries out a kept edit, after what others have done since."""
     edit = next((edit for edit in context.kept if edit.number == number), None)
     if edit is None:
         raise EditError("this edit is kept no more")
@@ -117,7 +120,7 @@ def _paste(context: StudioContext, owner: str, text: str) -> dict[str, Any]:
     clip = context.project.clip(text, owner)
     model = context.project.find(owner)[1]
     entry = context.project.paste(with_free_addresses(model, clip.commands), owner, "Paste")
-    return {**_told(context, entry), "left_out": clip.left_out}
+    return {**_reported(context, entry), "left_out": clip.left_out}
 
 
 def _create(context: StudioContext, file: str, origin: str) -> dict[str, Any]:
@@ -128,10 +131,11 @@ def _create(context: StudioContext, file: str, origin: str) -> dict[str, Any]:
         data = model_text(origin, system_name(Path(file)), beside, is_text=is_text)
     except ProjectError as error:
         raise EditError(str(error)) from error
-    return _told(context, context.project.add_file(file, data, f"Create {file}"))
+    return _reported(context, context.project.add_file(file, data, f"Create {file}"))
 
 
-def _done(context: StudioContext, entry: Entry | None) -> dict[str, Any]:
+def _stepped(context: StudioContext, entry: Entry | None) -> dict[str, Any]:
+    """Reports the entry that was undone or redone, None for none."""
     if entry is not None:
         context.changed()
     return {"revision": context.project.revision, "entry": entry_as_json(entry)}
@@ -143,7 +147,7 @@ def _log(context: StudioContext) -> dict[str, Any]:
 
 
 def _write(context: StudioContext, file: str, text: str, base: int) -> dict[str, Any]:
-    return _told(context, context.project.write_text(file, text, base))
+    return _reported(context, context.project.write_text(file, text, base))
 
 
 def _arrange(
@@ -152,7 +156,7 @@ def _arrange(
     placed = context.project.positions(file, view)
     if placed:
         forget = Place(file, view, dict.fromkeys(placed))
-        _told(context, context.project.do([forget], f"Arrange {view}"))
+        _reported(context, context.project.do([forget], f"Arrange {view}"))
     context.drawings.forget(file, view)
     return showing.view(context, file, view, opened)
 
@@ -173,68 +177,11 @@ def with_free_addresses(model: Model, commands: Sequence[Add | Set]) -> list[Add
     return changes
 
 
-def _out(context: StudioContext, file: str, out: str) -> Path:
-    return out_folder(context.project.root, file, out, context.out)
-
-
-def _plan(
-    context: StudioContext,
-    file: str,
-    out: str = "",
-    force: bool = False,  # noqa: FBT001, FBT002
-) -> object:
-    verdict = context.verdicts.of(file)
-    folder = _out(context, file, out)
-    why = _obstacle(context, verdict)
-    return Planned(str(folder), problems=why) if why else plan(verdict.report, folder, force=force)
-
-
-def _obstacle(context: StudioContext, verdict: Verdict) -> str:
-    """Returns why no code may be made, whatever was found; empty when it may."""
-    return verdict.fault or context.freshness(verdict).why
-
-
-def _report(context: StudioContext, file: str) -> Report:
-    """Returns the report on a file, of which code may be made if that has no errors."""
-    verdict = context.verdicts.of(file)
-    why = _obstacle(context, verdict)
-    if why:
-        raise AnswerError(why)
-    return verdict.report
-
-
-def _diff(
-    context: StudioContext,
-    file: str,
-    out: str,
-    path: str,
-    force: bool = False,  # noqa: FBT001, FBT002
-) -> object:
-    report = _report(context, file)
-    return {"diff": diff(report, _out(context, file, out), path, force=force)}
-
-
-def _generate(
-    context: StudioContext,
-    file: str,
-    out: str,
-    digest: str,
-    force: bool = False,  # noqa: FBT001, FBT002
-) -> object:
-    """Carries out the plan that was shown, by its digest."""
-    # Also what another program has saved this very moment counts.
-    context.refresh()
-    report = _report(context, file)
-    return execute(report, _out(context, file, out), digest, force=force)
-
-
 METHODS: Mapping[str, Callable[..., object]] = {
     "kept": _kept,
     "starting_points": lambda _: {"points": STARTING_POINTS},
     "copy": _copy,
     "log": _log,
-    "plan": _plan,
-    "diff": _diff,
 }
 """The functions that answer questions, by name."""
 
@@ -244,10 +191,9 @@ CHANGES: Mapping[str, Callable[..., object]] = {
     "kept.discard": StudioContext.discard,
     "create": _create,
     "paste": _paste,
-    "undo": lambda context: _done(context, context.project.undo()),
-    "redo": lambda context: _done(context, context.project.redo()),
+    "undo": lambda context: _stepped(context, context.project.undo()),
+    "redo": lambda context: _stepped(context, context.project.redo()),
     "write": _write,
     "arrange": _arrange,
-    "generate": _generate,
 }
 """The functions that answer requests which change something, in turn."""

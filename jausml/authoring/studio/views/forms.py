@@ -153,8 +153,7 @@ _KINDS = {
     ValueKind.ENUMERATION: "choice",
 }
 _MOST_CHOICES = 100
-_MOST_ROWS = 30
-"""Elements of a list whose main features are shown there."""
+_MOST_ROWS = 30  # elements of a list whose main features are shown there
 _IN_ROWS = frozenset({"type", "units", "message", "event", "target"})
 """Features that lists of elements show beside what is required."""
 _USUAL = {True: "jaus.FixedField", False: "jaus.Record"}

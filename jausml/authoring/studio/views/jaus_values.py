@@ -10,7 +10,7 @@ from typing import Any
 from jausml.authoring.proposals.elements import AnswerError
 from jausml.language import wire
 from jausml.language.metamodel.classes import jaus
-from jausml.language.semantics.jaus.services import is_group
+from jausml.language.semantics.jaus.fields import is_group
 from jausml.live.messages import MessageEntry, MessageError
 from jausml.live.messages.codec import TAG
 from jausml.live.messages.defined import DefinedMessage

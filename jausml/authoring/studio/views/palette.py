@@ -32,8 +32,7 @@ from jausml.language.semantics.paths.ros_paths import ros_name
 MOST = 60
 """How many items are shown unless more are asked for."""
 
-_MENTIONED = 3
-"""The rank of what has the words in its description alone."""
+_MENTIONED = 3  # the rank of what has the words in its description alone
 
 COMPONENTS, SERVICES, TYPES, MAPS, ELEMENTS = (
     "components",

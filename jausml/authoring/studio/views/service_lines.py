@@ -22,6 +22,7 @@ from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model.names import around, name_of
 from jausml.language.model.refs import LIBRARY
 from jausml.language.semantics.jaus.commands import is_command
+from jausml.language.semantics.jaus.inheritance import lineage
 from jausml.language.semantics.jaus.inherited_machines import (
     DEEPEST,
     Machine,
@@ -30,7 +31,7 @@ from jausml.language.semantics.jaus.inherited_machines import (
     event_name,
     machine_with,
 )
-from jausml.language.semantics.jaus.services import lineage, query_name
+from jausml.language.semantics.jaus.services import query_name
 from jausml.views.diagrams.views.connections import PROVIDES, USES
 
 _MARK = "!"

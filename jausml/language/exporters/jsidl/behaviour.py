@@ -11,6 +11,7 @@ from jausml.language.attributes.guards import LONGEST, alternatives, parse_guard
 from jausml.language.exporters.jsidl.elements import element, explained
 from jausml.language.metamodel.classes import jaus
 from jausml.language.semantics.jaus.core_services import CORE
+from jausml.language.semantics.jaus.inheritance import lineage
 from jausml.language.semantics.jaus.inherited_machines import (
     CORE_MACHINE,
     Machine,
@@ -19,7 +20,6 @@ from jausml.language.semantics.jaus.inherited_machines import (
     event_name,
     machine_with,
 )
-from jausml.language.semantics.jaus.services import lineage
 
 _MESSAGE = "msg"
 _SENDER = "transportData"

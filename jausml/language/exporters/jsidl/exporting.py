@@ -11,13 +11,8 @@ from xml.etree.ElementTree import Element
 
 from jausml.language.attributes.guards import alternatives, parse_guard
 from jausml.language.exporters.jsidl.behaviour import arguments_of, behaviour, reference_name
-from jausml.language.exporters.jsidl.elements import (
-    Documented,
-    FieldWriter,
-    document,
-    element,
-    text_element,
-)
+from jausml.language.exporters.jsidl.elements import Documented, document, element, text_element
+from jausml.language.exporters.jsidl.fields import FieldWriter
 from jausml.language.importers.jsidl import ImportResult, Source, import_sources
 from jausml.language.importers.jsidl.vocabulary import folded
 from jausml.language.metamodel import Metamodels
@@ -26,6 +21,7 @@ from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model.comparison import NOTHING, Difference, Policy, compare
 from jausml.language.model.diagnostics import Diagnostic, Location, RuleInfo, Severity
 from jausml.language.model.model import Model
+from jausml.language.semantics.jaus.inheritance import with_inherited
 from jausml.language.semantics.jaus.inherited_machines import (
     Machine,
     is_core_trigger,
@@ -33,7 +29,6 @@ from jausml.language.semantics.jaus.inherited_machines import (
     states_of,
 )
 from jausml.language.semantics.jaus.machines import described
-from jausml.language.semantics.jaus.services import with_inherited
 
 UNSAID = {"frame": "unstated", "moves": "True", "documentation": NOTHING}
 """Features for which JSIDL has no place everywhere, and what an import says of them then.

@@ -25,8 +25,8 @@ from jausml.language.model.model import Model
 from jausml.language.model.reading.problems import Findings, NodePlace
 from jausml.language.model.values import show, suggest
 from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
+from jausml.language.semantics.jaus.inheritance import lineage
 from jausml.language.semantics.jaus.inherited_machines import Machine, core_events, machines_of
-from jausml.language.semantics.jaus.services import lineage
 from jausml.language.semantics.names import snake_case
 
 MadeT = TypeVar("MadeT")

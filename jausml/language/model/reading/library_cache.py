@@ -18,8 +18,7 @@ from jausml.language.model.uris import FileTarget
 Opened: TypeAlias = "Mapping[Document, Mapping[str, Document | None]]"
 """The targets of the references of documents, by URI; None for a missing one."""
 
-_MOST = 500
-"""Documents; more are of projects that nobody works with any more."""
+_MOST = 500  # documents; more are of projects that nobody works with any more
 
 
 class NotShareableError(Exception):

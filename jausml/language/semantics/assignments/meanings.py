@@ -104,8 +104,7 @@ def _is_followed(placed: Placed[bridge.FieldAssignment]) -> bool:
     return passage(steps_of(placed), placed.source_attributes) is not None
 
 
-_LEAST_ENTRIES = 2
-"""Of fewer none can be exchanged."""
+_LEAST_ENTRIES = 2  # of fewer none can be exchanged
 
 
 def by_table(placed: Placed[bridge.FieldAssignment]) -> bool:
@@ -241,5 +240,4 @@ def outcome(
     return result if abs(result - wanted) > loose + _SINGLE * max(1.0, abs(wanted)) else None
 
 
-_SINGLE = 2.0**-22
-"""Part of a number by which two roundings to single precision may differ."""
+_SINGLE = 2.0**-22  # part of a number by which two roundings to single precision may differ

@@ -16,7 +16,8 @@ from jausml.language.semantics.jaus.commands import (
     named,
 )
 from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
-from jausml.language.semantics.jaus.services import code, lineage, query_name
+from jausml.language.semantics.jaus.inheritance import lineage
+from jausml.language.semantics.jaus.services import code, query_name
 from jausml.language.semantics.paths.jaus_paths import JausPlace, message_place
 from jausml.language.semantics.paths.scopes import parse_path, spelled_out, target_paths
 from jausml.language.semantics.subject import remembered

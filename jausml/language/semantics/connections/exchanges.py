@@ -11,12 +11,12 @@ from dataclasses import dataclass
 
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.semantics.directions import TO_JAUS, TO_ROS
+from jausml.language.semantics.jaus.inheritance import with_inherited
 from jausml.language.semantics.jaus.services import (
     inputs_by_name,
     provided_services,
     query_name,
     searched_services,
-    with_inherited,
 )
 from jausml.language.semantics.subject import remembered
 

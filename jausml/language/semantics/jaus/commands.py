@@ -14,12 +14,12 @@ from typing import Literal
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.jaus.core_services import CORE, is_core_message, standard_services
+from jausml.language.semantics.jaus.fields import attributes
+from jausml.language.semantics.jaus.inheritance import lineage
 from jausml.language.semantics.jaus.inherited_machines import states_of
 from jausml.language.semantics.jaus.services import (
-    attributes,
     code,
     inputs_by_name,
-    lineage,
     outputs_by_name,
     provided_services,
     query_name,

@@ -18,7 +18,7 @@ from jausml.language.semantics.jaus.core_services import (
     core_urn,
     newest_services,
 )
-from jausml.language.semantics.jaus.services import lineage
+from jausml.language.semantics.jaus.inheritance import lineage
 
 CORE_MACHINE = "ReceiveFSM"
 """Machine of the core services, which a machine of this name extends (AS5710, Transport)."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from jausml.language.metamodel.classes import jaus
 from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
+from jausml.language.semantics.jaus.inheritance import lineage
 from jausml.language.semantics.jaus.inherited_machines import (
     Machine,
     event_name,
@@ -14,7 +15,6 @@ from jausml.language.semantics.jaus.inherited_machines import (
     states_of,
     too_deep,
 )
-from jausml.language.semantics.jaus.services import lineage
 from jausml.language.semantics.subject import Subject
 
 

@@ -1,57 +1,21 @@
-"""Messages that a component takes and sends, inherited services included, and their layouts."""
+"""Services that components provide, and the messages that these take and send."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from typing import TYPE_CHECKING, TypeAlias
+from collections.abc import Iterable
+from typing import TypeAlias
 
 from jausml.language import wire
 from jausml.language.metamodel.classes import bridge, jaus
-from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.semantics.jaus.core_services import with_standard
+from jausml.language.semantics.jaus.inheritance import with_inherited
 from jausml.language.semantics.subject import Subject, remembered
 
-if TYPE_CHECKING:
-    from typing_extensions import TypeIs
-
-Group: TypeAlias = "jaus.Record | jaus.Sequence"
-Container: TypeAlias = "Group | jaus.List | jaus.Variant"
 Provider: TypeAlias = "jaus.Component | jaus.PeerSearch"
 """A provider of services: a component, or whatever a search finds."""
 
 # What does not change the bytes of a legal message.
 _BESIDE_THE_WIRE = frozenset({"name", "documentation", "units", "legal"})
-
-
-def class_name(element: EObject) -> str:
-    """Returns the name of the metamodel class of an element."""
-    return str(element.eClass.name)
-
-
-def members(container: jaus.Field | None) -> list[jaus.Field]:
-    """Returns the fields of a record or sequence, none for other fields."""
-    return list(container.fields) if is_group(container) else []
-
-
-def is_group(field: EObject | None) -> TypeIs[Group]:
-    """Tells whether a field is a record or a sequence."""
-    return isinstance(field, (jaus.Record, jaus.Sequence))
-
-
-def is_container(field: EObject | None) -> TypeIs[Container]:
-    """Tells whether a field is a record, sequence, list or variant (JSIDL's containers)."""
-    return isinstance(field, (jaus.Record, jaus.Sequence, jaus.List, jaus.Variant))
-
-
-def attributes(message: jaus.MessageDef) -> list[jaus.Field]:
-    """Returns the fields that a codec exposes as attributes of the message.
-
-    The top record or sequence is flattened; a list or variant is one attribute.
-    """
-    body = wire.target_of(message.body)
-    if body is None or message.body is None:
-        return []
-    return members(body) if is_group(body) else [message.body]
 
 
 @remembered
@@ -70,59 +34,6 @@ def signature(message: jaus.MessageDef) -> object:
 ACCESS_CONTROL = "AccessControl"
 
 _PROVIDING = ("name", "external", "coreServices", "provides", "services")
-
-
-def lineage(service: jaus.Service | None) -> list[jaus.Service]:
-    """Returns a service and those that it inherits, nearest first; a cycle ends the list."""
-    services: dict[jaus.Service, None] = {}
-    while service is not None and service not in services:
-        services[service] = None
-        service = service.inherits
-    return list(services)
-
-
-def with_inherited(services: Iterable[jaus.Service]) -> list[jaus.Service]:
-    """Returns services and those that they inherit, each once."""
-    all_services: dict[jaus.Service, None] = {}
-    for start in services:
-        service: jaus.Service | None = start
-        # What a service that was found inherits was found with it.
-        while service is not None and service not in all_services:
-            all_services[service] = None
-            service = service.inherits
-    return list(all_services)
-
-
-def along_inheritance(services: Iterable[jaus.Service]) -> Iterator[tuple[jaus.Service, bool]]:
-    """Yields services with their inherited ones, in one walk down the trees of inheritance.
-
-    Every service is visited once, so that a walk costs no more than there are services, however
-    deep they inherit. Services on a cycle, and their heirs, are left out.
-
-    Yields:
-        A service and True before its heirs, the service and False after them.
-    """
-    heirs: dict[jaus.Service, list[jaus.Service]] = {}
-    roots = []
-    for start in services:
-        service = start
-        while service not in heirs:
-            heirs[service] = []
-            parent = service.inherits
-            if parent is None:
-                roots.append(service)
-                break
-            service = parent
-    for service in heirs:
-        if service.inherits is not None:
-            heirs[service.inherits].append(service)
-    visits = [(root, True) for root in reversed(roots)]
-    while visits:
-        service, entering = visits.pop()
-        yield service, entering
-        if entering:
-            visits.append((service, False))
-            visits += [(heir, True) for heir in reversed(heirs[service])]
 
 
 @remembered

@@ -191,8 +191,7 @@ def _text_fault(text: str, attribute: Attribute) -> str:
     return ""
 
 
-_LEAST_COMMON = 2
-"""Names that both sides have from which on they are taken for one enumeration."""
+_LEAST_COMMON = 2  # names that both sides have from which on they are taken for one enumeration
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 from jausml.language import wire
 from jausml.language.metamodel.classes import jaus
-from jausml.language.semantics.jaus.services import attributes, class_name, is_group
+from jausml.language.semantics.jaus.fields import attributes, class_name, is_group
 from jausml.language.semantics.paths.attributes import (
     COUNT,
     EMPTY,

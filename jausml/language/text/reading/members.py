@@ -10,7 +10,7 @@ from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.model.notation import Fault
 from jausml.language.model.values import nearest, show
 from jausml.language.model.xmi.parsing import Node
-from jausml.language.semantics.jaus.services import attributes, class_name
+from jausml.language.semantics.jaus.fields import attributes, class_name
 from jausml.language.semantics.paths.attributes import JausPart, Part
 from jausml.language.text.reading import declared_types
 from jausml.language.text.reading.maps import WrittenEnd

@@ -40,7 +40,13 @@ _OPENERS = {"RBRACE": "LBRACE", "RPAR": "LPAR", "END_BRACKET": "LSQB", "NAMED_BR
 
 @dataclass(slots=True)
 class Parsed:
-    """The outcome of parsing a text."""
+    """The outcome of parsing a text.
+
+    Attributes:
+        document: The tree of all that could be read.
+        faults: The syntax errors, in the order of the text.
+        tokens: All tokens, those too that were dropped.
+    """
 
     document: SyntaxTree
     faults: list[SyntaxFault] = field(default_factory=list)
@@ -135,7 +141,7 @@ class _Run:
         self.faults.append(SyntaxFault(span, message, hint))
 
     def _lone_word(self, position: int) -> SyntaxFault | None:
-        """Returns the fault of a word that the grammar takes and hardly anybody means so."""
+        """Returns the fault of a word that is legal and hardly meant so; None for other tokens."""
         token = self._tokens[position]
         if self._lacks_comma(position):
             before, token_text = shown(self._tokens[position - 1]), shown(token)
@@ -201,9 +207,9 @@ class _Run:
             elif token.type in _OPENERS and dropped:
                 dropped -= 1
             elif token.type in _OPENERS:
-                if self._is_closing(token):
+                if self._close_up_to(token):
                     break
-            elif not skipped and self._begins_line(position) and self._begins_item(token):
+            elif not skipped and self._begins_line(position) and self._close_before(token):
                 break
             position += 1
         return position
@@ -213,8 +219,8 @@ class _Run:
         types = [token.type for token in self._tokens[max(position - 2, 0) : position + 1]]
         return types in (["COLON", "WORD", "LPAR"], ["COMMA", "WORD", "LPAR"])
 
-    def _begins_item(self, token: Token) -> bool:
-        """Tells whether a token begins the next item, perhaps in a list further out."""
+    def _close_before(self, token: Token) -> bool:
+        """Closes lists that a clause shows to lack their bracket; returns whether it can come."""
         # A clause begins no member or value, so what is open before it lacks its bracket.
         if token.type in _CLAUSES:
             while not self._accepts(token.type) and self._open_brackets()[0].type != "LBRACE":
@@ -224,8 +230,11 @@ class _Run:
     def _begins_line(self, position: int) -> bool:
         return position == 0 or self._tokens[position - 1].line != self._tokens[position].line
 
-    def _is_closing(self, token: Token) -> bool:
-        """Tells whether a closing bracket can come, after those within it have been closed."""
+    def _close_up_to(self, token: Token) -> bool:
+        """Closes what is open within the bracket that a token closes; returns whether it can come.
+
+        One of the wrong kind that is meant for the innermost list closes that, and does not come.
+        """
         opener = _OPENERS[token.type]
         if self._is_misspelt(token):
             self._close()
@@ -245,13 +254,12 @@ class _Run:
         brackets = self._open_brackets()
         if not brackets or brackets[0].type == _OPENERS[token.type]:
             return False
-        lines = (token.line, brackets[0].line)
-        first = [
-            next(candidate for candidate in self._tokens if candidate.line == line)
-            for line in lines
-        ]
         # A bracket below the head of its block was meant to close it, whatever its kind.
-        return first[0] is token and first[0].column == first[1].column
+        head = self._first_of_line(brackets[0].line)
+        return self._first_of_line(token.line) is token and token.column == head.column
+
+    def _first_of_line(self, line: int) -> Token:
+        return next(token for token in self._tokens if token.line == line)
 
     # The stacks of the parser
 

@@ -256,8 +256,7 @@ _LAYOUTS: dict[type[tree.Item], Callable[[Any, int], list[str]]] = {
     tree.VectorEntry: _vector_entry,
 }
 
-_MUCH = 5
-"""Values from which on a block stands apart."""
+_MUCH = 5  # values from which on a block stands apart
 
 
 def space(items: Sequence[tree.Item]) -> None:

@@ -9,9 +9,9 @@ from typing import TypeAlias
 from jausml.language.attributes.guards import GuardError, conditions, parse_guard
 from jausml.language.metamodel.classes import bridge, jaus, ros, system
 from jausml.language.metamodel.classes.ecore import EObject
+from jausml.language.semantics.jaus.inheritance import with_inherited
 from jausml.language.semantics.jaus.inherited_machines import DEEPEST, too_deep
 from jausml.language.semantics.jaus.machines import Behaviour, behaviours_of
-from jausml.language.semantics.jaus.services import with_inherited
 from jausml.language.semantics.names import DEVICES, is_identifier, package_key, snake_case, taken
 from jausml.language.semantics.paths.scopes import carriers_of
 from jausml.language.semantics.subject import Subject

@@ -19,7 +19,12 @@ _MAX_SAMPLES = 1000
 
 
 class Rate:
-    """The rate of arrivals of a connection, averaged over several calls for a slow source."""
+    """The rate of arrivals of a connection, averaged over several calls for a slow source.
+
+    Attributes:
+        hertz: Messages each second, as of the last update.
+        is_slow: Whether that is less than half of what the source promises.
+    """
 
     def __init__(self) -> None:
         self._samples: deque[tuple[float, int]] = deque(maxlen=_MAX_SAMPLES)
@@ -123,8 +128,7 @@ class Reporting(Stopping):
         """Counts the losses since the last call; returns the number of all lost messages."""
         counters = self.counters
         total = 0
-        thinned = {THINNED: self.statistics.thinned}
-        for reason, count in {**self.losses(), **thinned}.items():
+        for reason, count in {**self.losses(), THINNED: self.statistics.thinned}.items():
             new = count - self._counted_losses.get(reason, 0)
             if new:
                 self._counted_losses[reason] = count
@@ -144,12 +148,13 @@ class Reporting(Stopping):
             now,
             counts.arrivals,
             # Messages that a filter holds back are no losses.
-            sum(n for why, n in counts.drops.items() if why != FILTERED or not self.filters),
+            sum(n for reason, n in counts.drops.items() if reason != FILTERED or not self.filters),
             self.note_losses(),
             counts.errors,
             counts.limited,
         )
-        former, self._reported = self._reported or _Totals(now), present
+        former = self._reported or _Totals(now)
+        self._reported = present
         self._rate.update(now, present.arrivals, self.declared_rate)
         faults = self._present_faults()
         verdict = judge(self._facts(former, present, faults))
@@ -180,6 +185,7 @@ class Reporting(Stopping):
         ]
 
     def _values(self, now: float, faults: list[TopicFault]) -> tuple[tuple[str, str], ...]:
+        """Returns the names and values that diagnostics show, in their order."""
         counts = self.statistics
         age = "never" if counts.last_arrival is None else f"{now - counts.last_arrival:.3f}"
         return (
@@ -190,7 +196,10 @@ class Reporting(Stopping):
             ("rate (Hz)", f"{self._rate.hertz:.2f}"),
             ("declared rate (Hz)", f"{self.declared_rate:.2f}"),
             ("age (s)", age),
-            *self._describe_joins(),
+            *(
+                (f"join {join.name} age (s)", "never" if join.age is None else f"{join.age:.3f}")
+                for join in self._joined
+            ),
             *((fault.kind.replace("_", " "), fault.text) for fault in faults),
             *((("when lost", self.when_lost),) if self.is_command else ()),
             ("safe values", str(counts.safe_values)),
@@ -203,12 +212,6 @@ class Reporting(Stopping):
             *(() if self._latency is None else self._latency.describe()),
             *self.describe_peers(),
         )
-
-    def _describe_joins(self) -> list[tuple[str, str]]:
-        return [
-            (f"join {join.name} age (s)", "never" if join.age is None else f"{join.age:.3f}")
-            for join in self._joined
-        ]
 
     def stale_joins(self) -> list[str]:
         """Returns the names of the joins without a fresh message."""
@@ -224,19 +227,15 @@ class Reporting(Stopping):
         return faults
 
     def _facts(self, former: _Totals, present: _Totals, faults: list[TopicFault]) -> Facts:
-        lacking = self.lacks_peers()
-        lacking = f"searching {lacking}" if lacking else ""
+        """Returns what the state is judged by."""
         is_heard = self.statistics.last_arrival is not None
-        if not is_heard and not lacking and (silent := list(self.silent_peers())):
-            verb = "does" if len(silent) == 1 else "do"
-            lacking = f"{' and '.join(map(str, silent))} {verb} not answer"
         # Where messages arrive and none has passed yet, the reason is a join without a message.
         has_begun = is_heard and self.stopped in (StopReason.START, StopReason.INACTIVE)
         lacks_joins = has_begun and bool(self.stale_joins())
         return Facts(
             error="values out of range" if present.errors > former.errors else "",
             fault=faults[0].text if faults else "",
-            lacking=lacking,
+            lacking=self._lacking(),
             failing=self._failing(),
             stopped=None if lacks_joins else self.stopped,
             forbidden=self.forbidden(),
@@ -244,6 +243,17 @@ class Reporting(Stopping):
             refusal=self.refusal(),
             complaint=self._complaint(former, present),
         )
+
+    def _lacking(self) -> str:
+        """Returns which peers are missing, or silent from the beginning; empty where none are."""
+        if searched := self.lacks_peers():
+            return f"searching {searched}"
+        if self.statistics.last_arrival is not None:
+            return ""
+        silent = [str(peer) for peer in self.silent_peers()]
+        if not silent:
+            return ""
+        return f"{' and '.join(silent)} {'does' if len(silent) == 1 else 'do'} not answer"
 
     def _failing(self) -> str:
         """Returns why no message passes, once several in a row have failed; else an empty text."""
@@ -263,14 +273,11 @@ class Reporting(Stopping):
 
     def _complaint(self, former: _Totals, present: _Totals) -> str:
         """Returns the fault of a connection that passes messages on; empty without one."""
-        stale = ", ".join(self.stale_joins())
-        if stale:
-            return f"nothing fresh from {stale}"
-        disobeying = self.disobeying()
-        if disobeying:
+        if stale := self.stale_joins():
+            return f"nothing fresh from {', '.join(stale)}"
+        if disobeying := self.disobeying():
             return disobeying
-        silent = ", ".join(map(str, self.silent_peers()))
-        if silent:
+        if silent := ", ".join(map(str, self.silent_peers())):
             return f"nothing from {silent}"
         if present.dropped > former.dropped:
             return "messages are dropped"

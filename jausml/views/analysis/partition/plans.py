@@ -22,8 +22,7 @@ from jausml.views.analysis.sizes import Assumptions
 _ROUTES = "bridge is", "namespace is", "subsystem is", "transport is"
 """Properties that no proposal mixes, and a person may."""
 
-_MOST = 5
-"""Names, and changes, that are told."""
+_MOST = 5  # names, and changes, that are told
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,8 @@ from jausml.language.semantics.connections.reports import joined_reports
 from jausml.language.semantics.connections.topics import resolve_topic
 from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.jaus.commands import needs_control
-from jausml.language.semantics.jaus.services import code, lineage
+from jausml.language.semantics.jaus.inheritance import lineage
+from jausml.language.semantics.jaus.services import code
 from jausml.language.semantics.paths.scopes import Carrier, carriers_of
 from jausml.views.analysis.streams import is_single, keeps_control
 

@@ -27,8 +27,7 @@ _SLOPED, _MOST_SLOPED = 10, 120
 FRAME_GAP = 60
 """Room between what stands beside each other."""
 
-_FEW_PARTS = 2
-"""Parts that stand above each other."""
+_FEW_PARTS = 2  # parts that stand above each other
 
 _ASPECT = 1.6
 _WIDER = (1, 1.1, 1.25, 1.5)

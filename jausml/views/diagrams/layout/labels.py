@@ -20,8 +20,7 @@ from jausml.views.diagrams.layout.ways import fitted
 _TEXTS, _OTHERS = 10, 3
 """How much a box or a label counts that is hidden, and a line of others; its own counts as one."""
 
-_TIP = 5
-"""Pixels around the end of a line that belong to its arrowhead."""
+_TIP = 5  # pixels around the end of a line that belong to its arrowhead
 
 _BESIDE = (0.5, 4)
 """Pixels between a line and a label beside it: if it is level, and if it bends there."""
@@ -29,15 +28,13 @@ _BESIDE = (0.5, 4)
 _FROM_OTHERS = 1.4
 """Pixels between a label and lines of others, which shall be farther away than its own."""
 
-_TILE = 48
-"""Size of the tiles in which lines are looked for."""
+_TILE = 48  # size of the tiles in which lines are looked for
 
 _Tile = tuple[int, int]
 _Segment: TypeAlias = "tuple[Point, Point]"
 Anchor = Literal["start", "middle", "end"]
 
-_OFF = 5
-"""Pixels from its line at which a label seems to belong to none."""
+_OFF = 5  # pixels from its line at which a label seems to belong to none
 
 
 def cleared(sheet: Sheet, places: Places) -> Places:

@@ -8,20 +8,15 @@ from collections.abc import Iterator, Mapping, Sequence
 from jausml.views.diagrams.layout.settling import LEAST, MOST, STEEP
 from jausml.views.diagrams.layout.sheet import Box, Line, Point, Route, Sheet
 
-_APART = 7
-"""Between lines of the same two rows."""
+_APART = 7  # between lines of the same two rows
 
-_NESTED = 12
-"""Between bows of which one is within the other."""
+_NESTED = 12  # between bows of which one is within the other
 
-_BESIDE = 4
-"""Between bows and their labels."""
+_BESIDE = 4  # between bows and their labels
 
-_OFF_ENDS = 12
-"""Between the ends of lines, which may have arrowheads, and labels."""
+_OFF_ENDS = 12  # between the ends of lines, which may have arrowheads, and labels
 
-_LEVEL = 1
-"""Pixels up or down that lines may lead which are drawn straight."""
+_LEVEL = 1  # pixels up or down that lines may lead which are drawn straight
 
 
 def routes_in(sheet: Sheet, corners: Mapping[str, Point]) -> dict[str, Route]:

@@ -14,8 +14,7 @@ from typing import NamedTuple
 from jausml.views.diagrams.layout.settling import GAP
 
 _ROUNDS = 24
-_LEAST = 0.5
-"""Pixels that are worth a step."""
+_LEAST = 0.5  # pixels that are worth a step
 
 
 class Link(NamedTuple):

@@ -19,8 +19,7 @@ GAP, COLUMN_GAP = 24, 80
 FRAME_MARGIN = 12
 """Room between a frame and what stands in it."""
 
-_APART = 4
-"""Room between a frame that has grown by its lines and what stands beside it."""
+_APART = 4  # room between a frame that has grown by its lines and what stands beside it
 
 _CELL = 512
 

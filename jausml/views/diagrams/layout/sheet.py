@@ -110,8 +110,7 @@ class Route:
     label: Point | None
 
 
-_SAMPLES = 12
-"""Points of a curve, between which it is taken as straight."""
+_SAMPLES = 12  # points of a curve, between which it is taken as straight
 
 
 @lru_cache(maxsize=1 << 14)

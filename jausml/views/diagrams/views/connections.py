@@ -9,7 +9,7 @@ from jausml.language.semantics.connections import calls, stops
 from jausml.language.semantics.connections.topics import resolve_topic
 from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
-from jausml.language.semantics.jaus.services import lineage
+from jausml.language.semantics.jaus.inheritance import lineage
 from jausml.language.semantics.paths.ros_paths import ros_name
 from jausml.language.semantics.paths.scopes import target_paths
 from jausml.views.diagrams.graph import IDLE, JAUS_COLUMN, ROS_COLUMN, Edge, End, Node, Port

@@ -17,8 +17,7 @@ from jausml.views.diagrams.views.context import Context, details, number
 DEEPEST = 12
 """Members around each other; types that hold themselves end here."""
 
-_MANY_VALUES = 1e15
-"""Limits from here on are those of the type, and say nothing."""
+_MANY_VALUES = 1e15  # limits from here on are those of the type, and say nothing
 
 
 @dataclass(frozen=True)

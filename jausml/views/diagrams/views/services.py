@@ -10,8 +10,9 @@ from itertools import pairwise
 
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model.model import Model
+from jausml.language.semantics.jaus.inheritance import lineage
 from jausml.language.semantics.jaus.inherited_machines import DEEPEST, Machine, machine_with
-from jausml.language.semantics.jaus.services import lineage, query_name
+from jausml.language.semantics.jaus.services import query_name
 from jausml.views.diagrams.graph import Edge, End, Finding, Graph, Group, Node, Port
 from jausml.views.diagrams.views.context import Builder, Context, details, name_of
 from jausml.views.diagrams.views.members import Member, jaus_members

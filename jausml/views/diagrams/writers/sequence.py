@@ -9,8 +9,7 @@ from jausml.views.diagrams.writers.shapes import ROW, SMALL, TITLE, cut, style, 
 from jausml.views.diagrams.writers.svg import MARGIN, opening, text_element
 from jausml.views.diagrams.writers.text import as_data
 
-_LONGEST = 90
-"""Characters of a text at most; longer ones are cut."""
+_LONGEST = 90  # characters of a text at most; longer ones are cut
 
 _ROW_HEIGHT, _HEAD, _GAP, _TIMES = 26, 58, 30, 40
 """Pixels: height of a row, baseline of the heads, room between columns, and for times at least."""
@@ -18,8 +17,7 @@ _ROW_HEIGHT, _HEAD, _GAP, _TIMES = 26, 58, 30, 40
 _TO_FIRST_ROW, _TO_END = 34, 22
 """Pixels from the heads to the first row, and from the last row to the end."""
 
-_TITLE = 16
-"""Size of the title, as `opening` writes it."""
+_TITLE = 16  # size of the title, as `opening` writes it
 
 
 @dataclass(frozen=True)

@@ -28,8 +28,7 @@ TITLE, SMALL, ROW = 13, 10, 11
 ROW_HEIGHT, LINE_HEIGHT, PADDING, INDENT, GAP = 18, 13, 10, 12, 12
 LONGEST_TITLE, _LONGEST_LABEL, _LONGEST_NOTE, _LONGEST_LINE = 48, 96, 72, 44
 _MOST_LINES, _MOST_FINDINGS = 7, 4
-_WRAPPED = 30
-"""Signs of a line of a label, behind which it goes on in the next one."""
+_WRAPPED = 30  # signs of a line of a label, behind which it goes on in the next one
 _ACROSS = ("to_ros", "to_jaus")
 """Kinds of edges between rows that stand close: their labels have one line."""
 _SIGNS = {"error": "\N{MULTIPLICATION SIGN} ", "warning": "! ", "info": "i "}
@@ -182,8 +181,7 @@ _BOLD_WIDTHS = (
     *(389, 280, 389, 584),
 )
 _OTHER, _WIDE = 722, 1000
-_MOST_TEXTS = 1 << 14
-"""Texts that are remembered: each edit of a page asks for the same ones."""
+_MOST_TEXTS = 1 << 14  # texts that are remembered: each edit of a page asks for the same ones
 
 
 @lru_cache(maxsize=_MOST_TEXTS)

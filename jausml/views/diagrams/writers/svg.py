@@ -20,8 +20,7 @@ from jausml.views.diagrams.writers.shapes import cut, style, width
 MARGIN, TOP = 16, 54
 _ROUND = {"node": 9, "type": 9, "state": 12, "others": 9}
 _LONGEST_TITLE = 90
-_DOT = 14
-"""How far the dot of an initial state stands above it, and from its left corner."""
+_DOT = 14  # how far the dot of an initial state stands above it, and from its left corner
 _SERVICE = "arrows of messages: what answers · dashed: what a service takes and sends"
 _LEGENDS = {
     "system": "square: JAUS · thick: bridge · rounded: ROS · dashed: control",

@@ -15,13 +15,8 @@ from jausml.language.semantics.connections.calls import (
 )
 from jausml.language.semantics.connections.topics import topic_fault
 from jausml.language.semantics.directions import is_to_ros
-from jausml.language.semantics.jaus.services import (
-    Provider,
-    is_known,
-    lineage,
-    peers_of,
-    services_of,
-)
+from jausml.language.semantics.jaus.inheritance import lineage
+from jausml.language.semantics.jaus.services import Provider, is_known, peers_of, services_of
 from jausml.language.semantics.paths.attributes import PathFault
 from jausml.language.semantics.paths.ros_paths import RosPlace, ros_name
 from jausml.language.semantics.subject import Subject

@@ -12,7 +12,7 @@ from jausml.language.semantics.connections import calls
 from jausml.language.semantics.connections.calls import sent_reports, unanswered
 from jausml.language.semantics.connections.limits import LONGEST_TIME, SHORTEST_TIME
 from jausml.language.semantics.connections.topics import resolve_topic, topic_fault
-from jausml.language.semantics.jaus import services
+from jausml.language.semantics.jaus import fields, services
 from jausml.language.semantics.jaus.commands import is_emergency, is_steering, told_by_command
 from jausml.language.semantics.jaus.core_services import CORE_MESSAGES
 from jausml.language.semantics.paths.attributes import PathFault
@@ -72,7 +72,7 @@ def maps_fit(subject: Subject, connection: bridge.RosServiceConnection) -> Itera
             yield Finding(connection, message, half.kind, related=(note,))
             continue
         feature = "toRos" if half.to_ros else "toJaus"
-        targets = map_.type.fields if half.to_ros else services.attributes(map_.message)
+        targets = map_.type.fields if half.to_ros else fields.attributes(map_.message)
         if targets and not getattr(map_, feature) and subject.is_intact(map_):
             message = f"map '{map_.name}' has no {feature} assignments, which its place needs"
             note = Note(map_, f"map '{map_.name}'")

@@ -11,7 +11,7 @@ from jausml.language.semantics.connections.exchanges import FEATURES, possible_e
 from jausml.language.semantics.connections.limits import LEAST_RATE
 from jausml.language.semantics.connections.topics import Flow, find_loops, flow_of
 from jausml.language.semantics.directions import is_to_ros
-from jausml.language.semantics.jaus import services
+from jausml.language.semantics.jaus import fields, services
 from jausml.language.semantics.jaus.commands import is_steering
 from jausml.language.semantics.paths.scopes import is_sound
 from jausml.language.semantics.subject import Subject
@@ -49,7 +49,7 @@ def direction_assigned(subject: Subject, connection: bridge.Connection) -> Itera
     map_ = connection.map
     to_ros = is_to_ros(connection)
     feature = "toRos" if to_ros else "toJaus"
-    targets = map_.type.fields if to_ros else services.attributes(map_.message)
+    targets = map_.type.fields if to_ros else fields.attributes(map_.message)
     if targets and not getattr(map_, feature) and subject.is_intact(map_):
         note = Note(map_, f"map '{map_.name}'")
         message = f"map '{map_.name}' has no {feature} assignments, which"

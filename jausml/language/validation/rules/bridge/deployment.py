@@ -235,8 +235,7 @@ _BUDGETS: dict[str, tuple[float, float]] = {
 }
 """Ranges of what strangers get, as the runtime has them."""
 
-_NO_LIMIT = ("amplificationLimit", "idleTimeout")
-"""Budgets for which 0 means that there is none."""
+_NO_LIMIT = ("amplificationLimit", "idleTimeout")  # budgets for which 0 means that there is none
 
 
 @rule("JML489", "budget out of range", kinds=bridge.Bridge, needs=("name",))

@@ -9,13 +9,8 @@ from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.connections.limits import LEAST_RATE, MAXIMUM_RATE
 from jausml.language.semantics.connections.reports import JoinedReport, joined_reports
 from jausml.language.semantics.directions import is_to_ros
-from jausml.language.semantics.jaus.services import (
-    Provider,
-    attributes,
-    find_output,
-    is_known,
-    query_name,
-)
+from jausml.language.semantics.jaus.fields import attributes
+from jausml.language.semantics.jaus.services import Provider, find_output, is_known, query_name
 from jausml.language.semantics.subject import Subject
 from jausml.language.validation.findings import provider_name, unprovided
 from jausml.language.validation.rule import Finding, Note, rule

@@ -13,9 +13,10 @@ from jausml.language.semantics.jaus.commands import (
     is_command,
     needs_control,
 )
+from jausml.language.semantics.jaus.inheritance import lineage
 from jausml.language.semantics.jaus.inherited_machines import is_core_trigger
 from jausml.language.semantics.jaus.machines import behaviours_of
-from jausml.language.semantics.jaus.services import ACCESS_CONTROL, lineage
+from jausml.language.semantics.jaus.services import ACCESS_CONTROL
 from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rule import Finding, Note, rule
 

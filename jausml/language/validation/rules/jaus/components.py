@@ -10,13 +10,13 @@ from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.connections.limits import LEAST_RATE, MAXIMUM_RATE
 from jausml.language.semantics.jaus.commands import needs_control
 from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
+from jausml.language.semantics.jaus.inheritance import with_inherited
 from jausml.language.semantics.jaus.services import (
     find_output,
     find_query,
     is_known,
     provided_services,
     provides_access_control,
-    with_inherited,
 )
 from jausml.language.semantics.subject import Subject
 from jausml.language.validation.findings import missing_query, time_findings, unprovided

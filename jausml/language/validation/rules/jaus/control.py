@@ -15,13 +15,8 @@ from jausml.language.semantics.connections.calls import driver_messages
 from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.jaus.commands import is_emergency, is_steering
 from jausml.language.semantics.jaus.core_services import with_standard
-from jausml.language.semantics.jaus.services import (
-    along_inheritance,
-    code,
-    lineage,
-    signature,
-    with_inherited,
-)
+from jausml.language.semantics.jaus.inheritance import along_inheritance, lineage, with_inherited
+from jausml.language.semantics.jaus.services import code, signature
 from jausml.language.semantics.names import urn_fault
 from jausml.language.semantics.paths.scopes import Carrier, carriers_of
 from jausml.language.semantics.subject import Subject, remembered

@@ -9,6 +9,7 @@ from jausml.language.attributes.guards import Guard, GuardError, parse_guard
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.jaus.core_services import CORE, SERVED_BY_RUNTIME
+from jausml.language.semantics.jaus.inheritance import lineage
 from jausml.language.semantics.jaus.inherited_machines import (
     CORE_MACHINE,
     core_events,
@@ -16,7 +17,7 @@ from jausml.language.semantics.jaus.inherited_machines import (
     event_name,
 )
 from jausml.language.semantics.jaus.machines import Behaviour, behaviours_of, described, trigger
-from jausml.language.semantics.jaus.services import find_same, lineage
+from jausml.language.semantics.jaus.services import find_same
 from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rule import Finding, Note, rule
 

@@ -9,7 +9,7 @@ from typing import TypeAlias
 from jausml.language import wire
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model.diagnostics import Severity
-from jausml.language.semantics.jaus.services import Group, class_name, is_container, is_group
+from jausml.language.semantics.jaus.fields import Group, class_name, is_container, is_group
 from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rule import Finding, Note, rule
 

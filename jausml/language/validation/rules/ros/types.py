@@ -22,10 +22,8 @@ from jausml.language.semantics.paths.ros_paths import ros_name
 from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rule import Finding, Note, rule
 
-_DEEPEST = 10_000
-"""Most messages that a quality of service keeps without a word."""
-_LONGEST = 2.0**63 / 1e9
-"""Longest time in seconds: ROS 2 counts nanoseconds in 64 bits."""
+_DEEPEST = 10_000  # most messages that a quality of service keeps without a word
+_LONGEST = 2.0**63 / 1e9  # longest time in seconds: ROS 2 counts nanoseconds in 64 bits
 _LONG = 2**63
 _HIGHEST_FREQUENCY = 1000.0
 _PROMISED = ("deadline", "leaseDuration")

@@ -1,11 +1,17 @@
-"""Optional programs outside Python: purpose, path, and the package that has each."""
+"""Programs outside Python that need not be there, and checks of them."""
 
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
 from dataclasses import dataclass
+from importlib.util import find_spec
 
+from jausml import installing
 from jausml.generation import native
+from jausml.live.machine.findings import Finding, Verdict
+from jausml.views.diagrams.layout.sheet import LayoutError
+from jausml.views.diagrams.writers import svg
 
 
 @dataclass(frozen=True)
@@ -58,3 +64,25 @@ PROGRAMS = (
     Program("systemd-analyze", ("systemd-analyze",), "checks of units of deployments", "systemd"),
 )
 """The programs that users meet."""
+
+
+def program_checks() -> Iterator[Finding]:
+    """Yields the findings about programs that need not be there."""
+    for program in PROGRAMS:
+        path = program.path()
+        if path is not None:
+            text = f"{path} is there for {program.purpose}"
+            yield Finding("programs", program.name, Verdict.OK, text)
+        else:
+            text = f"{program.fault}, which is for {program.purpose}"
+            yield Finding("programs", program.name, Verdict.NOTE, text, program.cure)
+    yield _fonts()
+
+
+def _fonts() -> Finding:
+    try:
+        text = f"{svg.installed_font()} is there for pictures in PNG"
+    except LayoutError as error:
+        cure = svg.FONT_CURE if find_spec("resvg_py") else installing.command("diagram")
+        return Finding("programs", "fonts", Verdict.NOTE, str(error), cure)
+    return Finding("programs", "fonts", Verdict.OK, text)

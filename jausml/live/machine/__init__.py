@@ -1,0 +1,1 @@
+"""Machines that are to run bridges and components: what one lacks, and how to fix it."""
