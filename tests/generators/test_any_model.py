@@ -130,7 +130,9 @@ def read_by_python(workspace, *, runs_tests):
         command = [sys.executable, "-m", "pytest", "-q", "-c", os.devnull, "--rootdir", ".", "test"]
         done = subprocess.run(command, cwd=folder.parent, timeout=600, **run)
         missing = set(re.findall(r"No module named '(\w+)", done.stdout)) - set(names)
-        assert done.returncode == 0 or missing, done.stdout
+        # Test vectors of users judge their conversions, which nobody has written here.
+        errors = set(re.findall(r"^E +(\w+Error)\b", done.stdout, re.MULTILINE))
+        assert done.returncode == 0 or missing or errors == {"NotImplementedError"}, done.stdout
 
 
 @pytest.mark.slow
