@@ -2,6 +2,7 @@
 
 import importlib
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, partial
 from pathlib import Path
@@ -11,6 +12,7 @@ from typing import Any
 from generated import run_in
 from workspaces import packages_of
 
+from jausml.generation.native import SOURCE, State, build, compiler
 from jausml.generation.rendering import render
 from jausml.language.validation.engine import check_project
 from jausml_generators.bridge.target import TARGET
@@ -18,6 +20,7 @@ from jausml_generators.messages.target import TARGET as MESSAGES
 from jausml_generators.runtime.target import TARGET as RUNTIME
 
 ROOT = Path(__file__).resolve().parents[2]
+_WITHOUT_LOOP = '#pragma once\n#include "core.hpp"\n'
 _UNKNOWN = "diagnostic_msgs geometry_msgs nav_msgs rcl_interfaces rclpy sensor_msgs std_msgs"
 
 
@@ -50,6 +53,20 @@ class Generated:
     def error(self, name: str) -> type[Exception]:
         """Returns an error of the generated runtime."""
         found: type[Exception] = getattr(importlib.import_module("jausml_runtime"), name)
+        return found
+
+    def build(self) -> None:
+        """Builds the core without the loop of a bridge, whose headers take a second to compile."""
+        source = self.folder / self.package / SOURCE
+        source.with_name("fastpath.hpp").write_text(_WITHOUT_LOOP, encoding="utf-8")
+        (built,) = build([source], str(compiler()))
+        assert built.state is State.BUILT, built.reason
+
+    def compiled(self, name: str) -> Callable[..., bytes | None]:
+        """Returns the compiled form of a connection."""
+        form = getattr(self.bridge, f"translate_{name}").compiled
+        note = getattr(self.bridge, name).drop_field.unknown
+        found: Callable[..., bytes | None] = form.of(self.bridge, self.bridge.core.load(), note)
         return found
 
     def check_text(self) -> None:
