@@ -9,7 +9,7 @@ from pathlib import Path
 
 import needs
 import pytest
-from generated import model_in, model_of, text_of
+from generated import WITHOUT_PLUGINS, model_in, model_of, text_of
 from scripts import succeeded
 from sweeps import sweep
 from workspaces import python_path, write
@@ -246,11 +246,7 @@ def outcomes_of(package, module, damages):
     runner = Path(__file__).with_name("forked_pytest.py")
     done = succeeded(
         [sys.executable, str(runner), str(package), module, *map(str, replacements)],
-        env={
-            **os.environ,
-            "PYTHONPATH": python_path(folder),
-            "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1",
-        },
+        env={**os.environ, **WITHOUT_PLUGINS, "PYTHONPATH": python_path(folder)},
         timeout=250,
     )
     outputs = [path.with_suffix(".txt").read_text() for path in (package, *replacements)]

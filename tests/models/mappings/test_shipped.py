@@ -108,7 +108,7 @@ def test_the_vectors_of_each_file_hold(workspace, rest):
     paths = packages_of(workspace)
     tests = [str(package / "test") for package in packages]
     succeeded(
-        [sys.executable, "-m", "pytest", "-q", "--assert=plain", *tests],
+        [sys.executable, "-m", "pytest", "-q", *tests],
         env={**os.environ, **WITHOUT_PLUGINS, "PYTHONPATH": os.pathsep.join(map(str, paths))},
         cwd=workspace,
         timeout=120,
