@@ -1,23 +1,23 @@
 """Generates the bridge of a small model in text and imports it."""
 
 import importlib
+import os
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache, partial
+from functools import partial
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 from generated import run_in
-from workspaces import packages_of
+from workspaces import packages_of, share_runtime
 
 from jausml.generation.native import SOURCE, State, build, compiler
 from jausml.generation.rendering import render
 from jausml.language.validation.engine import check_project
 from jausml_generators.bridge.target import TARGET
 from jausml_generators.messages.target import TARGET as MESSAGES
-from jausml_generators.runtime.target import TARGET as RUNTIME
 
 ROOT = Path(__file__).resolve().parents[2]
 _WITHOUT_LOOP = '#pragma once\n#include "core.hpp"\n'
@@ -82,7 +82,9 @@ class Generated:
             f"[{unknown}]\nignore_missing_imports = True\nfollow_imports = skip\n"
         )
         modules = [f"{self.package}/{name}.py" for name in (f"{self.package}_base", self.package)]
-        tool("mypy", "--config-file", settings, *modules)
+        # By one path, mypy knows the runtime that all have.
+        known = os.pathsep.join(str(Path(place).resolve()) for place in packages_of(self.folder))
+        tool("mypy", "--config-file", settings, *modules, MYPYPATH=known)
 
 
 def artifacts_of(text: str, folder: Path, name: str) -> dict[str, Any]:
@@ -98,14 +100,7 @@ def artifacts_of(text: str, folder: Path, name: str) -> dict[str, Any]:
     assert not refusals, "\n".join(
         f"{refusal.location.line}: {refusal.message}" for refusal in refusals
     )
-    made = (*render(result.model, [TARGET, MESSAGES]), *_runtime())
-    return {artifact.path: artifact for artifact in made}
-
-
-@cache
-def _runtime() -> list[Any]:
-    """The whole runtime, which is the same for all models."""
-    return render(None, [RUNTIME.for_whole_library()])
+    return {artifact.path: artifact for artifact in render(result.model, [TARGET, MESSAGES])}
 
 
 def generated(text: str, folder: Path, package: str) -> Generated:
@@ -120,7 +115,7 @@ def generated(text: str, folder: Path, package: str) -> Generated:
     for path, artifact in made.items():
         (folder / path).parent.mkdir(parents=True, exist_ok=True)
         (folder / path).write_text(artifact.text, encoding="utf-8")
-    # The first runtime that is imported serves all tests: it is the same for all.
+    share_runtime(folder)
     for place in packages_of(folder):
         sys.path.append(place)
     try:

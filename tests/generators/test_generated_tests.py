@@ -12,11 +12,10 @@ import pytest
 from generated import WITHOUT_PLUGINS, model_in, model_of, text_of
 from scripts import succeeded
 from sweeps import sweep
-from workspaces import python_path, write
+from workspaces import python_path, share_runtime, write
 
 from jausml_generators.bridge.target import TARGET
 from jausml_generators.messages.target import TARGET as MESSAGES
-from jausml_generators.runtime.target import TARGET as RUNTIME
 
 pytestmark = pytest.mark.timeout(300)  # the first one waits for all of them
 
@@ -166,7 +165,8 @@ def package(tmp_path_factory):
     def made(name):
         folder = tmp_path_factory.mktemp("checked")
         model = model_of(Path(__file__).with_name(f"{name}.ros2jaus"))
-        write(model, [TARGET, MESSAGES, RUNTIME], folder)
+        write(model, [TARGET, MESSAGES], folder)
+        share_runtime(folder)
         return folder / name
 
     return made
