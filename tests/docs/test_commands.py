@@ -84,7 +84,7 @@ def take(command: click.Command, words: list[str]) -> None:
 
 NEED_A_COMPILER = {"compile-bridges", "prove", "python", "safety-case"}
 NEED_NAV2 = {"for-student-teams"}
-GUARDING = {"decode", "install", "jaus-and-ros", "report"}
+GUARDING = {"install", "jaus-and-ros", "report"}
 
 
 @pytest.mark.live

@@ -1,5 +1,6 @@
 """The fuzz driver, as a process."""
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -62,6 +63,18 @@ def test_components_contradict_themselves_in_nothing_and_end_when_they_are_stopp
     assert done.returncode == 0, done.stdout + done.stderr
     for name in ("messages sent", "access_control.timed_out=", "management.clear_ignored="):
         assert name in done.stdout
+
+
+@pytest.mark.slow
+def test_bodies_are_refused_or_go_out_as_they_came():
+    done = run(HERE, "bodies", "--plain", "--runs", "5000", "--seed", "7")
+    counts = r"(\d+) messages: (\d+) refused, (\d+) taken but not sent, (\d+) sent again"
+    report = re.search(counts, done.stdout)
+    assert report is not None, done.stdout + done.stderr
+    messages, *outcomes = map(int, report.groups())
+    assert messages > 300
+    assert sum(outcomes) == 5_000
+    assert min(outcomes) > 0
 
 
 @pytest.mark.slow

@@ -1,23 +1,27 @@
 """Generates the bridge of a small model in text and imports it."""
 
 import importlib
+import os
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache, partial
+from functools import partial
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+import pytest
 from generated import run_in
-from workspaces import packages_of
+from workspaces import packages_of, share_runtime
 
+from jausml.generation import native
 from jausml.generation.rendering import render
 from jausml.language.validation.engine import check_project
 from jausml_generators.bridge.target import TARGET
 from jausml_generators.messages.target import TARGET as MESSAGES
-from jausml_generators.runtime.target import TARGET as RUNTIME
 
 ROOT = Path(__file__).resolve().parents[2]
+_WITHOUT_LOOP = '#pragma once\n#include "core.hpp"\n'
 _UNKNOWN = "diagnostic_msgs geometry_msgs nav_msgs rcl_interfaces rclpy sensor_msgs std_msgs"
 
 
@@ -52,6 +56,25 @@ class Generated:
         found: type[Exception] = getattr(importlib.import_module("jausml_runtime"), name)
         return found
 
+    def build(self) -> None:
+        """Builds the core without the loop of a bridge, whose headers take a second to compile.
+
+        Nor is it optimized, which takes as long; cores that are show their bits in proofs.
+        """
+        source = self.folder / self.package / native.SOURCE
+        source.with_name("fastpath.hpp").write_text(_WITHOUT_LOOP, encoding="utf-8")
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(native, "FLAGS", (*native.FLAGS, "-O0"))
+            (built,) = native.build([source], str(native.compiler()))
+        assert built.state is native.State.BUILT, built.reason
+
+    def compiled(self, name: str) -> Callable[..., bytes | None]:
+        """Returns the compiled form of a connection."""
+        form = getattr(self.bridge, f"translate_{name}").compiled
+        note = getattr(self.bridge, name).drop_field.unknown
+        found: Callable[..., bytes | None] = form.of(self.bridge, self.bridge.core.load(), note)
+        return found
+
     def check_text(self) -> None:
         """Formatter, linter and type checker find nothing."""
         config = ["--config", str(ROOT / "pyproject.toml"), "--no-cache"]
@@ -65,7 +88,9 @@ class Generated:
             f"[{unknown}]\nignore_missing_imports = True\nfollow_imports = skip\n"
         )
         modules = [f"{self.package}/{name}.py" for name in (f"{self.package}_base", self.package)]
-        tool("mypy", "--config-file", settings, *modules)
+        # By one path, mypy knows the runtime that all have.
+        known = os.pathsep.join(str(Path(place).resolve()) for place in packages_of(self.folder))
+        tool("mypy", "--config-file", settings, *modules, MYPYPATH=known)
 
 
 def artifacts_of(text: str, folder: Path, name: str) -> dict[str, Any]:
@@ -81,14 +106,7 @@ def artifacts_of(text: str, folder: Path, name: str) -> dict[str, Any]:
     assert not refusals, "\n".join(
         f"{refusal.location.line}: {refusal.message}" for refusal in refusals
     )
-    made = (*render(result.model, [TARGET, MESSAGES]), *_runtime())
-    return {artifact.path: artifact for artifact in made}
-
-
-@cache
-def _runtime() -> list[Any]:
-    """The whole runtime, which is the same for all models."""
-    return render(None, [RUNTIME.for_whole_library()])
+    return {artifact.path: artifact for artifact in render(result.model, [TARGET, MESSAGES])}
 
 
 def generated(text: str, folder: Path, package: str) -> Generated:
@@ -103,7 +121,7 @@ def generated(text: str, folder: Path, package: str) -> Generated:
     for path, artifact in made.items():
         (folder / path).parent.mkdir(parents=True, exist_ok=True)
         (folder / path).write_text(artifact.text, encoding="utf-8")
-    # The first runtime that is imported serves all tests: it is the same for all.
+    share_runtime(folder)
     for place in packages_of(folder):
         sys.path.append(place)
     try:

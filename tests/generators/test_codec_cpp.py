@@ -43,6 +43,7 @@ pytestmark = pytest.mark.timeout(400)
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
+EVERY_KIND = HERE / "every_kind.xmi"
 MODELS = [
     *sorted({ROOT / vector["model"] for vector in vectors()}),
     HERE / "hostile_messages.xmi",
@@ -109,6 +110,10 @@ def header(folder: Path, view: HeaderView) -> None:
 # -- the vectors ----------------------------------------------------------------------------------
 
 
+def sent(service: jaus.Service) -> list[jaus.MessageDef]:
+    return [*service.inputs, *service.outputs]
+
+
 @dataclass
 class Messages:
     """The messages of all vectors in both languages."""
@@ -117,14 +122,17 @@ class Messages:
     names: dict[tuple[str, str], FieldNames]
 
     @classmethod
-    def read(cls):
-        model = model_of(*MODELS)
+    def read(cls, models):
+        model = model_of(*models)
+        shown = {(ROOT / vector["model"], vector["message"]) for vector in vectors()}
+        # Of the library those of vectors are enough; test_cpp_codecs has the others.
         services = [
             service
             for service in model.instances(jaus.Service)
-            if Path(model.location(service).path).resolve() in MODELS
+            if (path := Path(model.location(service).path).resolve()) in models
+            and (path.parent == HERE or any((path, m.name) in shown for m in sent(service)))
         ]
-        found = build_message_map(m for s in services for m in (*s.inputs, *s.outputs))
+        found = build_message_map(message for service in services for message in sent(service))
         view = HeaderView("vectors", "vectors", services)
         module = load(render(view.messages), "messages_of_cpp")
         names = {
@@ -221,8 +229,9 @@ def told(line: str) -> tuple[str, str, str]:
 
 
 @pytest.fixture(scope="module")
-def messages() -> Messages:
-    return Messages.read()
+def messages(sanitizers: tuple[str, ...]) -> Messages:
+    # Sanitizers take long to compile: they watch one message of each kind.
+    return Messages.read([EVERY_KIND] if sanitizers else MODELS)
 
 
 @pytest.fixture(scope="module", params=sweep(["plain", "watched"], every=2))
@@ -244,8 +253,7 @@ def run(
 ) -> Run:
     folder = tmp_path_factory.mktemp("codec_cpp")
     header(folder, messages.view)
-    # Sanitizers take long to compile: they watch one message of each kind.
-    chosen = [v for v in vectors() if not sanitizers or Path(v["model"]).stem == "every_kind"]
+    chosen = [v for v in vectors() if not sanitizers or ROOT / v["model"] == EVERY_KIND]
     made: dict[str, str] = {}
     payloads: dict[tuple[Any, bytes], str] = {}
     chance = Random(7)
@@ -268,7 +276,7 @@ def run(
             for variant in damaged(payload, chance):
                 add(names, variant)
     for (file, _), names in messages.names.items():
-        if not sanitizers and file in {"hostile_messages.xmi", "cpp_names.xmi"}:
+        if file in {"hostile_messages.xmi", "cpp_names.xmi"}:
             add(names, example_bytes(names.view))
     structs = {vector["name"]: messages.struct(messages.of(vector)).cpp for vector in chosen}
     setters = [

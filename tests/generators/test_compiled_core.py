@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 from scripts import succeeded
 
-from jausml.generation.native import FLAGS, LIBRARY, SOURCE, State, build, compiler
+from jausml.generation.native import FLAGS, LIBRARY, SOURCE, compiler
 from tests.generators.assignment_support import Generated, generated
 
 GUARDS = ("generators/jausml_generators/cpp", "jausml/runtime/bridge/messages/compiled.py")
@@ -80,21 +80,9 @@ pytestmark = pytest.mark.needs("compiler")
 @pytest.fixture(scope="module")
 def made(tmp_path_factory: pytest.TempPathFactory) -> Generated:
     found = generated(MODEL, tmp_path_factory.mktemp("compiled_core"), "compiled_core")
-    (built,) = build([found.folder / found.package / SOURCE], str(compiler()))
-    assert built.state is State.BUILT, built.reason
+    found.build()
     # Both forms are compared, which a clock between them would spoil.
     found.bridge.now = lambda: importlib.import_module("jausml_runtime.conversions").Time(7, 8)
-    return found
-
-
-def function(made: Generated, name: str, bridge: Any = None) -> Callable[..., bytes | None]:
-    """The compiled form of a connection."""
-    owner = made.bridge if bridge is None else bridge
-    compiled = getattr(owner, f"translate_{name}").compiled
-    connection = getattr(owner, name)
-    found: Callable[..., bytes | None] = compiled.of(
-        owner, owner.core.load(), connection.drop_field.unknown
-    )
     return found
 
 
@@ -129,7 +117,7 @@ def test_a_command_as_bytes(made):
     data = twist("map", x=25.0, y=4.0, z=5.0, a=2.5, b=9.0)
     # Code, presence of the first five, 50 of -100 .. 100, -4, 5 of 0 .. 10, 2.5, "map", 9.
     expected = "01d3 1f00 ffffffbf 00000000000010c0 0080 00002040 03 6d6170 09"
-    found = function(made, "speed_down")(data)
+    found = made.compiled("speed_down")(data)
     assert found is not None
     assert found.hex(" ") == bytes.fromhex(expected).hex(" ")
 
@@ -143,10 +131,10 @@ def test_both_forms_make_the_same(made):
     ):
         names = {attribute(made, name): value for name, value in fields.items()}
         data = core_message(made, **names)
-        assert by_python(made, "speed_up", data) == (function(made, "speed_up")(data), {})
+        assert by_python(made, "speed_up", data) == (made.compiled("speed_up")(data), {})
     for parts in ({}, {"x": 12.5, "y": -3.0, "z": 9.99, "a": 1e-40, "b": 255.4}, {"b": 2.5}):
         data = twist("odom", **parts)
-        assert by_python(made, "speed_down", data) == (function(made, "speed_down")(data), {})
+        assert by_python(made, "speed_down", data) == (made.compiled("speed_down")(data), {})
 
 
 def attribute(made: Generated, name: str) -> str:
@@ -174,7 +162,7 @@ def attribute(made: Generated, name: str) -> str:
 def test_what_is_not_usual_is_left_to_python(made, what, data):
     counts = made.bridge.speed_down.statistics.out_of_range
     counts.clear()
-    assert function(made, "speed_down")(data) is None, what
+    assert made.compiled("speed_down")(data) is None, what
     assert counts == {}
 
 
@@ -184,12 +172,12 @@ def test_what_is_unknown_is_left_out_and_counted(made):
     expected = by_python(made, "speed_down", data)
     assert expected[1] == {("drop_field", "int"): 1}
     counts.clear()
-    assert (function(made, "speed_down")(data), dict(counts)) == expected
+    assert (made.compiled("speed_down")(data), dict(counts)) == expected
 
 
 def test_what_changes_while_the_bridge_runs(made):
     data = core_message(made, **{attribute(made, "class"): 5.0})
-    call, bridge = function(made, "speed_up"), made.bridge
+    call, bridge = made.compiled("speed_up"), made.bridge
     speed, frame = bridge.top_speed, bridge.speed_up_frame_id
     try:
         bridge.top_speed, bridge.speed_up_frame_id = 20.0, "map"

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jausml.generation.native import SOURCE, build, compiler
+from jausml.generation.native import compiler
 from tests.generators.assignment_support import Generated, generated
 
 TEXT = """
@@ -198,19 +198,10 @@ def outcome(made: Generated, name: str, translate: Callable[[], Any]) -> tuple[A
 @cache
 def functions(made: Generated) -> dict[str, Callable[[bytes], bytes | None]]:
     """The compiled forms by connection; none without a compiler."""
-    program = compiler()
-    if program is None:
+    if compiler() is None:
         return {}
-    (built,) = build([made.folder / made.package / SOURCE], program)
-    assert built.reason == ""
-    bridge = made.bridge
-    library = bridge.core.load()
-    return {
-        name: getattr(bridge, f"translate_{name}").compiled.of(
-            bridge, library, getattr(bridge, name).drop_field.unknown
-        )
-        for name in CONNECTIONS
-    }
+    made.build()
+    return {name: made.compiled(name) for name in CONNECTIONS}
 
 
 def check(made: Generated, name: str, data: bytes) -> Any:

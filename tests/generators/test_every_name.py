@@ -312,12 +312,18 @@ def system(folder: Path, names: Sequence[str]) -> Path:
 
 
 def generated(folder: Path, names: Sequence[str], targets: Sequence[Target[Any]] = ()) -> Path:
-    """Returns the workspace of a system of these names, whose Python can be imported."""
+    """Returns the workspace of a system of these names."""
     result = check(read_models([system(folder, names)], notations=NOTATIONS))
     faults = [error for error in result.diagnostics if error.severity is Severity.ERROR]
     assert not faults, faults[:3]
     workspace = folder / "ws"
     write(result.model, [*PYTHON, *targets], workspace)
+    return workspace
+
+
+def imported(folder: Path, names: Sequence[str], targets: Sequence[Target[Any]] = ()) -> Path:
+    """Returns such a workspace, whose Python can be imported."""
+    workspace = generated(folder, names, targets)
     code = IMPORTED.format(node=package_name(names[2]))
     path = {"PYTHONPATH": python_path(workspace)}
     succeeded([sys.executable, "-c", code], env=path, cwd=workspace)
@@ -367,7 +373,7 @@ FOUND = ["Number", "self", "EAGAIN", "cls", "data"]
 @given(drawn=names(6))
 def test_any_names_may_stand_anywhere(drawn):
     with TemporaryDirectory() as folder:
-        generated(Path(folder), with_found(drawn))
+        imported(Path(folder), with_found(drawn))
 
 
 def with_found(drawn: list[str]) -> list[str]:
@@ -390,7 +396,7 @@ def test_any_names_may_stand_in_every_target(drawn):
     needs.ask("compiler")
     with TemporaryDirectory() as folder:
         every = [*OTHERS, ROS_INTERFACES.for_whole_library()]
-        workspace = generated(Path(folder), drawn, every)
+        workspace = imported(Path(folder), drawn, every)
         for source in (*workspace.rglob("*_jaus.hpp"), *workspace.rglob("core.cpp")):
             line = [str(compiler()), "-std=c++17", "-fsyntax-only", "-x", "c++", str(source)]
             subprocess.run(line, check=True)

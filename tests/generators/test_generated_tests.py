@@ -9,14 +9,13 @@ from pathlib import Path
 
 import needs
 import pytest
-from generated import model_in, model_of, text_of
+from generated import WITHOUT_PLUGINS, model_in, model_of, text_of
 from scripts import succeeded
 from sweeps import sweep
-from workspaces import python_path, write
+from workspaces import python_path, share_runtime, write
 
 from jausml_generators.bridge.target import TARGET
 from jausml_generators.messages.target import TARGET as MESSAGES
-from jausml_generators.runtime.target import TARGET as RUNTIME
 
 pytestmark = pytest.mark.timeout(300)  # the first one waits for all of them
 
@@ -166,7 +165,8 @@ def package(tmp_path_factory):
     def made(name):
         folder = tmp_path_factory.mktemp("checked")
         model = model_of(Path(__file__).with_name(f"{name}.ros2jaus"))
-        write(model, [TARGET, MESSAGES, RUNTIME], folder)
+        write(model, [TARGET, MESSAGES], folder)
+        share_runtime(folder)
         return folder / name
 
     return made
@@ -246,11 +246,7 @@ def outcomes_of(package, module, damages):
     runner = Path(__file__).with_name("forked_pytest.py")
     done = succeeded(
         [sys.executable, str(runner), str(package), module, *map(str, replacements)],
-        env={
-            **os.environ,
-            "PYTHONPATH": python_path(folder),
-            "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1",
-        },
+        env={**os.environ, **WITHOUT_PLUGINS, "PYTHONPATH": python_path(folder)},
         timeout=250,
     )
     outputs = [path.with_suffix(".txt").read_text() for path in (package, *replacements)]

@@ -11,7 +11,6 @@ from generated import run_in
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jausml.generation.native import SOURCE, State, build, compiler
 from tests.generators.assignment_support import Generated, generated
 
 GUARDS = ("generators/jausml_generators/cpp", "jausml/language/semantics/paths/markers.py")
@@ -296,8 +295,7 @@ def test_a_place_is_not_moved_into_its_range(made):
 
 @pytest.fixture(scope="module")
 def compiled(made: Generated) -> Generated:
-    (built,) = build([made.folder / made.package / SOURCE], str(compiler()))
-    assert built.state is State.BUILT, built.reason
+    made.build()
     return made
 
 
@@ -311,15 +309,6 @@ def by_python(made: Generated, name: str, data: bytes) -> bytes | str:
         return type(error).__name__
     encoded: bytes = target.to_cdr() if name.endswith("up") else target.encode()
     return encoded
-
-
-def by_core(made: Generated, name: str, data: bytes) -> bytes | None:
-    """What the compiled form makes of bytes; nothing where it leaves them to Python."""
-    bridge = made.bridge
-    form = getattr(bridge, f"translate_{name}").compiled
-    call = form.of(bridge, bridge.core.load(), getattr(bridge, name).drop_field.unknown)
-    found: bytes | None = call(data)
-    return found
 
 
 SPECIAL = st.sampled_from([0.0, 1.0, -1.0, 10.0, 11.0, math.nan, math.inf, -math.inf])
@@ -356,7 +345,7 @@ def test_all_forms_say_the_same(compiled, fields):
     }
     for name, data in sources.items():
         expected = by_python(compiled, name, data)
-        assert by_core(compiled, name, data) in (None, expected)
+        assert compiled.compiled(name)(data) in (None, expected)
 
 
 @pytest.mark.needs("compiler")
@@ -365,6 +354,6 @@ def test_the_core_asks_markers_itself(compiled):
     source = state(compiled, status=-1, voltage=math.nan, ranges=array("f", [2.0, 11.0]))
     source.parts = [part]
     for name in ("down", "more_down"):
-        assert by_core(compiled, name, source.to_cdr()) is not None
+        assert compiled.compiled(name)(source.to_cdr()) is not None
     message = compiled.bridge.translate_more_down(source).encode()
-    assert by_core(compiled, "more_up", message) is not None
+    assert compiled.compiled("more_up")(message) is not None

@@ -8,7 +8,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jausml.generation.native import SOURCE, State, build, compiler
 from tests.generators.assignment_support import generated
 
 TEXT = """
@@ -115,16 +114,8 @@ def test_octets_of_ros_are_the_same_in_both_ways(bridge, cells, name):
 def compiled(bridge):
     """Returns the compiled translations by connection."""
     needs.ask("compiler")
-    (built,) = build([bridge.folder / bridge.package / SOURCE], str(compiler()))
-    assert built.state is State.BUILT, built.reason
-    owner = bridge.bridge
-    library = owner.core.load()
-
-    def function(name):
-        form = getattr(owner, f"translate_{name}").compiled
-        return form.of(owner, library, getattr(owner, name).drop_field.unknown)
-
-    return {f"{name}_{way}": function(f"{name}_{way}") for name, way in WAYS}
+    bridge.build()
+    return {f"{name}_{way}": bridge.compiled(f"{name}_{way}") for name, way in WAYS}
 
 
 CODES = {"cells": b"\x11\xd1", "plain": b"\x12\xd1", "shares": b"\x14\xd1"}

@@ -5,6 +5,7 @@ import json
 import keyword
 import os
 import re
+import shutil
 
 import needs
 import pytest
@@ -122,8 +123,7 @@ def test_generated_tests_pass_and_can_fail(workspace, tmp_path):
     tests = [workspace / name / "test" for name in ("everything", "odometry", "idle")]
     done = run(*options, *tests, cwd=tmp_path, **ros_environment(workspace, **WITHOUT_PLUGINS))
     assert "15 passed" in done.stdout, done.stdout
-    broken = tmp_path / "broken"
-    write("features", broken)
+    broken = shutil.copytree(workspace, tmp_path / "broken")
     base = broken / "everything" / "everything" / "everything_base.py"
     base.write_text(base.read_text().replace('"cmd_vel"', '"cmd"').replace('"/brake"', '"/break"'))
     test = broken / "everything" / "test"

@@ -4,11 +4,12 @@ import ast
 import re
 
 import pytest
+from workspaces import share_runtime
 
 from jausml.generation.artifact import DIGEST_MARK, has_valid_header
 from jausml_generators.runtime.target import TARGET as RUNTIME
 
-from .node_support import ROOT, artifacts, run, write
+from .node_support import ROOT, artifacts, run
 
 SOURCE = ROOT / "jausml" / "runtime"
 FOLDER = "jausml_runtime/jausml_runtime/"
@@ -86,7 +87,7 @@ def needs_more(name, text):
 
 
 def test_what_components_need_is_the_copy_alone(tmp_path, copies):
-    write("talk", tmp_path, (RUNTIME,))
+    share_runtime(tmp_path)
     names = [name for name, text in sorted(copies.items()) if not needs_more(name, text)]
     assert {
         "component/process.py",

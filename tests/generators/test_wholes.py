@@ -7,7 +7,6 @@ import pytest
 from efforts import EFFORTS
 from generated import text_of
 
-from jausml.generation.native import SOURCE, State, build, compiler
 from jausml.generation.target import system_of
 from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.connections import calls
@@ -90,18 +89,14 @@ def test_policies_hold_for_each_member(made):
 
 def test_the_compiled_core_makes_the_same(made):
     needs.ask("compiler")
-    (built,) = build([made.folder / made.package / SOURCE], str(compiler()))
-    assert built.state is State.BUILT, built.reason
+    made.build()
     message = filled()
     command = made.bridge.translate_down(message).encode()
     for name, data, wanted in (
         ("down", message.to_cdr(), command),
         ("up", command, message.to_cdr()),
     ):
-        compiled = getattr(made.bridge, f"translate_{name}").compiled
-        policy = getattr(made.bridge, name).drop_field.unknown
-        found = compiled.of(made.bridge, made.bridge.core.load(), policy)
-        assert found(data) == wanted
+        assert made.compiled(name)(data) == wanted
 
 
 def findings(text, tmp_path, name="model.ros2jaus"):

@@ -26,13 +26,14 @@ speed {
 def test_a_finding_of_the_sound_map_hides_none_of_another_field(tmp_path):
     path = tmp_path / "speed.ros2jaus"
     text = """\
-import jaus.mobility
-
 velocity {
-    JAUS VelocityStateSensor.ReportVelocityState
+    JAUS SetVelocity (
+        uint16 x { lower: 0  upper: 9 }
+        uint16 yaw { lower: 0  upper: 9 }
+    ) { code: 0xD301 }
     ROS geometry_msgs/Twist
-    JAUS->ROS ( Velocity_X -> linear.x : scale(1.1)  YawRate -> angular.z )
-    ROS->JAUS ( linear.x -> Velocity_X  angular.z -> YawRate )
+    JAUS->ROS ( x -> linear.x : scale(1.1)  yaw -> angular.z )
+    ROS->JAUS ( linear.x -> x  angular.z -> yaw )
 }
 """
     path.write_text(text)
@@ -41,7 +42,7 @@ velocity {
     path.write_text(text.replace("-> angular.z )", "-> angular.z : scale(1.2) )"))
     oracle = ProofOracle(report)
     broken = check_project([path])
-    assert oracle.new_finding(broken, used.toRos[1]).startswith("JML922 velocity: JAUS YawRate ")
+    assert oracle.new_finding(broken, used.toRos[1]).startswith("JML922 velocity: JAUS yaw ")
     assert ProofOracle(broken).new_finding(broken, used.toRos[1]) == ""  # it was so before
     assert oracle.new_finding(report, report.model.root) == ""
 

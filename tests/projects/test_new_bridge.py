@@ -49,7 +49,7 @@ def test_it_validates_and_generates(rover, jausml, notation):
     )
     assert "odom: ROS -> JAUS, local_pose: reported as ReportLocalPose of" in done.output
     jausml("validate", "models", "--strict")
-    done = jausml("generate", model, "-o", "src")
+    jausml("generate", model, "-o", "src", "--target", "bridge")
     assert ways(model) == [
         (["cmd_vel"], "velocity_command", "jausToRos", "message"),
         (["odom"], "local_pose", "rosToJaus", "periodicEvent"),
@@ -111,7 +111,7 @@ def test_a_join_that_nothing_feeds_is_subscribed_to_nothing(rover, jausml):
     [(topics, *_)] = ways(model)
     assert topics == ["fix"]
     jausml("validate", "models", "--strict")
-    jausml("generate", model, "-o", "src")
+    jausml("generate", model, "-o", "src", "--target", "bridge")
 
 
 STOP = "e_stop/set:std_msgs/Bool"
@@ -253,7 +253,7 @@ def test_a_bridge_gets_further_topics(rover, jausml):
     provided = ["VelocityStateDriver", "LocalPoseSensor", "VelocityStateSensor", "RangeSensor"]
     assert list(map(name_of, made.provides)) == provided
     done = jausml("validate", "models", "--strict")
-    jausml("generate", model, "-o", "src")
+    jausml("generate", model, "-o", "src", "--target", "bridge")
 
 
 def test_a_copy_of_a_ready_map_stands_for_it(rover, jausml):

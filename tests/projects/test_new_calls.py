@@ -60,9 +60,9 @@ def the_bridge(model):
 
 
 def sound(jausml, model):
-    """Sees to it that a model is valid and generates."""
+    """Sees to it that a model is valid and its bridge generates."""
     jausml("validate", "models", "--strict")
-    jausml("generate", model, "-o", "src")
+    jausml("generate", model, "-o", "src", "--target", "bridge")
 
 
 def decide(model):
@@ -147,7 +147,7 @@ def test_a_waypoint_driver_gives_its_goal(robot, jausml, notation):
     assert "local_waypoint: SetLocalWaypoint of LocalWaypointDriver is pose" in done.output
     assert "which element is active" not in done.output
     jausml("validate", "models")
-    jausml("generate", model, "-o", "src")
+    jausml("generate", model, "-o", "src", "--target", "bridge")
     jausml("new", "action-connection", "gps:nav2_msgs/FollowGPSWaypoints", "--yes")
     found = jausml("validate", "models", status=1)
     assert "JML488 a bridge executes lists, missions or one kind of waypoints" in found.output

@@ -68,7 +68,7 @@ def test_a_bridge_has_the_joints_of_the_robot(rover, jausml, refused, notation):
     assert names_of(made["joint_states_joint_positions"]) == [JOINTS, JOINTS]
     assert names_of(made["arm_cmd_set_joint_positions"]) == [["elbow", "shoulder"]] * 2
     jausml("validate", "models", "--strict")
-    done = jausml("generate", model, "-o", "src")
+    jausml("generate", model, "-o", "src", "--target", "bridge")
 
 
 def test_the_joints_of_a_command_have_no_stop_before_a_person_says_so(rover, jausml):

@@ -226,7 +226,7 @@ def test_a_decision_is_open_until_a_person_removes_it(ears, jausml):
     [line] = [text_line for text_line in lines if "openDecisions" in text_line]
     lines.remove(line)
     model.write_text("".join(lines), "utf-8")
-    jausml("generate", model, "-o", "src")
+    jausml("generate", model, "-o", "src", "--target", "bridge")
     assert "nothing is open" in jausml("new", "--open").output
 
 

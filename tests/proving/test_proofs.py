@@ -35,6 +35,9 @@ service_set small {
         fixed_field Gear { type: uint8 optional: true }
         fixed_field Wide { type: uint32 optional: true scale: { lower: -327.68 upper: 327.67 } }
         fixed_field Real { type: float32 optional: true }
+        fixed_field Yaw {
+          type: uint16 optional: true units: radian scale: { lower: -3.1415927 upper: 3.1415927 }
+        }
       }
     }
   }
@@ -51,21 +54,24 @@ bridge proof_small {
 
 
 def small(name: str = "small", type_: str = "geometry_msgs/Twist", **changed: str) -> str:
-    """A map; `up` and `down` are its assignments."""
+    """A map; `up` and `down` are its assignments, `more` is what else it has."""
     up = """
       Speed -> linear.x : negate
       Turn -> linear.y : scale(0.5)
       Gear -> angular.x
       Wide -> linear.z
+      Yaw -> angular.y : expression("if(value > 3.14159265, value - 6.2831854, value)")
+      Turn, Yaw -> angular.z : expression("value1 + value2")
     """
     down = """
       linear.x -> Speed : negate
       linear.y -> Turn : scale(2)
       angular.x -> Gear
       linear.z -> Wide
+      angular.y -> Yaw : expression("value")
     """
     ways = f"JAUS->ROS ({changed.get('up', up)}) ROS->JAUS ({changed.get('down', down)})"
-    return f"{name} {{ JAUS SetSmall ROS {type_} {ways} }}\n"
+    return f"{name} {{ JAUS SetSmall ROS {type_} {changed.get('more', '')} {ways} }}\n"
 
 
 class Proofs:
@@ -110,6 +116,16 @@ def test_all_values_of_16_bits_are_unchanged(proofs):
         assert found.compared > 100
         assert not found.differing
     assert not proofs.rules("small")
+
+
+def test_numbers_that_share_a_member_are_tried_together(proofs):
+    for path in ("Turn", "Yaw"):
+        found = proofs.field(path)
+        assert found.mixed is not None, path
+        assert (found.mixed.tried, found.mixed.changed) == (65536, 0), path
+    # An angle that goes around: both its ends are the same one.
+    assert proofs.field("Yaw").changed == 0
+    assert proofs.field("Speed").mixed is None
 
 
 def test_wide_numbers_are_never_claimed_as_all(proofs):
@@ -222,34 +238,6 @@ def test_a_shortcut_counts_as_whole_messages_and_as_python_do(tmp_path):
     assert found["Wide"].unchanged == unchanged
 
 
-def test_what_a_bridge_says_of_its_map_counts(tmp_path):
-    text = (
-        MESSAGE
-        + """
-    small {
-      JAUS SetSmall
-      ROS geometry_msgs/Twist
-      quantity top { value: 10 }
-      JAUS->ROS ( Speed -> linear.x : value_to_percent(top), with_units("m/s") )
-      ROS->JAUS ( linear.x -> Speed : scale(0.2) )
-    }
-    bridge proof_policies {
-      address: 1.1.2
-      quantity top { value: 20 }
-      connection up { map: small topic a {} }
-      connection down { map: small direction: rosToJaus outOfRange: dropMessage topic a {} }
-    }
-    """
-    )
-    proofs = Proofs(text, tmp_path)
-    speed = proofs.field("Speed")
-    assert speed.reached[0].greatest == pytest.approx(5 * 327.67)  # of the 20 of the bridge
-    assert speed.unchanged == 65536
-    given = proofs.field("linear.x", "ROS")
-    assert given.limited == 0  # as the policy of the connection says
-    assert given.refused == given.sampled > 0
-
-
 ANGLES = """
 service_set turning {
   service Turning {
@@ -258,7 +246,7 @@ service_set turning {
       code: "0xD302"
       body: new record AnglesRec {
         fixed_field Roll { type: uint16 units: radian scale: { lower: -3 upper: 3 } }
-        fixed_field Pitch { type: uint16 units: radian scale: { lower: -1.5 upper: 1.5 } }
+        fixed_field Pitch { type: uint16 units: radian scale: { lower: -3 upper: 3 } }
         fixed_field Yaw { type: uint16 units: radian scale: { lower: -3.1415927 upper: 3.1415927 } }
       }
     }
@@ -274,22 +262,9 @@ angles {
 """
 
 
-def test_numbers_that_share_a_member_are_tried_together(tmp_path):
-    proofs = Proofs(ANGLES, tmp_path)
-    for path in ("Roll", "Pitch", "Yaw"):
-        found = proofs.field(path, name="angles")
-        assert found.mixed is not None
-        assert found.mixed.tried == 65536
-        assert found.unchanged + found.limited == 65536
-        # Within these ranges an orientation has one triple of angles.
-        assert found.mixed.changed == 0
-    # An angle that goes around: both its ends are the same one.
-    assert proofs.field("Yaw", name="angles").changed == 0
-
-
 @pytest.mark.slow
 def test_angles_beyond_upright_are_told_by_others(tmp_path):
-    wide = Proofs(ANGLES.replace("lower: -1.5 upper: 1.5", "lower: -3 upper: 3"), tmp_path)
+    wide = Proofs(ANGLES, tmp_path)
     pitch = wide.field("Pitch", name="angles")
     assert 0.4 < pitch.changed / 65536 < 0.6
     assert pitch.mixed is not None
@@ -426,25 +401,45 @@ def test_errors_that_nobody_foresees_are_told(tmp_path, monkeypatch):
 
 
 FAULTY = small(
+    more="quantity top { value: 10 }",
     up="""
       Speed -> linear.x
-      Turn -> linear.y
+      Turn -> linear.y : scale(top)
       Wide -> linear.z : expression("0.02 - value")
       Gear -> angular.x
     """,
     down="""
       angular.y -> Gear
       linear.x -> Speed : expression("round(value)") { precision: 0.001 }
-      linear.y -> Turn : negate
+      linear.y -> Turn : scale(-0.05)
       linear.z -> Wide : negate
     """,
 )
+POLICIES = """
+bridge proof_policies {
+  address: 1.1.2
+  quantity top { value: 20 }
+  connection up { map: small topic a {} }
+  connection down { map: small direction: rosToJaus outOfRange: dropMessage topic a {} }
+}
+"""
+
+
+@pytest.fixture(scope="module")
+def faulty(tmp_path_factory: pytest.TempPathFactory) -> Proofs:
+    return Proofs(MESSAGE + FAULTY + POLICIES, tmp_path_factory.mktemp("faulty"))
+
+
+def test_what_a_bridge_says_of_its_map_counts(faulty):
+    assert faulty.field("Turn").reached[0].greatest == 20  # as the bridge says, not the map
+    found = faulty.field("linear.y", "ROS")
+    assert found.limited == 0  # as the policy of the connection says
+    assert found.refused == found.sampled > 0
 
 
 # A wrong factor is found between two bridges, by the rule of signs and offsets.
-def test_signs_offsets_rounding_and_other_members_are_found_at_their_assignments(tmp_path):
-    proofs = Proofs(MESSAGE + FAULTY, tmp_path)
-    lines = proofs.path.read_text(encoding="utf-8").splitlines()
+def test_signs_offsets_rounding_and_other_members_are_found_at_their_assignments(faulty):
+    lines = faulty.path.read_text(encoding="utf-8").splitlines()
     for field, rule, message, text in (
         ("Speed", "JML921", "error of up to 0.5", "precision: 0.001"),
         ("Turn", "JML922", "", "linear.y -> Turn"),
@@ -453,7 +448,7 @@ def test_signs_offsets_rounding_and_other_members_are_found_at_their_assignments
     ):
         (found,) = (
             diagnostic
-            for diagnostic in proofs.report.diagnostics
+            for diagnostic in faulty.report.diagnostics
             if diagnostic.rule == rule and f"JAUS {field} " in diagnostic.message
         )
         assert message in found.message

@@ -14,9 +14,10 @@ from jausml.generation.target import Target
 from jausml.language.model import Model, Severity, read_models
 from jausml.language.text.notation import NOTATIONS
 
-WITHOUT_PLUGINS = {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1", "PYTEST_ADDOPTS": ""}
+WITHOUT_PLUGINS = {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1", "PYTEST_ADDOPTS": "--assert=plain"}
 """Tests of packages need none of pytest's, and those are half of what it takes to begin; options of
-these, which `make test-random` gives in the environment, are unknown without them."""
+these, which `make test-random` gives in the environment, are unknown without them. Nor do they need
+to say with which values they fail, for which each would be compiled anew."""
 STRICT = ("--strict", "--follow-imports=silent", "--python-version=3.10")
 """How mypy judges generated code: what it knows of one set of options serves all who have it."""
 

@@ -19,6 +19,8 @@ from type_support import require_own
 from jausml.generation.rendering import render
 from jausml.generation.target import Target
 from jausml.language.model import Model
+from jausml_generators.python.package import FACE
+from jausml_generators.runtime.target import TARGET as RUNTIME
 
 _FORGOTTEN = 24 * 3600
 """Seconds after which what another state of the project has generated is removed."""
@@ -34,7 +36,7 @@ def python_path(workspace: Path) -> str:
     return os.pathsep.join(packages_of(workspace))
 
 
-def write(model: Model, targets: Sequence[Target[Any]], folder: Path) -> None:
+def write(model: Model | None, targets: Sequence[Target[Any]], folder: Path) -> None:
     """Writes what is generated of a model."""
     for artifact in render(model, targets):
         path = folder / artifact.path
@@ -51,7 +53,18 @@ def kept(model: Model, targets: Sequence[Target[Any]], *, compiled: bool = False
     names = [
         f"{document.path.name} {sha256(document.data).hexdigest()}" for document in model.documents
     ]
-    folder = _place() / _digest([str(compiled), *(target.name for target in targets), *names])
+    digest = _digest([str(compiled), *(target.name for target in targets), *names])
+    return _kept(digest, model, targets)
+
+
+def share_runtime(workspace: Path) -> None:
+    """Gives a workspace the whole runtime, which all such have: it is compiled once."""
+    whole = _kept("runtime", None, [RUNTIME.for_whole_library()])
+    (workspace / FACE).symlink_to(whole / FACE)
+
+
+def _kept(name: str, model: Model | None, targets: Sequence[Target[Any]]) -> Path:
+    folder = _place() / name
     if not folder.exists():
         new = Path(tempfile.mkdtemp(dir=folder.parent, prefix="new-"))
         write(model, targets, new)

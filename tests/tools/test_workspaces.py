@@ -11,7 +11,7 @@ from generated import model_in
 
 from jausml.language.model import Model
 from jausml_generators.jaus_component.target import TARGET as COMPONENT
-from jausml_generators.runtime.target import TARGET as RUNTIME
+from jausml_generators.messages.target import TARGET as MESSAGES
 
 GUARDS = ("tests/support/workspaces.py",)
 
@@ -35,14 +35,14 @@ def test_a_folder_in_which_others_may_write_is_not_used(tmp_path, mode):
     root.mkdir()
     root.chmod(mode)
     with pytest.raises(PermissionError, match="not this user's alone"):
-        workspaces.kept(model(tmp_path), [RUNTIME])
+        workspaces.kept(model(tmp_path), [COMPONENT])
 
 
 def test_a_link_to_a_folder_is_not_used(tmp_path):
     (tmp_path / "elsewhere").mkdir(mode=0o700)
     (tmp_path / f"jausml-workspaces-{os.getuid()}").symlink_to(tmp_path / "elsewhere")
     with pytest.raises(PermissionError, match="not this user's alone"):
-        workspaces.kept(model(tmp_path), [RUNTIME])
+        workspaces.kept(model(tmp_path), [COMPONENT])
 
 
 @pytest.mark.needs("rclpy", "type support")
@@ -56,23 +56,23 @@ def test_compiled_type_support_of_others_is_not_loaded():
 
 
 def test_the_same_is_generated_once(tmp_path, monkeypatch):
-    found = workspaces.kept(model(tmp_path), [RUNTIME])
-    assert workspaces.packages_of(found) == [str(found / "jausml_runtime")]
+    found = workspaces.kept(model(tmp_path), [COMPONENT])
+    assert workspaces.packages_of(found) == [str(found / "small")]
     monkeypatch.setattr(workspaces, "render", None)
-    assert workspaces.kept(model(tmp_path), [RUNTIME]) == found
+    assert workspaces.kept(model(tmp_path), [COMPONENT]) == found
 
 
 def test_what_is_another_one_is_generated(tmp_path, monkeypatch):
     small = model(tmp_path)
     found = [
-        workspaces.kept(small, [RUNTIME]),
-        workspaces.kept(small, [RUNTIME, COMPONENT]),
-        workspaces.kept(small, [RUNTIME], compiled=True),
-        workspaces.kept(model(tmp_path, "1.1.2"), [RUNTIME]),
+        workspaces.kept(small, [COMPONENT]),
+        workspaces.kept(small, [COMPONENT, MESSAGES]),
+        workspaces.kept(small, [COMPONENT], compiled=True),
+        workspaces.kept(model(tmp_path, "1.1.2"), [COMPONENT]),
     ]
     monkeypatch.setattr(workspaces, "_state", lambda: ["a changed template"])
     workspaces._place.cache_clear()
-    found.append(workspaces.kept(small, [RUNTIME]))
+    found.append(workspaces.kept(small, [COMPONENT]))
     assert len(set(found)) == len(found)
 
 
@@ -83,5 +83,5 @@ def test_what_is_not_whole_is_not_kept(tmp_path, monkeypatch):
     with monkeypatch.context() as patch:
         patch.setattr(workspaces, "render", failing)
         with pytest.raises(RuntimeError, match="planted"):
-            workspaces.kept(model(tmp_path), [RUNTIME])
-    assert workspaces.packages_of(workspaces.kept(model(tmp_path), [RUNTIME]))
+            workspaces.kept(model(tmp_path), [COMPONENT])
+    assert workspaces.packages_of(workspaces.kept(model(tmp_path), [COMPONENT]))
