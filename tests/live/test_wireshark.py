@@ -189,23 +189,26 @@ FLAGS = [0x41, 0x81, 0x81, 0xC1]
 ORDERS = [(0, 1, 2, 3), (3, 1, 0, 2)]
 
 
-def part(number: int, sequence: int, sender: int) -> bytes:
-    source = (sender, 1, 1)
-    return udp(b"\x02" + packet(PARTS[number], sequence + number, FLAGS[number], source=source))
+def part(data: bytes, sequence: int, flags: int, sender: int) -> bytes:
+    return udp(b"\x02" + packet(data, sequence, flags, source=(sender, 1, 1)))
 
 
 @pytest.mark.parametrize("arguments", [(), ("-2",)])
 def test_fragments_of_a_sender_are_reassembled_in_any_order(example, tmp_path, arguments):
     packets = [
-        part(number, first, sender)
+        part(PARTS[number], first + number, FLAGS[number], sender)
         for sender, (first, order) in enumerate(itertools.product((65534, 10), ORDERS), start=1)
         for number in order
     ]
-    found = dissect(example, [*packets, part(0, 10, 7), part(1, 10, 8)], tmp_path, *arguments)
-    assert [shown(fields, "jaus.code") for fields in found] == [[], [], [], ["0x0405"]] * 4 + [
-        []
-    ] * 2
-    for fields in found[3::4]:
+    packets += [  # of two senders, which together would be whole
+        part(PARTS[0], 10, FLAGS[0], 7),
+        part(PARTS[1], 11, FLAGS[1], 8),
+        part(WRENCH[5:], 12, FLAGS[3], 7),
+    ]
+    found = dissect(example, packets, tmp_path, *arguments)
+    codes = [shown(fields, "jaus.code") for fields in found]
+    assert codes == [[], [], [], ["0x0405"]] * 4 + [[]] * 3
+    for fields in found[3:16:4]:
         assert shown(fields, "jaus.reassembled.length") == [str(len(WRENCH))]
     assert all(shown(fields, "jaus.fragment") for fields in found)
 
