@@ -105,8 +105,12 @@ def test_joined_report_of_the_same_vehicle_while_it_is_fresh(joined):
     assert result.exit_code == 1
 
 
-def test_jaus_messages_as_json_with_a_schema(joined):
-    path, _ = joined
+def test_jaus_messages_as_json_with_a_schema(tmp_path):
+    frames = [
+        frame(event(velocity(2.0, 0.5, 0.25))),
+        frame(event(pose(1.0, 1.0, 0.0)), source=(101, 1, 1)),
+    ]
+    path, _ = replay(tmp_path, frames, SMALL, "--with-jaus")
     found = [
         (schema, channel, json.loads(message.data))
         for schema, channel, message in by_mcap(path)
