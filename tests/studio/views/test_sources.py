@@ -94,6 +94,7 @@ def test_characters_and_ends_of_lines_are_counted_as_pages_do(tmp_path, end):
     assert (found.start, piece(found)) == (start, "node \u00e4 { }")
     assert "\r" not in found.text
     assert element_at(scope.model, start + 2) is node
+    assert element_at(scope.model, found.end - 1) is node
     assert element_at(scope.model, 0) is None
 
 
