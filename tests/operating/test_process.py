@@ -25,8 +25,8 @@ GAPS = Path(__file__).parents[1] / "support" / "gap_process.py"
 LEASE = 2.0
 OPTIONS = ("--stop-all", "standby", "--lease", str(LEASE), "--stop", STOP)
 LONGEST_WORK = 0.05
-GROUPS = 36
-"""21 elements a group: 756 in all."""
+GROUPS = 72
+"""21 elements a group: fifteen hundred in all."""
 
 
 def test_it_loads_nothing_that_reads_models():
@@ -125,7 +125,7 @@ def test_a_unit_that_stands_still_has_its_stops_said_and_says_so(folder, built, 
 @pytest.mark.slow
 @pytest.mark.timeout(900)
 def test_an_edit_of_a_large_model_does_not_hold_it_up(folder, built, port, vehicle):
-    """Hundreds of elements are edited, which a child of the unit reads; a stick is held."""
+    """Fifteen hundred elements are edited, which a child of the unit reads; a stick is held."""
     model = folder / "large.ros2jaus"
     text = large_system(GROUPS)
     model.write_text(text, encoding="utf-8")
