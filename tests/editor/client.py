@@ -58,12 +58,6 @@ class Client:
         self._process.stdout.close()
         return status
 
-    def kill(self):
-        self._process.kill()
-        self._process.wait()
-        self._process.stdin.close()
-        self._process.stdout.close()
-
     def _send(self, **message):
         data = json.dumps({"jsonrpc": "2.0", **message}).encode()
         self._process.stdin.write(b"Content-Length: %d\r\n\r\n%s" % (len(data), data))

@@ -45,7 +45,7 @@ def folder(tmp_path_factory):
 def client(folder, client_class):
     client = client_class(folder)
     yield client
-    client.kill()
+    assert client.end() == 0
 
 
 @pytest.fixture(scope="module")
@@ -218,10 +218,6 @@ def test_other_open_texts_count_as_they_are_open(opened, uri, folder):
 def test_parameters_that_are_none_are_refused(client, params):
     with pytest.raises(ValueError, match="Invalid Params"):
         client.ask("textDocument/hover", **params)
-
-
-def test_the_session_ends(folder, client_class):
-    assert client_class(folder).end() == 0
 
 
 def test_without_its_extra_it_says_so(monkeypatch):

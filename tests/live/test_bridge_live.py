@@ -25,17 +25,17 @@ def path():
 @pytest.fixture(scope="module")
 def system(path, tmp_path_factory):
     with System(path, tmp_path_factory.mktemp("logs")) as started:
+        started.trailer = started.start(VEHICLE, "--address", "10.1.2")
         yield started
 
 
 class System(bridge_support.System):
-    """The bridge, the vehicle and the trailer."""
+    """The bridge and the vehicle."""
 
     def __init__(self, path, logs, bridge=("-m", "loop_bridge.main")):
         super().__init__(path, logs)
         self.bridge = self.start(*bridge)
         self.vehicle = self.start(VEHICLE, "--address", "10.1.1")
-        self.trailer = self.start(VEHICLE, "--address", "10.1.2")
 
 
 def efforts(vehicle, since=0):

@@ -1,20 +1,23 @@
 """Generated bridges as deployments change them: parameter files, command lines, launch options."""
 
 import signal
-import subprocess
 import time
+from functools import cache
 from pathlib import Path
 
 import needs
 import pytest
-import warm
 import yaml
+from generated import model_of
 from ports import free_port
 from sweeps import sweep
 
 needs.ask("rclpy")
 
-from workspaces import packages_of
+from workspaces import kept, packages_of
+
+from jausml.generation.target import load_targets
+from jausml.generation.workspace import select
 
 from .bridge_support import Process, wait_for
 
@@ -26,23 +29,21 @@ BRIDGES = {"waypoints": "waypoint_vehicle", "catvehicle": "bridge"}
 OF_ROS = ("lift_emergency", "qos_overrides.", "start_type_description_service", "use_sim_time")
 
 
-@pytest.fixture(scope="module")
-def workspaces(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("deployed")
-    for name in BRIDGES:
-        model = EXAMPLES / name / f"{name}.ros2jaus"
-        command = [*warm.command(), "generate", str(model), "-o", str(folder / name)]
-        subprocess.run(command, check=True, capture_output=True, timeout=120)
-    return folder
+@cache
+def workspace(model):
+    """What is generated of a model if nothing else is asked for."""
+    document = EXAMPLES / model / f"{model}.ros2jaus"
+    targets = select(load_targets()).targets
+    return kept(model_of(document, allow_outside=True), targets)
 
 
 @pytest.fixture
-def bridge(workspaces, tmp_path):
+def bridge(tmp_path):
     started = []
 
     def start(model, *arguments):
         line = ["-m", f"{BRIDGES[model]}.main", *arguments]
-        process = Process(line, packages_of(workspaces / model), tmp_path / str(len(started)))
+        process = Process(line, packages_of(workspace(model)), tmp_path / str(len(started)))
         started.append(process)
         return process
 
@@ -51,8 +52,8 @@ def bridge(workspaces, tmp_path):
         process.close()
 
 
-def config(workspaces, model):
-    return workspaces / model / f"{model}_bringup" / "config" / f"{BRIDGES[model]}.yaml"
+def config(model):
+    return workspace(model) / f"{model}_bringup" / "config" / f"{BRIDGES[model]}.yaml"
 
 
 def running(process, words="runs as"):
@@ -76,12 +77,10 @@ def values(ros, node, names):
     ("model", "node"),
     sweep([("waypoints", "/vehicle/waypoint_vehicle"), ("catvehicle", "/bridge")], every=2),
 )
-def test_the_parameter_file_has_all_parameters_with_their_values(
-    model, node, bridge, workspaces, ros
-):
+def test_the_parameter_file_has_all_parameters_with_their_values(model, node, bridge, ros):
     from rcl_interfaces.srv import ListParameters
 
-    file = config(workspaces, model)
+    file = config(model)
     port = str(free_port())
     plain = running(bridge(model, "--jaus-port", port))
     names = ros.call(ListParameters, f"{node}/list_parameters", ListParameters.Request())
@@ -96,11 +95,11 @@ def test_the_parameter_file_has_all_parameters_with_their_values(
 
 
 @pytest.mark.slow
-def test_what_the_parameter_file_comments_out_are_parameters_too(bridge, workspaces, ros, tmp_path):
+def test_what_the_parameter_file_comments_out_are_parameters_too(bridge, ros, tmp_path):
     from rcl_interfaces.srv import ListParameters
 
     file = tmp_path / "all.yaml"
-    text = config(workspaces, "catvehicle").read_text().replace("# qos_overrides", "qos_overrides")
+    text = config("catvehicle").read_text().replace("# qos_overrides", "qos_overrides")
     file.write_text(text)
     given = yaml.safe_load(text)["/**"]["ros__parameters"]
     port = str(free_port())

@@ -82,10 +82,18 @@ def test_what_passes_while_a_bridge_ends_is_counted(path, tmp_path, monkeypatch)
 FORMS = [pytest.param(True, id="core"), pytest.param(False, id="Python")]
 
 
-@pytest.fixture(params=sweep(FORMS, every=2, rest=0))
-def system(request, path, tmp_path, monkeypatch):
-    with running(path, tmp_path / "bridge.log", monkeypatch, request.param) as made:
+@pytest.fixture(scope="module", params=sweep(FORMS, every=2, rest=0))
+def whole(request, path, tmp_path_factory):
+    with System(path, tmp_path_factory.mktemp("fast") / "log", compiled=request.param) as made:
         yield made
+
+
+@pytest.fixture
+def system(whole):
+    """A bridge that has served other tests; its peer has forgotten what came."""
+    whole.peer.look()
+    whole.peer.came.clear()
+    return whole
 
 
 def point(x, y=0.0, sec=5, nanosec=7):

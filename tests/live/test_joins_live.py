@@ -4,7 +4,6 @@ from pathlib import Path
 
 import needs
 import pytest
-from ports import free_domain
 
 needs.ask("rclpy")
 
@@ -39,11 +38,11 @@ bridge pose_bridge {
 """
 
 
-@pytest.fixture
-def system(tmp_path, monkeypatch):
+@pytest.fixture(scope="module")
+def system(tmp_path_factory):
     """Starts the bridge and an observer; yields the observer and a node of the test."""
-    monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
-    with System(generate_text(tmp_path, "pose", MODEL), tmp_path) as system:
+    folder = tmp_path_factory.mktemp("joins")
+    with System(generate_text(folder, "pose", MODEL), folder) as system:
         system.start("-m", "pose_bridge.main")
         yield system.start(OBSERVER), system.ros
 

@@ -161,7 +161,8 @@ def generate(out):
 
 def test_nodes_talk_by_topics_and_services(start, workspace):
     parameters = workspace / "talk_bringup" / "config" / "talker.yaml"
-    talker = start("talker", "--ros-args", "--params-file", str(parameters), "-p", "text:=hi")
+    given = ("--params-file", str(parameters), "-p", "text:=hi", "-p", "tect:=hi")
+    talker = start("talker", "--ros-args", *given)
     # The smallest numbers survive the way through YAML; the command line has the last word.
     talker.wait_for("^ready hi 1e-07$")
     # The state was published before there was a listener, which gets it all the same.
@@ -171,11 +172,14 @@ def test_nodes_talk_by_topics_and_services(start, workspace):
     listener.wait_for(f"^{other}$")
     assert first in ("word hi\n", "state 42\n")
     talker.wait_for("^answer twice$")
+    outputs = []
     for process, number in ((talker, signal.SIGINT), (listener, signal.SIGTERM)):
         code, output = process.end(number)
         assert code == 0, output
         assert "Traceback" not in output
         assert "incompatible" not in output
+        outputs.append(output)
+    assert "/talker has no parameter tect; did you mean text" in outputs[0]
 
 
 @pytest.mark.slow
@@ -281,9 +285,3 @@ def test_a_value_that_does_not_do_is_one_line_and_status_2(workspace, parameter,
     (line,) = [output for output in done.stderr.splitlines() if "cannot run" in output]
     assert words in line
     assert "Traceback" not in done.stderr
-
-
-def test_a_misspelt_parameter_is_told(start):
-    talker = start("talker", "--ros-args", "-p", "tect:=hi")
-    talker.wait_for("/talker has no parameter tect; did you mean text")
-    talker.end(signal.SIGINT)

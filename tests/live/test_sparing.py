@@ -25,11 +25,6 @@ def lines_of(program):
     return done.stdout.splitlines()
 
 
-def test_a_node_does_without_what_it_does_not_use():
-    needs.ask("rclpy")
-    assert lines_of(NODE) == [""]
-
-
 TOGETHER = """
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -63,7 +58,7 @@ LATER = (
 )
 
 
-def test_whoever_imports_it_later_has_all_of_it():
+def test_a_node_does_without_what_it_does_not_use_and_whoever_imports_it_later_has_it():
     needs.ask("rclpy")
     assert lines_of("\n".join([NODE, *LATER])) == [""]
 

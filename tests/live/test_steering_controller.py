@@ -3,13 +3,16 @@
 import json
 import os
 import shutil
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
-import warm
+from generated import model_of
 from scripts import succeeded
+
+from jausml.generation.workspace import generate
+from jausml_generators.ros_node.target import TARGET as ROS_NODE
+from jausml_generators.runtime.target import TARGET as RUNTIME
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "models" / "catvehicle"
 pytestmark = pytest.mark.live
@@ -50,8 +53,7 @@ def packages(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
     """Generates the example; returns the folders for the module path."""
     workspace = tmp_path_factory.mktemp("steering") / "ws"
     shutil.copytree(EXAMPLE / "src", workspace, ignore=shutil.ignore_patterns("__pycache__"))
-    command = [*warm.command(), "generate", str(EXAMPLE / "catvehicle.xmi")]
-    subprocess.run([*command, "-o", str(workspace)], check=True, capture_output=True, timeout=60)
+    generate(model_of(EXAMPLE / "catvehicle.xmi"), [ROS_NODE, RUNTIME], workspace)
     return [
         str(workspace / name) for name in ("jausml_runtime", "steering_controller", "catvehicle")
     ]

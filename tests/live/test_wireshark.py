@@ -1,5 +1,6 @@
 """The generated dissector in tshark, against bytes of other implementations and against damage."""
 
+import itertools
 import random
 import struct
 from pathlib import Path
@@ -111,14 +112,51 @@ def test_captured_datagrams_show_their_header(library, tmp_path):
 # -- what the transport can do -------------------------------------------------------------------
 
 
-@pytest.mark.slow
-def test_a_datagram_may_hold_several_messages(example, tmp_path):
-    data = b"\x02" + packet(WRENCH, 7) + packet(bytes.fromhex("0320"), 8)
-    (fields,) = dissect(example, [udp(data)], tmp_path)
+def inside(payload: bytes, depth: int) -> bytes:
+    """Returns an event that holds another one, and so on, and the innermost a message."""
+    for _ in range(depth):
+        payload = bytes.fromhex("f1410502") + len(payload).to_bytes(4, "little") + payload
+    return payload
+
+
+SINGLE = {
+    "two messages": b"\x02" + packet(WRENCH, 7) + packet(bytes.fromhex("0320"), 8),
+    "scaled": datagram(WRENCH),
+    "acknowledgement": datagram(b"", 9, 0x31),
+    "compressed": b"\x02\x40\x12\x00\x07\x0c" + packet(b"\x03\x20", 5)[3:],
+    "embedded": datagram(inside(bytes.fromhex("0324ff01"), 1)),
+    "deep": datagram(inside(b"\x03\x20", 40)),
+}
+
+
+def test_single_datagrams_are_shown(example, tmp_path):
+    packets = [udp(data) for data in SINGLE.values()]
+    found = dict(zip(SINGLE, dissect(example, packets, tmp_path), strict=True))
+    fields = found["two messages"]
     assert shown(fields, "jaus.code") == ["0x0405", "0x2003"]
     assert shown(fields, "jaus.sequence") == ["7", "8"]
+    # A scaled value stands beside the raw integer.
+    name = "jaus.set_wrench_effort"
+    assert shown(found["scaled"], f"{name}.presence") == ["0x0870"]
+    assert shown(found["scaled"], f"{name}.propulsive_rotational_effort_z") == ["100"]
+    assert shown(found["scaled"], f"{name}.propulsive_rotational_effort_z.raw") == ["65535"]
+    assert not shown(found["scaled"], f"{name}.propulsive_linear_effort_x")
+    # An acknowledgement has no body.
+    assert shown(found["acknowledgement"], "jaus.ack_nak") == ["3"]
+    assert not shown(found["acknowledgement"], "jaus.code")
+    # The bytes of header compression are skipped.
+    assert shown(found["compressed"], "jaus.compression") == ["1"]
+    assert shown(found["compressed"], "jaus.compression.number") == ["7"]
+    assert shown(found["compressed"], "jaus.compression.length") == ["12"]
+    assert shown(found["compressed"], "jaus.message") == ["QueryTimeout"]
+    # An embedded message is shown inside, to a bounded depth.
+    assert shown(found["embedded"], "jaus.code") == ["0x41f1", "0x2403"]
+    assert shown(found["deep"], "jaus.code") == ["0x41f1"] * 9
+    assert [key for key in SINGLE if shown(found[key], "jaus.limit")] == ["deep"]
+    assert not [key for key in SINGLE if shown(found[key], "jaus.malformed")]
     text = run_tshark(example, tmp_path / "packets.pcap")
     assert "SetWrenchEffort, 126.1.20 -> 200.1.2; QueryTimeout, 126.1.20 -> 200.1.2" in text
+    assert "Acknowledge, 126.1.20" in text
 
 
 def test_a_second_dissector_says_that_it_is_not_loaded(example, tmp_path):
@@ -132,95 +170,69 @@ def test_a_second_dissector_says_that_it_is_not_loaded(example, tmp_path):
     assert "Error" not in done.stderr
 
 
-def test_scaled_values_stand_beside_the_raw_integer(example, tmp_path):
-    (fields,) = dissect(example, [udp(datagram(WRENCH))], tmp_path)
-    name = "jaus.set_wrench_effort"
-    assert shown(fields, f"{name}.presence") == ["0x0870"]
-    assert shown(fields, f"{name}.propulsive_rotational_effort_z") == ["100"]
-    assert shown(fields, f"{name}.propulsive_rotational_effort_z.raw") == ["65535"]
-    assert not shown(fields, f"{name}.propulsive_linear_effort_x")
-
-
 def test_fields_filter(example, tmp_path):
-    capture = write_capture(
-        tmp_path / "two.pcap", [udp(datagram(WRENCH, 1)), udp(datagram(b"\x03\x20", 2))]
-    )
+    low, other = WRENCH[:6] + b"\0\0" + WRENCH[8:], (7, 7, 7)
+    packets = [
+        *(datagram(payload, number) for number, payload in enumerate((WRENCH, low, b"\x03\x20"))),
+        b"\x02" + packet(WRENCH, 3, source=other),
+        b"\x02" + packet(b"\x03\x20", 4, source=other),
+    ]
     wanted = "jaus.set_wrench_effort.propulsive_rotational_effort_z > 99.9"
-    assert run_tshark(example, capture, "-Y", wanted).count("\n") == 1
-    assert run_tshark(example, capture, "-Y", 'jaus.source == "126.1.20"').count("\n") == 2
-    assert run_tshark(example, capture, "-Y", "jaus.message == QueryTimeout").count("\n") == 1
-
-
-def test_an_acknowledgement_has_no_body(example, tmp_path):
-    (fields,) = dissect(example, [udp(datagram(b"", 9, 0x31))], tmp_path)
-    assert shown(fields, "jaus.ack_nak") == ["3"]
-    assert not shown(fields, "jaus.code")
-    assert not shown(fields, "jaus.malformed")
-    assert "Acknowledge, 126.1.20" in run_tshark(example, tmp_path / "packets.pcap")
-
-
-def test_header_compression_bytes_are_skipped(example, tmp_path):
-    plain = packet(b"\x03\x20", 5)
-    data = b"\x02\x40" + (len(plain) + 2).to_bytes(2, "little") + b"\x07\x0c" + plain[3:]
-    (fields,) = dissect(example, [udp(data)], tmp_path)
-    assert shown(fields, "jaus.compression") == ["1"]
-    assert shown(fields, "jaus.compression.number") == ["7"]
-    assert shown(fields, "jaus.compression.length") == ["12"]
-    assert shown(fields, "jaus.message") == ["QueryTimeout"]
-
-
-def test_an_embedded_message_is_shown_inside(example, tmp_path):
-    inner = bytes.fromhex("0324ff01")
-    event = bytes.fromhex("f1410502") + len(inner).to_bytes(4, "little") + inner
-    (fields,) = dissect(example, [udp(datagram(event))], tmp_path)
-    assert shown(fields, "jaus.code") == ["0x41f1", "0x2403"]
-
-
-def test_messages_are_shown_to_a_bounded_depth(example, tmp_path):
-    data = b"\x03\x20"
-    for _ in range(40):
-        data = bytes.fromhex("f1410502") + len(data).to_bytes(4, "little") + data
-    (fields,) = dissect(example, [udp(datagram(data))], tmp_path)
-    assert shown(fields, "jaus.code") == ["0x41f1"] * 9
-    assert shown(fields, "jaus.limit") == [""]
+    wanted += ' && jaus.source == "126.1.20" || jaus.message == QueryTimeout'
+    capture = write_capture(tmp_path / "some.pcap", map(udp, packets))
+    text = run_tshark(example, capture, "-Y", wanted, "-T", "fields", "-e", "jaus.sequence")
+    assert text.split() == ["0", "2", "4"]
 
 
 PARTS = [WRENCH[:2], WRENCH[2:5], WRENCH[5:8], WRENCH[8:]]
 FLAGS = [0x41, 0x81, 0x81, 0xC1]
+ORDERS = [(0, 1, 2, 3), (3, 1, 0, 2)]
 
 
-@pytest.mark.parametrize("first", sweep([65534, 10], every=2))
-@pytest.mark.parametrize("order", [(0, 1, 2, 3), (3, 1, 0, 2)], ids=["in order", "mixed"])
-def test_fragments_are_reassembled(example, tmp_path, first, order):
-    packets = [udp(datagram(PARTS[n], first + n, FLAGS[n])) for n in order]
-    for arguments in ((), ("-2",)):
-        packets_shown = dissect(example, packets, tmp_path, *arguments)
-        codes = [shown(fields, "jaus.code") for fields in packets_shown]
-        assert codes == [[], [], [], ["0x0405"]]
-        assert shown(packets_shown[3], "jaus.reassembled.length") == [str(len(WRENCH))]
-        assert all(shown(fields, "jaus.fragment") for fields in packets_shown)
+def part(data: bytes, sequence: int, flags: int, sender: int) -> bytes:
+    return udp(b"\x02" + packet(data, sequence, flags, source=(sender, 1, 1)))
 
 
-def test_fragments_of_two_senders_are_not_mixed(example, tmp_path):
-    other = b"\x02" + packet(PARTS[1], 11, FLAGS[1], source=(7, 7, 7))
+@pytest.mark.parametrize("arguments", [(), ("-2",)])
+def test_fragments_of_a_sender_are_reassembled_in_any_order(example, tmp_path, arguments):
     packets = [
-        udp(datagram(PARTS[0], 10, FLAGS[0])),
-        udp(other),
-        udp(datagram(WRENCH[5:], 12, FLAGS[3])),
+        part(PARTS[number], first + number, FLAGS[number], sender)
+        for sender, (first, order) in enumerate(itertools.product((65534, 10), ORDERS), start=1)
+        for number in order
     ]
-    assert not any(shown(fields, "jaus.code") for fields in dissect(example, packets, tmp_path))
+    packets += [  # of two senders, which together would be whole
+        part(PARTS[0], 10, FLAGS[0], 7),
+        part(PARTS[1], 11, FLAGS[1], 8),
+        part(WRENCH[5:], 12, FLAGS[3], 7),
+    ]
+    found = dissect(example, packets, tmp_path, *arguments)
+    codes = [shown(fields, "jaus.code") for fields in found]
+    assert codes == [[], [], [], ["0x0405"]] * 4 + [[]] * 3
+    for fields in found[3:16:4]:
+        assert shown(fields, "jaus.reassembled.length") == [str(len(WRENCH))]
+    assert all(shown(fields, "jaus.fragment") for fields in found)
 
 
-@pytest.mark.parametrize("cut", sweep([13, 1, 2, 4, 24, 25, 26, 40], every=8))
-def test_tcp_is_cut_into_messages(example, tmp_path, cut):
+def test_tcp_is_cut_into_messages(example, tmp_path):
     stream = b"\x02" + packet(WRENCH, 1) + packet(b"\x03\x20", 2) + packet(WRENCH, 3)
     answer = b"\x02" + packet(bytes.fromhex("034005"), 1)
-    packets = [tcp(stream[:cut], 0), tcp(stream[cut:], cut), tcp(answer, 0, is_answer=True)]
-    fields = [field for dissection in dissect(example, packets, tmp_path) for field in dissection]
-    codes = shown(fields, "jaus.code")
-    assert codes == ["0x0405", "0x2003", "0x0405", "0x4003"]
-    assert shown(fields, "jaus.version") == ["2", "2"]
-    assert not shown(fields, "jaus.malformed")
+    cuts = (13, 1, 2, 4, 24, 25, 26, 40)
+    packets = [
+        segment
+        for port, cut in enumerate(cuts, start=40001)
+        for segment in (
+            tcp(stream[:cut], 0, port),
+            tcp(stream[cut:], cut, port),
+            tcp(answer, 0, port, is_answer=True),
+        )
+    ]
+    found = dissect(example, packets, tmp_path)
+    for cut, *segments in zip(cuts, found[::3], found[1::3], found[2::3], strict=True):
+        fields = [field for fields in segments for field in fields]
+        codes = shown(fields, "jaus.code")
+        assert codes == ["0x0405", "0x2003", "0x0405", "0x4003"], cut
+        assert shown(fields, "jaus.version") == ["2", "2"], cut
+        assert not shown(fields, "jaus.malformed"), cut
 
 
 # -- several definitions of one code ---------------------------------------------------------------
@@ -315,13 +327,16 @@ def test_the_vectors_are_shown(model, tmp_path):
     ]
 
 
-def test_wide_and_signed_fields_are_shown(tmp_path):
+def test_wide_and_signed_fields_and_whole_texts_are_shown(tmp_path):
     model = tmp_path / "more.xmi"
     model.write_text(MORE_KINDS, encoding="utf-8")
     script, _ = dissector_of(model, tmp_path)
     body = struct.pack("<QQbQ6sq", 1, 0xF << 60 | 5, -1, 7, b"caf\xe9\0\0", -(2**63))
-    data = [udp(datagram(b"\1\x0e" + body))]
-    (fields,) = dissect(script, data, tmp_path)
+    # Letters take more than a byte each in UTF-8.
+    texts = [b"\xe9\xff\xa0\xbf\xc0\x80", b"\xe9\0\xff\xff\xff\xff", bytes(6)]
+    bodies = [body, *(struct.pack("<QQbQ", 0, 0, 0, 0) + text for text in texts)]
+    packets = [udp(datagram(b"\1\x0e" + body)) for body in bodies]
+    fields, *others = dissect(script, packets, tmp_path)
     values = {
         "presence": ["0x0000000000000001"],
         "wide.low": ["5"],
@@ -332,20 +347,10 @@ def test_wide_and_signed_fields_are_shown(tmp_path):
         "later": [str(-(2**63))],
     }
     assert {name: shown(fields, f"jaus.more.{name}") for name in values} == values
-    text = run_tshark(script, tmp_path / "packets.pcap", "-V")
-    assert "High: TOP (15)" in text
-    assert "Sign: MINUS (-1)" in text
-    assert "Huge: 7 (SEVEN)" in text
-
-
-def test_text_is_whole_whatever_its_letters_take_in_utf_8(tmp_path):
-    model = tmp_path / "more.xmi"
-    model.write_text(MORE_KINDS, encoding="utf-8")
-    script, _ = dissector_of(model, tmp_path)
-    head = struct.pack("<QQbQ", 0, 0, 0, 0)
-    texts = [b"\xe9\xff\xa0\xbf\xc0\x80", b"\xe9\0\xff\xff\xff\xff", bytes(6)]
-    packets = [udp(datagram(b"\1\x0e" + head + text)) for text in texts]
-    found = [shown(fields, "jaus.more.fixed") for fields in dissect(script, packets, tmp_path)]
+    labels = [field.label for field in fields]
+    for label in ("High: TOP (15)", "Sign: MINUS (-1)", "Huge: 7 (SEVEN)"):
+        assert any(label in shown_label for shown_label in labels), label
+    found = [shown(fields, "jaus.more.fixed") for fields in others]
     assert found == [["\xe9\xff\xa0\xbf\xc0\x80"], ["\xe9"], [""]]
 
 
@@ -402,28 +407,23 @@ def _named(entry: Any) -> str:
 # -- damage --------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("data", "name"),
-    sweep(
-        [
-            (b"\x02", "malformed"),
-            (b"\x03" + packet(WRENCH), "malformed"),
-            (b"\x02" + packet(WRENCH)[:-1], "malformed"),
-            (b"\x02" + packet(WRENCH) + b"garbage", "malformed"),
-            (datagram(b""), "malformed"),
-            (datagram(WRENCH[:-1]), "malformed"),
-            (datagram(bytes.fromhex("0504ffff") + bytes(18)), "malformed"),
-            (datagram(WRENCH + b"\0"), "surplus"),
-            (datagram(b"\xff\xee\1"), "unknown"),
-        ],
-        every=4,
-    ),
-)
-def test_damage_is_named(example, tmp_path, data, name):
-    if data == b"\x02":
-        data = b"\x02\x00"
-    (fields,) = dissect(example, [udp(data)], tmp_path)
-    assert shown(fields, f"jaus.{name}") == [""]
+DAMAGED = [
+    (b"\x02\x00", "malformed"),
+    (b"\x03" + packet(WRENCH), "malformed"),
+    (b"\x02" + packet(WRENCH)[:-1], "malformed"),
+    (b"\x02" + packet(WRENCH) + b"garbage", "malformed"),
+    (datagram(b""), "malformed"),
+    (datagram(WRENCH[:-1]), "malformed"),
+    (datagram(bytes.fromhex("0504ffff") + bytes(18)), "malformed"),
+    (datagram(WRENCH + b"\0"), "surplus"),
+    (datagram(b"\xff\xee\1"), "unknown"),
+]
+
+
+def test_damage_is_named(example, tmp_path):
+    found = dissect(example, [udp(data) for data, _ in DAMAGED], tmp_path)
+    for (data, name), fields in zip(DAMAGED, found, strict=True):
+        assert shown(fields, f"jaus.{name}") == [""], data.hex()
 
 
 def test_a_capture_that_holds_less_is_no_damage(example, tmp_path):

@@ -66,9 +66,9 @@ def udp(payload: bytes) -> bytes:
     return _ip(17, head + payload, *_HOSTS)
 
 
-def tcp(payload: bytes, position: int, *, is_answer: bool = False) -> bytes:
+def tcp(payload: bytes, position: int, port: int = 40001, *, is_answer: bool = False) -> bytes:
     """Returns a segment; the place of its first byte in its direction is `position`."""
-    ports = (3794, 40001) if is_answer else (40001, 3794)
+    ports = (3794, port) if is_answer else (port, 3794)
     head = struct.pack(">HHIIBBHHH", *ports, 1 + position, 1, 0x50, 0x18, 65535, 0, 0)
     return _ip(6, head + payload, *(reversed(_HOSTS) if is_answer else _HOSTS))
 
@@ -109,6 +109,7 @@ class Shown:
     name: str
     show: str
     value: str
+    label: str
 
 
 def dissect(
@@ -129,7 +130,8 @@ def _fields(packet_element: ET.Element) -> Iterator[Shown]:
     for element in packet_element.iter("field"):
         name = element.get("name", "")
         if name.startswith("jaus."):
-            yield Shown(name, element.get("show", ""), element.get("value", ""))
+            texts = (element.get(key, "") for key in ("show", "value", "showname"))
+            yield Shown(name, *texts)
 
 
 def shown(fields: Iterable[Shown], name: str) -> list[str]:

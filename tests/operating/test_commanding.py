@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 import warm
-from simulated_vehicle import LEASE, STOP, TIMEOUT, VEHICLE, take, until
+from simulated_vehicle import LEASE, STOP, TIMEOUT, VEHICLE, Vehicle, take, until
 from studio_client import LONGEST, Page, RefusedError, Server, begun, operating
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
@@ -317,17 +317,25 @@ def test_an_alarm_is_silenced_with_a_reason_that_stays(holding):
     assert any("because 'a test'" in text for text in texts)
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
-def test_a_studio_that_ends_stops_and_releases(folder, built, port, vehicle, number):
+def driving(page: Page, server: Server, vehicle: Vehicle) -> None:
+    """Has the vehicle follow a stick."""
+    page.ask("claim", right=server.right, name="")
+    take(page)
+    page.ask("resume", component=VEHICLE)
+    move(page, held(page), 30.0)
+    until(lambda: vehicle.last == 30.0)
+
+
+def end(server: Server, number: int) -> None:
+    server.process.send_signal(number)
+    assert server.process.wait(LONGEST) == 0
+
+
+def test_a_studio_that_ends_stops_and_releases(folder, built, port, vehicle):
     options = ("--stop-all", "standby", "--lease", "30", "--stop", STOP, "--jaus-port", str(port))
     with operating(folder, built, *options) as server, server.page() as page:
-        page.ask("claim", right=server.right, name="")
-        take(page)
-        page.ask("resume", component=VEHICLE)
-        move(page, held(page), 30.0)
-        until(lambda: vehicle.last == 30.0)
-        server.process.send_signal(number)
-        assert server.process.wait(LONGEST) == 0
+        driving(page, server, vehicle)
+        end(server, signal.SIGTERM)
     assert vehicle.last == 0.0
     assert (vehicle.status, vehicle.controller) == ("STANDBY", None)
 
@@ -335,10 +343,10 @@ def test_a_studio_that_ends_stops_and_releases(folder, built, port, vehicle, num
 # ---- what a person has said at the start ---------------------------------------------------------
 
 
-def test_an_emergency_stops_what_is_not_controlled_until_it_is_cleared(
+def test_an_emergency_stops_what_is_not_controlled_until_it_is_cleared_and_what_is_at_the_end(
     folder, built, port, vehicle
 ):
-    options = ("--stop-all", "emergency", "--lease", "5", "--jaus-port", str(port))
+    options = ("--stop-all", "emergency", "--lease", "30", "--stop", STOP, "--jaus-port", str(port))
     with operating(folder, built, *options) as server, server.page() as page:
         page.ask("claim", right=server.right, name="")
         stopped = page.ask("stop", components=[VEHICLE])["stopped"]
@@ -346,6 +354,10 @@ def test_an_emergency_stops_what_is_not_controlled_until_it_is_cleared(
         assert vehicle.status == "EMERGENCY"
         page.ask("clear", component=VEHICLE)
         assert vehicle.status != "EMERGENCY"
+        driving(page, server, vehicle)
+        end(server, signal.SIGHUP)
+    assert vehicle.last == 0.0
+    assert (vehicle.status, vehicle.controller) == ("EMERGENCY", None)
 
 
 def test_a_stop_that_nobody_acknowledges_is_sent_again(tmp_path, port):

@@ -90,7 +90,9 @@ def test_its_files_by_kind_and_their_names():
 
 def walks_of_the_library(path):
     """Yields the lines of functions that ask for the library and look into folders."""
-    for function in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    text = path.read_text(encoding="utf-8")
+    tree = ast.parse(text if "library_root" in text else "")
+    for function in ast.walk(tree):
         if isinstance(function, ast.FunctionDef | ast.AsyncFunctionDef):
             names = {
                 syntax.id if isinstance(syntax, ast.Name) else syntax.attr

@@ -14,6 +14,7 @@ from jausml.cli import main
 ROOT = Path(__file__).resolve().parents[2]
 MAPS = str(ROOT / "models" / "library" / "mappings" / "odometry.ros2jaus")
 VELOCITIES = str(ROOT / "models" / "library" / "mappings" / "velocity_state_sensor.ros2jaus")
+SMALL = str(ROOT / "models" / "library" / "mappings" / "odometer.ros2jaus")
 FLEET = str(ROOT / "models" / "examples" / "fleet" / "fleet.ros2jaus")
 STEP = 10_000_001
 QUERY_STATUS = bytes.fromhex("0220")
@@ -104,8 +105,12 @@ def test_joined_report_of_the_same_vehicle_while_it_is_fresh(joined):
     assert result.exit_code == 1
 
 
-def test_jaus_messages_as_json_with_a_schema(joined):
-    path, _ = joined
+def test_jaus_messages_as_json_with_a_schema(tmp_path):
+    frames = [
+        frame(event(velocity(2.0, 0.5, 0.25))),
+        frame(event(pose(1.0, 1.0, 0.0)), source=(101, 1, 1)),
+    ]
+    path, _ = replay(tmp_path, frames, SMALL, "--with-jaus")
     found = [
         (schema, channel, json.loads(message.data))
         for schema, channel, message in by_mcap(path)
@@ -136,32 +141,23 @@ def test_file_that_bags_are_made_of(velocities):
     assert {schema.encoding for schema, _, _ in records} == {"ros2msg"}
 
 
-def test_what_a_bridge_has_sent_stands_on_the_topic_it_came_from(tmp_path):
-    effort = struct.pack("<HHH", 0x0405, 0x0001, round((50 + 100) / 200 * 0xFFFF))
-    frames = [
-        frame(velocity(1.0, 0.0, 0.0), source=(100, 1, 10)),
-        frame(velocity(9.0, 0.0, 0.0), source=(100, 1, 11)),  # another component
-        frame(effort, source=(200, 1, 1)),
-    ]
-    path, result = replay(tmp_path, frames, FLEET)
-    speeds = [(by_rosbag.topic, by_rosbag.message) for by_rosbag in by_rosbags(path)]
-    (_, odometry), (_, twist) = speeds
-    assert [topic for topic, _ in speeds] == ["/odom", "/cmd_vel"]
-    assert odometry.twist.twist.linear.x == pytest.approx(1.0, abs=1e-6)
-    assert twist.linear.x == pytest.approx(1.0, abs=1e-3)  # half of 2 m/s
-    assert "1 ReportVelocityState (0x4404)" in result.stderr
-    assert result.exit_code == 0
-
-
 def test_broken_messages_are_counted_and_the_rest_is_done(velocities):
     _, result = velocities
     assert "maps.velocity_state: 1 not translated: the message cannot be read" in result.stderr
     assert result.exit_code == 1
 
 
-def test_maps_are_those_of_the_project_by_default(tmp_path, monkeypatch):
+def test_what_a_bridge_of_the_project_has_sent_stands_on_the_topic_it_came_from(
+    tmp_path, monkeypatch
+):
+    effort = struct.pack("<HHH", 0x0405, 0x0001, round((50 + 100) / 200 * 0xFFFF))
+    frames = [
+        frame(velocity(1.0, 0.0, 0.0), source=(100, 1, 10)),
+        frame(velocity(9.0, 0.0, 0.0), source=(100, 1, 11)),  # another component
+        frame(effort, source=(200, 1, 1)),
+    ]
     capture, found = tmp_path / "capture.pcap", tmp_path / "found.mcap"
-    capture.write_bytes(nano_pcap([frame(velocity(1.0, 0.0, 0.0), source=(100, 1, 10))]))
+    capture.write_bytes(nano_pcap(frames))
     (tmp_path / "fleet.ros2jaus").write_bytes(Path(FLEET).read_bytes())
     monkeypatch.chdir(tmp_path)
     words = ["replay", str(capture), "--output", str(found)]
@@ -171,12 +167,18 @@ def test_maps_are_those_of_the_project_by_default(tmp_path, monkeypatch):
     (tmp_path / ".project").write_text("<projectDescription/>", encoding="utf-8")
     result = CliRunner().invoke(main, words)
     assert result.exit_code == 0, result.output
-    assert [by_rosbag.topic for by_rosbag in by_rosbags(found)] == ["/odom"]
+    assert "1 ReportVelocityState (0x4404)" in result.stderr
+    (_, odometry), (_, twist) = speeds = [
+        (by_rosbag.topic, by_rosbag.message) for by_rosbag in by_rosbags(found)
+    ]
+    assert [topic for topic, _ in speeds] == ["/odom", "/cmd_vel"]
+    assert odometry.twist.twist.linear.x == pytest.approx(1.0, abs=1e-6)
+    assert twist.linear.x == pytest.approx(1.0, abs=1e-3)  # half of 2 m/s
     # A recording of topics is still copied as it is.
     again = tmp_path / "again.mcap"
     result = CliRunner().invoke(main, ["replay", str(found), "--output", str(again)])
     assert result.exit_code == 0, result.output
-    assert "1 messages" in result.stderr
+    assert "2 messages" in result.stderr
 
 
 def test_capture_that_ends_early_gives_what_it_has(tmp_path):
@@ -189,33 +191,25 @@ def test_capture_that_ends_early_gives_what_it_has(tmp_path):
     assert len(by_rosbags(found)) == 2
 
 
-def test_existing_file_is_not_overwritten_unasked(tmp_path):
+def test_existing_file_is_not_overwritten_unasked_nor_by_what_is_no_capture(tmp_path):
     (tmp_path / "found.mcap").write_bytes(b"precious")
-    path, result = replay(tmp_path, [], VELOCITIES)
+    path, result = replay(tmp_path, [], SMALL)
     assert "is there already; --force overwrites it" in result.stderr
     assert (result.exit_code, path.read_bytes()) == (2, b"precious")
+    text = tmp_path / "text.pcap"
+    text.write_text("no capture", encoding="utf-8")
+    words = ["replay", str(text), SMALL, "--force", "-o"]
+    for name, content in (("none.mcap", None), ("found.mcap", b"precious")):
+        result = CliRunner().invoke(main, [*words, str(tmp_path / name)])
+        assert "neither pcap nor pcapng" in result.stderr
+        assert result.exit_code == 1
+        assert (tmp_path / name).exists() is (content is not None)
+    assert path.read_bytes() == b"precious"
 
 
-def test_model_without_maps_to_ros_and_what_is_no_capture(tmp_path):
+def test_model_without_maps_to_ros(tmp_path):
     model = tmp_path / "bare.ros2jaus"
     model.write_text("component vehicle { address: 1.1.1 }\n", encoding="utf-8")
     _, result = replay(tmp_path, [], str(model))
     assert result.exit_code == 2
     assert not (tmp_path / "found.mcap").exists()
-    text = tmp_path / "text.pcap"
-    text.write_text("no capture", encoding="utf-8")
-    result = CliRunner().invoke(
-        main, ["replay", str(text), VELOCITIES, "-o", str(tmp_path / "none.mcap")]
-    )
-    assert "neither pcap nor pcapng" in result.stderr
-    assert result.exit_code == 1
-    assert not (tmp_path / "none.mcap").exists()
-
-
-def test_what_cannot_be_read_takes_the_place_of_no_recording(tmp_path):
-    path, text = tmp_path / "former.mcap", tmp_path / "text.pcap"
-    path.write_bytes(b"precious")
-    text.write_text("no capture", encoding="utf-8")
-    words = ["replay", str(text), VELOCITIES, "-o", str(path), "--force"]
-    result = CliRunner().invoke(main, words)
-    assert (result.exit_code, path.read_bytes()) == (1, b"precious")

@@ -27,9 +27,14 @@ def packages():
 def system(tmp_path, packages):
     made = System(tmp_path, packages)
     yield made
-    for name in made.processes:
-        sys.stderr.write(f"--- {name}\n{made.log_of(name)}\n")
-    made.close()
+    end(made)
+
+
+def end(system):
+    """Ends a system, and shows what was logged."""
+    for name in system.processes:
+        sys.stderr.write(f"--- {name}\n{system.log_of(name)}\n")
+    system.close()
 
 
 @pytest.fixture
@@ -47,14 +52,20 @@ def tracker_operator(system):
 
 
 def operator_of(system, bridge, *arguments):
-    """Yields an operator in control of a bridge."""
+    """Yields an operator in control of a bridge, which is started."""
     system.start_bridge(bridge, *arguments)
     wait_for(lambda: facts(system, "client"), "client of the action", PATIENCE)
-    settings = TransportSettings(port=system.port)
-    with running_transport(settings) as transport:
+    yield from controlling(system, bridge)
+
+
+def controlling(system, bridge):
+    """Yields an operator in control of a bridge."""
+    with running_transport(TransportSettings(port=system.port)) as transport:
         made = Operator(transport, bridge=bridge)
         made.ready()
         yield made
+        if system.lasts:
+            made.rest()
         made.stop()
 
 

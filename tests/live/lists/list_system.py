@@ -108,18 +108,48 @@ class Operator(JausComponent):
         report = self._asked(query, messages.ReportLocalWaypoint)
         return None if report is None else round(report.x, 1)
 
+    def rest(self):
+        """Leaves the robot's bridge as one that has just begun."""
+        self.clear_emergency(ROBOT)
+        wait_for(lambda: self.session.state is ControlState.READY, "control", PATIENCE)
+        answers = []
+        self.delete_elements(
+            ROBOT,
+            [65535],
+            on_done=lambda: answers.append(True),
+            on_refused=lambda _: answers.append(False),  # there is none
+        )
+        wait_for(lambda: answers, "answer to the deletion", PATIENCE)
+        self.wait_active(0)
+
     def wait_active(self, uid):
         wait_for(lambda: self.seen[-1] == uid, f"active element {uid}", PATIENCE)
 
 
 class System:
-    """The processes and components of one test."""
+    """Processes of one test, or of several one after the other.
+
+    Attributes:
+        lasts: Whether what runs now serves the next test too.
+    """
 
     def __init__(self, folder, packages):
         self.folder = folder
         self.packages = packages
         self.port = free_port()
         self.processes: dict[str, Process] = {}
+        self.lasts = False
+        self._before: dict[Process, tuple[int, int]] = {}
+
+    def begin(self):
+        """Begins another test, which does not look at what was said before it."""
+        if not self.lasts:
+            self.close()
+        self.lasts = True
+        self._before = {
+            process: (len(process.facts), process.log.stat().st_size)
+            for process in self.processes.values()
+        }
 
     def _start(self, name, arguments, **more):
         process = Process(arguments, self.packages, self.folder / f"{name}.log", **more)
@@ -136,15 +166,23 @@ class System:
         return robot
 
     def log_of(self, name):
-        return self.processes[name].log.read_text(errors="replace")
+        process = self.processes[name]
+        _, written = self._before.get(process, (0, 0))
+        return process.log.read_bytes()[written:].decode(errors="replace")
+
+    def facts(self, *kinds):
+        process = self.processes["ros"]
+        said, _ = self._before.get(process, (0, 0))
+        return [fact for fact in process.facts[said:] if fact["kind"] in kinds]
 
     def close(self):
         for process in self.processes.values():
             process.close()
+        self.processes.clear()
 
 
 def facts(system, *kinds):
-    return system.processes["ros"].of_kind(*kinds)
+    return system.facts(*kinds)
 
 
 def order(system, *words):

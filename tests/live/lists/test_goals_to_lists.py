@@ -10,8 +10,9 @@ from jausml.runtime.component.component import JausComponent
 from jausml.runtime.component.process import running_transport
 from jausml.runtime.services.definitions import Completion, Guard, ServiceIdentity, Status
 
-from ..bridge_support import wait_for
-from .list_system import PATIENCE, ROBOT, facts, order, wait_goal
+from ..bridge_support import RosPeer, wait_for
+from .conftest import end
+from .list_system import PATIENCE, ROBOT, System, facts, order, wait_goal
 
 pytestmark = pytest.mark.live
 
@@ -129,11 +130,31 @@ class Goal:
 SUCCEEDED, CANCELED, ABORTED = 4, 5, 6
 
 
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory, packages):
+    """A system and a node beside it, which serve all tests."""
+    system, peer = System(tmp_path_factory.mktemp("goals"), packages), RosPeer()
+    yield system, peer
+    peer.close()
+    end(system)
+
+
 @pytest.fixture
-def client(system, peer):
+def system(whole):
+    system, _ = whole
+    system.begin()
+    return system
+
+
+@pytest.fixture
+def client(system, whole):
     """A client of the station, which runs."""
-    system.start_bridge("station")
-    return Client(peer)
+    if not system.processes:
+        system.start_bridge("station")
+    _, peer = whole
+    made = Client(peer)
+    yield made
+    made.handle.destroy()
 
 
 @pytest.fixture
@@ -235,6 +256,7 @@ def test_lost_control_aborts_the_goal(vehicle, client):
 
 @pytest.mark.slow
 def test_a_station_that_ends_stops_the_vehicle(system, vehicle, client):
+    system.lasts = False
     goal = client.send_accepted(1, 2)
     vehicle.begun()
     vehicle.reach(0)
@@ -246,6 +268,7 @@ def test_a_station_that_ends_stops_the_vehicle(system, vehicle, client):
 
 @pytest.mark.slow
 def test_a_peer_that_dies_aborts_the_goal(system, client):
+    system.lasts = False
     system.start_ros_robot()
     system.start_bridge("robot")
     wait_for(lambda: facts(system, "client"), "client of the action", PATIENCE)
@@ -259,6 +282,7 @@ def test_a_peer_that_dies_aborts_the_goal(system, client):
 
 @pytest.mark.slow
 def test_a_goal_goes_through_two_bridges(system, client):
+    system.lasts = False
     system.start_ros_robot()
     system.start_bridge("robot")
     wait_for(lambda: facts(system, "client"), "client of the action", PATIENCE)
@@ -276,11 +300,13 @@ def test_a_goal_goes_through_two_bridges(system, client):
 
 
 @pytest.mark.slow
-def test_goals_are_missions_of_a_spooler(system, peer):
+def test_goals_are_missions_of_a_spooler(system, whole):
+    system.lasts = False
+    system.close()
     system.start_ros_robot()
     for name in ("spooler", "dispatcher"):
         system.start_bridge(name)
-    client = Client(peer)
+    client = Client(whole[1])
     wait_for(lambda: facts(system, "client"), "client of the action", PATIENCE)
     goal = client.send_accepted(1, 2, 3)
     assert wait_goal(system)["x"] == [1.0, 2.0, 3.0]

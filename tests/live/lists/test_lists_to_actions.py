@@ -14,9 +14,29 @@ from jausml.runtime.services.list_elements import ListElement
 from jausml.runtime.services.list_manager import chain
 
 from ..bridge_support import wait_for
-from .list_system import PATIENCE, ROBOT, facts, order, pass_by, wait_goal
+from .conftest import controlling, end, operator_of
+from .list_system import PATIENCE, ROBOT, System, facts, order, pass_by, wait_goal
 
 pytestmark = pytest.mark.live
+
+
+@pytest.fixture(scope="module")
+def system(tmp_path_factory, packages):
+    """One whose processes serve all tests that do not end them."""
+    made = System(tmp_path_factory.mktemp("lists"), packages)
+    yield made
+    end(made)
+
+
+@pytest.fixture
+def operator(system):
+    """An operator in control of the robot's bridge, whose action server is there."""
+    system.begin()
+    if system.processes:
+        yield from controlling(system, "robot")
+    else:
+        system.start_ros_robot()
+        yield from operator_of(system, "robot")
 
 
 def test_a_list_is_followed_to_its_end(system, operator):
@@ -31,7 +51,14 @@ def test_a_list_is_followed_to_its_end(system, operator):
     assert operator.ends == [True]
 
 
+@pytest.fixture
+def fresh(system):
+    """Has processes that run already serve no further test."""
+    system.lasts = False
+
+
 @pytest.mark.slow
+@pytest.mark.usefixtures("fresh")
 def test_speed_and_waypoint_are_told_before_while_and_after_it_drives(system, operator):
     # No waypoint is told that nobody has set.
     assert (operator.asked_speed(), operator.asked_x()) == (0.0, None)
@@ -127,6 +154,7 @@ def test_speed_zero_holds_and_another_speed_goes_on(system, operator):
 
 @pytest.mark.slow
 def test_a_robot_without_its_controller_stands(system, operator):
+    system.lasts = False
     operator.give(1, 2)
     operator.execute()
     wait_goal(system)
@@ -139,6 +167,7 @@ def test_a_robot_without_its_controller_stands(system, operator):
 
 @pytest.mark.slow
 def test_an_operator_that_dies_stops_the_robot(system, operator):
+    system.lasts = False
     operator.give(1, 2)
     operator.execute()
     wait_goal(system)
@@ -156,6 +185,7 @@ def test_emergency_stops_the_robot(system, operator):
 
 @pytest.mark.slow
 def test_a_bridge_that_ends_stops_the_robot(system, operator):
+    system.lasts = False
     operator.give(1, 2)
     operator.execute()
     wait_goal(system)
@@ -167,6 +197,7 @@ def test_a_bridge_that_ends_stops_the_robot(system, operator):
 @pytest.mark.usefixtures("announced_as_by_default")
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP])
 def test_the_guardian_stops_the_robot_of_a_bridge_that_cannot(system, operator, number):
+    system.lasts = False
     operator.give(1, 2)
     operator.execute()
     wait_goal(system)
@@ -189,6 +220,7 @@ def is_over(log):
 
 @pytest.mark.slow
 def test_a_bridge_that_starts_again_cancels_the_goal_of_its_former_life(system, operator):
+    system.lasts = False
     operator.give(1, 2)
     operator.execute()
     wait_goal(system)
@@ -210,6 +242,7 @@ def test_a_bridge_that_starts_again_cancels_the_goal_of_its_former_life(system, 
 @pytest.mark.slow
 @pytest.mark.timeout(240)
 def test_an_action_server_that_dies_is_noticed(system, operator):
+    system.lasts = False
     operator.give(1, 2)
     operator.execute()
     wait_goal(system)
@@ -280,6 +313,7 @@ def change(peer, *transitions):
 
 @pytest.mark.slow
 def test_lists_go_on_after_another_configuration(system, operator, peer):
+    system.lasts = False
     operator.give(1, 2)
     operator.execute()
     wait_goal(system)

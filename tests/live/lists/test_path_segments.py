@@ -29,18 +29,7 @@ def execute(operator):
     operator.send(message, ROBOT, acknowledge=True)
 
 
-def test_segments_are_followed_and_the_distance_tells_which(system, tracker_operator):
-    operator = tracker_operator
-    assert operator.set(segments(operator, 2, 5, 9))
-    execute(operator)
-    goal = wait_goal(system)
-    assert (goal["x"], goal["frame"]) == ([2.0, 5.0, 9.0], "odom")
-    operator.wait_active(1)
-    pass_by(system, operator, 2, 3)
-    assert operator.seen == [0, 1, 2, 3, 0]
-
-
-def test_a_curve_is_refused_and_the_log_names_it(system, tracker_operator):
+def test_segments_are_followed_and_a_curve_is_refused(system, tracker_operator):
     operator = tracker_operator
     straight, bent = segments(operator, 2, 5), segments(operator, 2, 5, factor=0.5)
     mixed = chain([(segment.uid, segment.data, 0) for segment in (straight[0], bent[1])])
@@ -50,13 +39,17 @@ def test_a_curve_is_refused_and_the_log_names_it(system, tracker_operator):
     log = system.log_of("tracker")
     assert "bridge.follow.no_counterpart (1 times): 0.50" in log
     assert f"list_manager.rejected (1 times): request of {OPERATOR}: element 2" in log
-
-
-def test_the_robot_stops_when_its_operator_lets_go(system, tracker_operator):
-    operator = tracker_operator
-    assert operator.set(segments(operator, 2, 5))
+    # The distance tells which segment is followed.
+    assert operator.set(segments(operator, 2, 5, 9))
     execute(operator)
-    wait_goal(system)
+    goal = wait_goal(system)
+    assert (goal["x"], goal["frame"]) == ([2.0, 5.0, 9.0], "odom")
+    operator.wait_active(1)
+    pass_by(system, operator, 2, 3)
+    assert operator.seen == [0, 1, 2, 3, 0]
+    # The robot stops when its operator lets go.
+    execute(operator)
+    wait_goal(system, 2)
     operator.wait_active(1)
     operator.session.release()
-    wait_for(lambda: system.processes["ros"].of_kind("canceled"), "the cancellation", PATIENCE)
+    wait_for(lambda: facts(system, "canceled"), "the cancellation", PATIENCE)

@@ -107,21 +107,7 @@ def test_an_operator_that_dies_stops_the_robot(system, operator):
 
 
 @pytest.mark.slow
-def test_an_emergency_and_a_bridge_that_ends_stop_the_robot(system, operator):
-    operator.go(1)
-    wait_goal(system)
-    operator.set_emergency(ROBOT)
-    canceled(system)
-    operator.clear_emergency(ROBOT)
-    wait_for(lambda: operator.session.state is ControlState.READY, "control", PATIENCE)
-    operator.go(2)
-    wait_goal(system, 2)
-    assert system.processes["walker"].stop() == 0
-    canceled(system, 2)
-
-
-@pytest.mark.slow
-def test_what_the_robot_refuses_is_told(system, operator):
+def test_a_refusal_is_told_and_an_emergency_and_a_bridge_that_ends_stop_the_robot(system, operator):
     order(system, "refuse")
     wait_for(lambda: facts(system, "refuse"), "refusal", PATIENCE)
     operator.go(1)
@@ -131,3 +117,11 @@ def test_what_the_robot_refuses_is_told(system, operator):
     wait_for(lambda: facts(system, "accept"), "acceptance", PATIENCE)
     operator.go(1)  # again, as nobody goes there
     assert wait_goal(system)["x"] == [1.0]
+    operator.set_emergency(ROBOT)
+    canceled(system)
+    operator.clear_emergency(ROBOT)
+    wait_for(lambda: operator.session.state is ControlState.READY, "control", PATIENCE)
+    operator.go(2)
+    wait_goal(system, 2)
+    assert system.processes["walker"].stop() == 0
+    canceled(system, 2)

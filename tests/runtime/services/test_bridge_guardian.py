@@ -4,7 +4,8 @@ import pytest
 
 from jausml.runtime import PeerChoice, PeerSearch
 from jausml.runtime.base.address import JausAddress
-from jausml.runtime.guardian.page import MAX_STOPS
+from jausml.runtime.guardian import page
+from jausml.runtime.guardian import ward as warding
 from jausml.runtime.guardian.ward import Ward
 
 from .bridge_support import CORE, OWN, PEER, Number, command, minutes, safe
@@ -21,9 +22,11 @@ def ward(world):
 
 
 def test_more_peers_than_a_guardian_has_room_for_get_their_commands_and_are_told(
-    world, setting, ward
+    world, setting, ward, monkeypatch
 ):
-    peers = [JausAddress(subsystem, 1, 1) for subsystem in range(2, MAX_STOPS + 5)]
+    for module in (page, warding):
+        monkeypatch.setattr(module, "MAX_STOPS", 8)
+    peers = [JausAddress(subsystem, 1, 1) for subsystem in range(2, 8 + 5)]
     last = world.probe(str(peers[-1]))
     connection = command(peers=peers, is_command=True, safe_value=safe)
     setting.open(connection, ward=ward)

@@ -15,7 +15,7 @@ from jausml.runtime.messages import (
     ReportIdentification,
     ReportServices,
 )
-from jausml.runtime.services.discovery import report_services
+from jausml.runtime.services.discovery import register_services, report_services
 
 SENSOR = ServiceIdentity("urn:jaus:jss:mobility:VelocityStateSensor", 1, 0)
 DISCOVERY = ServiceIdentity("urn:jaus:jss:core:Discovery", 1, 1)
@@ -31,19 +31,6 @@ def server(world, scope=Scope.SUBSYSTEM, address="1.1.1", **named):
     component = world.component(address, services=(DISCOVERY,), discovery_scope=scope, **named)
     component.start()
     return component
-
-
-def registration(*services):
-    return RegisterServices(
-        service_list=[
-            RegisterServices.ServiceRec(
-                uri=service.urn,
-                major_version_number=service.major,
-                minor_version_number=service.minor,
-            )
-            for service in services
-        ]
-    )
 
 
 def query_pairs(*pairs):
@@ -113,7 +100,7 @@ class TestRegistration:
     @pytest.fixture
     def member(self, world, tested):
         probe = world.probe("1.2.3")
-        probe.ask(registration(SENSOR), tested)
+        probe.ask(register_services([SENSOR]), tested)
         return probe
 
     @pytest.mark.parametrize(
@@ -137,8 +124,8 @@ class TestRegistration:
 
     def test_node_scope_takes_its_node_only(self, world, client):
         narrow = server(world, Scope.NODE, "2.1.1")
-        world.probe("2.1.2").ask(registration(SENSOR), narrow)
-        world.probe("2.2.2").ask(registration(SENSOR), narrow)
+        world.probe("2.1.2").ask(register_services([SENSOR]), narrow)
+        world.probe("2.2.2").ask(register_services([SENSOR]), narrow)
         (report,) = client.ask(query_pairs((255, 255)), narrow)
         assert set(found(report)) == {(1, 1), (1, 2)}
 
@@ -151,7 +138,7 @@ class TestRegistration:
 
     def test_registrations_are_bounded(self, world, tested):
         for number in range(1100):
-            payload = registration().encode()
+            payload = register_services([]).encode()
             source = JausAddress(1, 2 + number // 200, 1 + number % 200)
             world.send(source, tested.address, payload)
         world.settle()
@@ -237,7 +224,7 @@ def test_registering_costs_little(world):
 
 def test_search(world):
     tested = server(world)
-    world.probe("1.2.3").ask(registration(SENSOR), tested)
+    world.probe("1.2.3").ask(register_services([SENSOR]), tested)
     searcher = world.component("7.1.1")
     hits = []
     searcher.discover(SENSOR.urn, hits.append)
@@ -312,7 +299,7 @@ def test_flood_of_subsystems_forgets_none_that_is_alive(world, client):
 
 def test_stale_registrations_make_room(world, client):
     tested = server(world, registration_lifetime=10.0)
-    payload = registration(SENSOR).encode()
+    payload = register_services([SENSOR]).encode()
     everyone = [JausAddress(1, node, number) for node in range(2, 8) for number in range(1, 201)]
     for address in everyone:
         world.send(address, tested.address, payload)
@@ -327,7 +314,7 @@ def test_stale_registrations_make_room(world, client):
 
 def test_list_of_more_subsystems_than_a_report_holds(world, client):
     tested = server(world, scope=Scope.SYSTEM)
-    payload = registration(SENSOR).encode()
+    payload = register_services([SENSOR]).encode()
     for number in range(2, 302):
         world.send(JausAddress(number, 1, 1), tested.address, payload)
     world.settle()

@@ -32,34 +32,15 @@ def actions(planned):
 
 
 @pytest.mark.slow
-def test_a_second_time_nothing_is_done(workspace):
-    planned = plan(read(MODEL), workspace)
-    found = actions(planned)
-    assert set(found.values()) == {"same", "keep"}
-    assert found[SKELETON] == "keep"
-    assert found[GENERATED] == "same"
-    assert execute(read(MODEL), workspace, planned.digest).written == 0
-
-
-def test_a_skeleton_that_fell_behind_is_told(workspace):
-    path = workspace / SKELETON
-    kept = path.read_text()
-    path.write_text(kept.replace("SensorBase", "OtherBase"))
-    try:
-        found = plan(read(MODEL), workspace).drift
-        assert found
-        assert found[0].path == SKELETON
-    finally:
-        path.write_text(kept)
-
-
-@pytest.mark.slow
 def test_what_changed_since_it_was_shown_is_not_done(workspace):
     missing = workspace / GENERATED
     kept = missing.read_text()
     missing.unlink()
     planned = plan(read(MODEL), workspace)
-    assert actions(planned)[GENERATED] == "create"
+    found = actions(planned)
+    assert found.pop(GENERATED) == "create"
+    assert found[SKELETON] == "keep"
+    assert set(found.values()) == {"same", "keep"}
     patch = diff(read(MODEL), workspace, GENERATED)
     assert "+++ b/" + GENERATED in patch
     missing.write_text(kept)
@@ -68,20 +49,27 @@ def test_what_changed_since_it_was_shown_is_not_done(workspace):
     assert diff(read(MODEL), workspace, GENERATED) == ""
     with pytest.raises(AnswerError, match="no file of the plan"):
         diff(read(MODEL), workspace, "../secret")
+    # A second time nothing is done.
+    planned = plan(read(MODEL), workspace)
+    assert actions(planned)[GENERATED] == "same"
+    assert execute(read(MODEL), workspace, planned.digest).written == 0
 
 
-def test_what_was_edited_by_hand_is_refused(workspace):
-    path = workspace / GENERATED
-    kept = path.read_text()
+def test_what_was_edited_by_hand_is_refused_and_a_skeleton_that_fell_behind_is_told(workspace):
+    path, skeleton = workspace / GENERATED, workspace / SKELETON
+    kept, kept_skeleton = path.read_text(), skeleton.read_text()
     path.write_text(kept + "# mine\n")
+    skeleton.write_text(kept_skeleton.replace("SensorBase", "OtherBase"))
     try:
         planned = plan(read(MODEL), workspace)
         assert actions(planned)[GENERATED] == "refuse"
+        assert [drift.path for drift in planned.drift][:1] == [SKELETON]
         with pytest.raises(AnswerError, match="nothing was written"):
             execute(read(MODEL), workspace, planned.digest)
         assert path.read_text().endswith("# mine\n")
     finally:
         path.write_text(kept)
+        skeleton.write_text(kept_skeleton)
 
 
 def test_errors_come_first(tmp_path):
