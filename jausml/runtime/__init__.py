@@ -32,13 +32,13 @@ from .bridge.connections.command_answer import CommandAnswer as CommandAnswer
 from .bridge.connections.connection import AnyConnection as AnyConnection
 from .bridge.connections.events_to_ros import EventToTopics as EventToTopics
 from .bridge.connections.joins import Join as Join
+from .bridge.connections.named_places import NamedPlaces as NamedPlaces
 from .bridge.connections.queries_to_ros import QueryToTopics as QueryToTopics
 from .bridge.connections.report_join import ReportJoin as ReportJoin
 from .bridge.connections.shaping import Shape as Shape
 from .bridge.connections.to_jaus import TopicsToMessage as TopicsToMessage
 from .bridge.connections.to_reports import TopicsToReport as TopicsToReport
 from .bridge.connections.to_ros import MessageToTopics as MessageToTopics
-from .bridge.connections.translations import NamedPlaces as NamedPlaces
 from .bridge.connections.translations import Transcode as Transcode
 from .bridge.connections.translations import ros_classes as ros_classes
 from .bridge.diagnosing import Carried as Carried

@@ -125,6 +125,11 @@ COLUMNS = (
 )
 
 
+def is_descending(column: int, *, is_reversed: bool) -> bool:
+    """Tells whether a column is sorted from above: numbers are, unless reversed."""
+    return COLUMNS[column].is_number is not is_reversed
+
+
 def arranged(
     state: SystemState, column: int, wanted: str = "", *, is_reversed: bool = False
 ) -> list[ConnectionState]:
@@ -144,7 +149,7 @@ def arranged(
     order = COLUMNS[column].order
     present = [connection for connection in connections if order(connection) is not None]
     absent = [connection for connection in connections if order(connection) is None]
-    present.sort(key=order, reverse=COLUMNS[column].is_number is not is_reversed)
+    present.sort(key=order, reverse=is_descending(column, is_reversed=is_reversed))
     return present + absent
 
 

@@ -25,6 +25,7 @@ from jausml.live.systems.tables import (
     by_address,
     cell,
     component_row,
+    is_descending,
     machine_rows,
     row,
     shown_name,
@@ -33,8 +34,8 @@ from jausml.live.systems.tables import (
     summary,
 )
 
-_WIDEST = 400
-_BARS = 40
+_WIDEST = 400  # characters of a line of the details
+_BARS = 40  # of the history in the details
 
 _STYLES = {
     Level.OK: "green",
@@ -44,14 +45,13 @@ _STYLES = {
     Level.NOT_HEARD: "magenta",
     Level.ERROR: "bold red",
 }
-_PARTS = ("told", "ros", "jaus")
+_PARTS = ("told", "ros", "jaus")  # the identifiers of the parts of the panel
+_HISTORY = 4  # index of the column with the history of the rate
 
-_BEFORE_HISTORY = 3  # index of the column before the history of the rate
 
-
-def details_of(connection: ConnectionState) -> Text:
+def _details_of(connection: ConnectionState) -> Text:
     """Returns the state, the declaration and the values of a connection as lines."""
-    text = titled(shown_name(connection), [f"{state_text(connection)}: {connection.reason}"])
+    text = _titled(shown_name(connection), [f"{state_text(connection)}: {connection.reason}"])
     declaration = connection.declaration
     if declaration is not None:
         topics = ", ".join(topic.name for topic in declaration.topics)
@@ -66,7 +66,7 @@ def details_of(connection: ConnectionState) -> Text:
     return text
 
 
-def titled(title: str, lines: Iterable[str]) -> Text:
+def _titled(title: str, lines: Iterable[str]) -> Text:
     """Returns lines below a title."""
     text = Text()
     text.append(f"{cell(title, _WIDEST)}\n", style="bold")
@@ -82,7 +82,7 @@ class Connections(DataTable[Text]):
 
 
 class SystemView(App[None]):
-    """Shows a system, again after each interval."""
+    """Shows a system, anew every `interval` seconds."""
 
     TITLE = "jausml top"
     ENABLE_COMMAND_PALETTE = False
@@ -117,6 +117,7 @@ class SystemView(App[None]):
 
         Args:
             state: Returns the present state.
+            inspection: Returns the last messages of a connection; it is closed with the view.
             interval: Seconds between two states.
         """
         super().__init__()
@@ -171,16 +172,16 @@ class SystemView(App[None]):
         self._show_details()
 
     def _set_titles(self) -> None:
-        """Sets the titles of the columns, with a mark at the sorted one."""
+        """Clears the table, and sets the titles of its columns, with a mark at the sorted one."""
         table = self.query_one(Connections)
         table.clear(columns=True)
         self._shown = []
-        for index, column in enumerate(COLUMNS):
-            is_up = COLUMNS[index].is_number is self._is_reversed
-            mark = f" {'▲' if is_up else '▼'}" if index == self._column else ""
-            table.add_column(Text(f"{column.title}{mark}"), key=column.title)
-            if index == _BEFORE_HISTORY:
-                table.add_column(Text("history"), key="history")
+        mark = "▼" if is_descending(self._column, is_reversed=self._is_reversed) else "▲"
+        titles = [column.title for column in COLUMNS]
+        titles[self._column] += f" {mark}"
+        titles.insert(_HISTORY, "history")
+        for title in titles:
+            table.add_column(Text(title))
 
     def _show_connections(self) -> None:
         table = self.query_one(Connections)
@@ -229,9 +230,9 @@ class SystemView(App[None]):
             return
         ros, jaus = self._inspection.at(connection)
         texts = (
-            details_of(connection),
-            titled("Last message in ROS", ros),
-            titled("Last message in JAUS", jaus),
+            _details_of(connection),
+            _titled("Last message in ROS", ros),
+            _titled("Last message in JAUS", jaus),
         )
         for part, text in zip(_PARTS, texts, strict=True):
             self.query_one(f"#{part}", Static).update(text)
@@ -265,7 +266,7 @@ class SystemView(App[None]):
         self._sort((self._column + 1) % len(COLUMNS), is_reversed=False)
 
     def action_sort(self, column: int) -> None:
-        """Sorts by a column; by the same one again in reverse order."""
+        """Sorts by a column; by the present one, turns the order."""
         self._sort(column, is_reversed=column == self._column and not self._is_reversed)
 
     def action_reverse(self) -> None:
@@ -291,7 +292,7 @@ class SystemView(App[None]):
             self._inspection.away()
 
     def action_leave(self) -> None:
-        """Closes the filter and shows all connections; without one, closes the details."""
+        """Closes the filter and shows all connections; if it is closed, closes the details."""
         field = self.query_one("#filter", Input)
         if field.has_class("open"):
             field.remove_class("open")
@@ -302,10 +303,10 @@ class SystemView(App[None]):
 
 
 def _cells(connection: ConnectionState) -> list[Text]:
-    first, *others = [
+    cells = [
         Text(text, justify="right" if column.is_number else "left")
         for text, column in zip(row(connection), COLUMNS, strict=True)
     ]
-    first.stylize(_STYLES[connection.level])
-    bars = sparkline(connection.history, connection.declared_rate)
-    return [first, *others[:_BEFORE_HISTORY], Text(bars), *others[_BEFORE_HISTORY:]]
+    cells[0].stylize(_STYLES[connection.level])
+    cells.insert(_HISTORY, Text(sparkline(connection.history, connection.declared_rate)))
+    return cells

@@ -30,8 +30,8 @@ class Provision(Generic[Q, R]):
     query_class: type[Q]
     report_class: type[R]
     provider: Callable[[Q, JausAddress], R | bytes | None]
-    periodic: bool = True
-    every_change: bool = True
+    periodic: bool = True  # whether clients may request periodic events
+    every_change: bool = True  # whether clients may request events on every change
 
 
 @dataclass(slots=True)
@@ -43,7 +43,7 @@ class Handler:
     condition: Condition
     takes_payload: bool = False  # whether the action takes the encoded message
     is_robust: bool = False  # whether such an action never raises, and checks itself for blocking
-    counts_each: bool = True  # whether a message is used that came after a newer one
+    counts_each: bool = True  # whether a message is taken that came after a newer one
 
     def guard_for(self, message: Message) -> Guard:
         """Returns the guard of a message."""
@@ -66,13 +66,15 @@ class _Route:
 
 
 class Router:
-    """Decodes messages and calls their handlers and listeners; no message makes it raise.
+    """Decodes messages and calls their handlers and listeners.
+
+    No message makes it raise unless a robust action or a watcher of unwanted messages does.
 
     Attributes:
         takers: Functions that take payloads, by message code. A tuple is replaced, not changed,
             since a function may add others while it runs.
-        unwanted: Functions that take payloads of codes without takers.
-        unknown: The function that takes payloads of codes without takers, and calls `unwanted`.
+        unwanted: Watchers by message code, called where nothing takes the message.
+        unknown: Takers for codes without one; a message is counted unless a watcher takes it.
         drops: Number of dropped messages by sender, reason and message, at most 1,024 entries.
     """
 
@@ -84,6 +86,14 @@ class Router:
         stopwatch: Clock,
         changed: Callable[[], None],
     ) -> None:
+        """Takes nothing yet.
+
+        Args:
+            allows: Tells whether a sender passes a guard.
+            ordering: Returns a new order of the messages of one taker.
+            stopwatch: Returns seconds.
+            changed: Called when fast paths may have become invalid.
+        """
         self._counters = counters
         self._changed = changed
         self._allows = allows
@@ -97,7 +107,7 @@ class Router:
         self.drops: dict[tuple[JausAddress, str, str], int] = {}
 
     def fast_path(self, code: int, sender: JausAddress) -> FastPath | None:
-        """Returns the fast path of the messages of a code; None unless they have a single taker."""
+        """Returns the fast path of the messages of a code; None without, or with several takers."""
         takers = self.takers.get(code, ())
         return fast_path_of(takers[0], sender) if len(takers) == 1 else None
 
@@ -193,7 +203,8 @@ class Router:
     def _handle(self, handler: Handler, take: Take, payload: bytes, sender: JausAddress) -> None:
         """Takes a message whose guard depends on its content.
 
-        A message for `takes_payload` is not decoded if its sender is allowed in Ready.
+        A message for `takes_payload` is not decoded if its sender is allowed in Ready: no guard is
+        stricter.
         """
         if handler.takes_payload and self._allows(Guard.READY, sender):
             take(payload, sender)
@@ -230,8 +241,8 @@ class Router:
         return with_fast_path(take_newer, fast_path)
 
     def _decoding_taker(self, message_class: type[Message], actions: Sequence[Action]) -> Take:
-        """Returns a taker that decodes a message and calls actions, as ``call`` does."""
-        actions, decode, clock = tuple(actions), message_class.decode, self._stopwatch
+        """Returns a taker that decodes a message and calls actions with it."""
+        actions, decode, attempt = tuple(actions), message_class.decode, self.attempt
 
         def take(payload: bytes, sender: JausAddress) -> None:
             try:
@@ -240,14 +251,7 @@ class Router:
                 self._count_bad(message_class, sender, error)
                 return
             for action in actions:
-                started = clock()
-                try:
-                    action(message, sender)
-                except Exception as error:
-                    self._count_failure(action, error)
-                elapsed = clock() - started
-                if elapsed > LONGEST_CALL:
-                    self._count_blocked(action, elapsed)
+                attempt(action, message, sender)
 
         return take
 
@@ -264,7 +268,7 @@ class Router:
     def payload_caller(
         self, function: Action, on_bad: Callable[[JausAddress, DecodeError], None]
     ) -> Callable[[bytes, JausAddress], None]:
-        """Returns a taker that calls a function with encoded messages, as ``call`` does.
+        """Returns a taker that calls a function with encoded messages.
 
         `on_bad` is called with the sender and the error if the function raises DecodeError.
         """
@@ -287,11 +291,14 @@ class Router:
     # ---- user code --------------------------------------------------------------------------
 
     def call(self, function: Callable[..., Any], *arguments: object) -> Any:
-        """Calls a function and returns its result; None after an error, which is counted."""
+        """Calls a function and returns its result; None after an error.
+
+        Errors, and calls that take longer than `LONGEST_CALL`, are counted.
+        """
         return self.attempt(function, *arguments)[1]
 
     def attempt(self, function: Callable[..., Any], *arguments: object) -> tuple[bool, Any]:
-        """Calls a function; returns whether it succeeded, and its result."""
+        """Calls a function as `call`; returns whether it succeeded, and its result."""
         started = self._stopwatch()
         try:
             return True, function(*arguments)

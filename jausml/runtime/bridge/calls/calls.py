@@ -22,7 +22,6 @@ from ..connections.translations import (
     ros_decoder,
     ros_encoder,
     transcoder,
-    uses_ros_classes,
 )
 from ..ends import parameters
 from ..ends.ends import Ends
@@ -72,8 +71,9 @@ class CallTranslation(Limiting):
         """Chooses the decoder of the source and the encoder of the target message."""
         self.counters = ends.component.counters
         self._is_open = True
-        real = uses_ros_classes(self.translate)
-        decode = self.message.decode if self.to_ros else ros_decoder(ends.ros, self.type, real=real)
+        decode: Callable[[bytes], Any] = self.message.decode
+        if not self.to_ros:
+            decode = ros_decoder(ends.ros, self.type, self.translate)
         encode = ros_encoder(ends.ros, self.type) if self.to_ros else _encode
         self._transcode = transcoder(
             self.translate, decode, encode, self.note_blocking, ends.loop.stopwatch

@@ -13,8 +13,9 @@ from ..ends.ends import Ends, SharedFeed
 from ..ends.topics import Topic, TopicFault
 from ..reports.diagnostics import FILTERED, LOST_IN_QUEUE, MISSED, TOO_OLD, Age
 from .connection import Connection, Take
+from .named_places import NamedPlaces
 from .shaping import ros_age
-from .translations import Form, NamedPlaces, ros_decoder, uses_ros_classes
+from .translations import Form, ros_decoder
 
 SourceT = TypeVar("SourceT")
 TargetT = TypeVar("TargetT", bound="Message")
@@ -69,7 +70,7 @@ class FromTopics(Connection[SourceT, TargetT]):
         super().open(ends)
         self._topics = parameters.topics(ends.ros, self.name, self._topics)
         for joined in self._topic_joins:
-            joined.open(ends, self.name, real=uses_ros_classes(self._translate))
+            joined.open(ends, self.name, self._translate)
         self.join(self._topic_joins)
         # A partial, as a bound method cannot carry the fast path.
         take = self._with_fast_path(partial(self.take))
@@ -139,10 +140,9 @@ class FromTopics(Connection[SourceT, TargetT]):
 
     def decoder(self) -> Callable[[bytes], SourceT]:
         """Returns the function that decodes serialized ROS messages."""
-        real = uses_ros_classes(self._translate)
-        decode = ros_decoder(self._ends.ros, self._type, real=real)
+        decode = ros_decoder(self._ends.ros, self._type, self._translate)
         named = self._named
-        return decode if named is None else lambda data: named.ordered(decode(data), self.by_name)
+        return decode if named is None else lambda data: named.reorder(decode(data), self.by_name)
 
     def encode(self, target: TargetT) -> bytes:
         """Encodes a JAUS message."""

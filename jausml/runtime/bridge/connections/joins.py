@@ -109,10 +109,10 @@ class Join(Latest):
         self._type = type
         self.topics = tuple(topics)
 
-    def open(self, ends: Ends, connection: str, *, real: bool) -> None:
-        """Makes the subscriptions."""
+    def open(self, ends: Ends, connection: str, translate: Callable[..., Any]) -> None:
+        """Makes the subscriptions, for the translation of a connection."""
         owner = f"{connection}.{self.name}"
-        self.begin(ends, owner, ros_decoder(ends.ros, self._type, real=real))
+        self.begin(ends, owner, ros_decoder(ends.ros, self._type, translate))
         self.topics = parameters.topics(ends.ros, owner, self.topics)
         for topic in self.topics:
             ends.shared_topics.feed(self._type, topic, self.keep)

@@ -1,4 +1,4 @@
-"""Translations as connections run them: from bytes to bytes, with joined messages.
+"""Translations as connections, calls and lists run them: from bytes to bytes, with joined messages.
 
 A translation method works on objects in between. ROS messages are objects of the light classes of
 the bridge package, or of the classes of ROS for a method marked by `ros_classes`.
@@ -7,7 +7,6 @@ the bridge package, or of the classes of ROS for a method marked by `ros_classes
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from enum import Enum
 from types import MethodType
 from typing import Any, Protocol, TypeAlias, TypeVar
@@ -17,7 +16,8 @@ from ..ends.ros_side import RosSide
 from ..light_message import is_light
 from ..messages.compiled import Function
 
-# Returns the encoded target message of an encoded source message; None for no message.
+# Returns the encoded target message of an encoded source message; None for no message. It is given
+# joins by name: their messages, or each `Joined` itself where `compiled_first` returned it.
 Transcode: TypeAlias = Callable[..., bytes | None]
 
 MethodT = TypeVar("MethodT", bound=Callable[..., Any])
@@ -35,7 +35,7 @@ def uses_ros_classes(translate: Callable[..., Any]) -> bool:
 
 
 def override_of(*translations: object) -> list[tuple[str, str]]:
-    """Returns a line for diagnostics with the names of overridden translations; none without."""
+    """Returns the entry of diagnostics that names overridden translations; empty without any."""
     methods = [method for method in translations if isinstance(method, MethodType)]
     names = ", ".join(method.__name__ for method in methods if _is_overridden(method))
     return [("override", names)] if names else []
@@ -62,7 +62,7 @@ def transcoder(
     on_blocking: Callable[[float], None],
     clock: Callable[[], float],
 ) -> Transcode:
-    """Returns a function that decodes, translates and encodes.
+    """Returns a function that decodes, translates and encodes; it raises what these raise.
 
     Args:
         translate: Returns the target object, or None to pass nothing on.
@@ -109,9 +109,11 @@ def compiled_first(function: Function, names: Sequence[str], slow: Transcode) ->
     return transcode_joined
 
 
-def ros_decoder(ros: RosSide, message_type: type[Any], *, real: bool) -> Callable[[bytes], Any]:
-    """Returns the decoder of serialized messages: to light objects, or those of ROS for `real`."""
-    if real or not is_light(message_type):
+def ros_decoder(
+    ros: RosSide, message_type: type[Any], translate: Callable[..., Any]
+) -> Callable[[bytes], Any]:
+    """Returns the decoder of serialized messages, to the objects that a translation works on."""
+    if uses_ros_classes(translate) or not is_light(message_type):
         return ros.codec(message_type).decode
     return message_type.from_cdr
 
@@ -134,29 +136,6 @@ def ros_encoder(ros: RosSide, message_type: type[Any]) -> Callable[[Any], bytes]
         return message_type.from_cdr(encode(message)).to_cdr()
 
     return encode_either
-
-
-@dataclass(frozen=True)
-class NamedPlaces:
-    """Array elements that a translation takes by position, and messages have in any order."""
-
-    keys: str  # the field with the name of each element, such as `name` of sensor_msgs/JointState
-    names: tuple[str, ...]  # the names, in the order of the positions
-    arrays: tuple[str, ...]  # the fields whose elements the translation takes
-
-    def ordered(self, source: Any, by_name: Callable[..., list[Any]]) -> Any:
-        """Returns a message with its elements in order; a message without names is unchanged.
-
-        Args:
-            by_name: Returns values in the order of names; raises AbsentFieldError.
-        """
-        keys = getattr(source, self.keys)
-        if len(keys):
-            for array in self.arrays:
-                values = by_name(self.names, keys, getattr(source, array), array)
-                setattr(source, array, values)
-            setattr(source, self.keys, list(self.names))
-        return source
 
 
 class Joined(Protocol):

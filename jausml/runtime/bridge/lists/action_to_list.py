@@ -13,7 +13,7 @@ from ...services.definitions import Guard
 from ...wire.message import Message
 from ..connections.connection import NO_PEER, NOT_READY
 from ..connections.controlled_peers import ControlledPeers, RepeatedStops
-from ..connections.translations import ros_decoder, uses_ros_classes
+from ..connections.translations import ros_decoder
 from ..ends import parameters
 from ..ends.actions import LONGEST_GOAL, ListAction, Outcome, ServedGoal
 from ..ends.ends import Ends
@@ -99,8 +99,7 @@ class ActionToList(ListConnection[SourceT, TargetT]):
 
     def decoder(self) -> Callable[[bytes], SourceT]:
         """Returns the function that decodes serialized elements."""
-        real = uses_ros_classes(self._translate)
-        return ros_decoder(self._ends.ros, self._action.element, real=real)
+        return ros_decoder(self._ends.ros, self._action.element, self._translate)
 
     def encode(self, target: TargetT) -> bytes:
         """Encodes the message of an element."""
