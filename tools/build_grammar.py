@@ -9,7 +9,7 @@ from pathlib import Path
 
 from jausml.language.metamodel import load_metamodels
 from jausml.language.semantics.conversions import CONVERSIONS
-from jausml.language.text.tree import classes_by_keyword
+from jausml.language.text.keywords import classes_by_keyword
 
 ROOT = Path(__file__).resolve().parent.parent
 GRAMMAR = ROOT / "integrations" / "vscode" / "syntaxes" / "ros2jaus.tmLanguage.json"

@@ -10,8 +10,8 @@ from for_each import for_each
 
 from jausml.authoring.editor.context import keywords
 from jausml.language.semantics.conversions import CONVERSIONS
+from jausml.language.text.keywords import KEYWORDS
 from jausml.language.text.notation import SUFFIX
-from jausml.language.text.tree import KEYWORDS
 
 GUARDS = ("integrations/vscode", "metamodels")
 

@@ -11,16 +11,9 @@ from for_each import for_each
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from jausml.language.text.keywords import KEYWORDS
 from jausml.language.text.reading.parsing import MOST_FAULTS, parse
-from jausml.language.text.tree import (
-    DEEPEST,
-    KEYWORDS,
-    LONGEST,
-    Direction,
-    Element,
-    Member,
-    Span,
-)
+from jausml.language.text.tree import DEEPEST, LONGEST, Direction, Element, Member, Span
 from jausml.language.text.writing.layout import lay_out
 
 # Figure 5 of the paper, as it stands.

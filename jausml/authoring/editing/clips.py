@@ -18,8 +18,9 @@ from jausml.language.model.diagnostics import Severity
 from jausml.language.model.names import around, name_of
 from jausml.language.model.reading.reader import read_models
 from jausml.language.model.xmi.printing import UnwritableError
+from jausml.language.text.keywords import keyword_of
 from jausml.language.text.notation import NOTATIONS, Ros2Jaus
-from jausml.language.text.tree import Element, Feature, Import, Name, SyntaxTree, Text, snake_case
+from jausml.language.text.tree import Element, Feature, Import, Name, SyntaxTree, Text
 from jausml.language.text.writing.references import ROOT, STANDING
 from jausml.language.text.writing.unparsing import to_clip
 
@@ -190,4 +191,4 @@ class _Notation(Ros2Jaus):
         return Feature(span=item.span, documentation=item.documentation, name=ROOT, values=[block])
 
 
-_STANDING_WORDS = frozenset(snake_case(kind.rpartition(".")[2]) for kind in STANDING)
+_STANDING_WORDS = frozenset(keyword_of(kind.rpartition(".")[2]) for kind in STANDING)

@@ -26,9 +26,10 @@ from jausml.language.model.names import qualified_name
 from jausml.language.model.values import show
 from jausml.language.semantics.conversions import CONVERSIONS
 from jausml.language.semantics.jaus.inheritance import with_inherited
+from jausml.language.text.keywords import keyword_of
 from jausml.language.text.reading.imports import library_files, library_maps
 from jausml.language.text.reading.parsing import parsed_text
-from jausml.language.text.tree import Assignment, Direction, Element, End, Feature, Name, snake_case
+from jausml.language.text.tree import Assignment, Direction, Element, End, Feature, Name
 from jausml.language.text.writing.spelling import path as written_path
 from jausml.language.text.writing.spelling import word as written_word
 
@@ -104,7 +105,7 @@ def _item(bench: Workbench, path: Path, context: Context) -> Iterator[Completion
         yield from (Completion(map_word, "Keyword") for map_word in _MAP_WORDS)
     if context.table is not None:
         yield from (
-            _keyword(snake_case(contained.name)) for contained in contained_classes(context.table)
+            _keyword(keyword_of(contained.name)) for contained in contained_classes(context.table)
         )
     yield from map(_feature, features_of(context.item, context.table).values())
 
@@ -237,7 +238,7 @@ def _declared(
     for file in (path, *bench.imports(path)):
         for declaration in names_in(bench.text(file)).declared(wanted):
             if _is_visible(declaration, context):
-                detail = f"{snake_case(declaration.table.name)} in {show(file.name)}"
+                detail = f"{keyword_of(declaration.table.name)} in {show(file.name)}"
                 yield Completion(written_path(declaration.name.text), "Reference", detail)
 
 

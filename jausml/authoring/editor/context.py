@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 from jausml.authoring.editor.places import Place, end_of
 from jausml.language.metamodel import ClassTable, FeatureKind, FeatureTable, load_metamodels
 from jausml.language.text import tree
+from jausml.language.text.keywords import classes_by_keyword
 from jausml.language.text.reading.shaping import Items
 
 if TYPE_CHECKING:
@@ -31,7 +32,7 @@ ASSIGNMENTS = ("bridge.FieldAssignment", "bridge.ListAssignment", "bridge.Messag
 @cache
 def keywords() -> Mapping[str, ClassTable]:
     """Returns the classes by their keywords."""
-    return tree.classes_by_keyword(load_metamodels())
+    return classes_by_keyword(load_metamodels())
 
 
 def table(qualified_class: str) -> ClassTable:

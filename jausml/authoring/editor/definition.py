@@ -21,6 +21,7 @@ from jausml.language.semantics.paths.jaus_paths import JausPlace, message_place
 from jausml.language.semantics.paths.ros_paths import RosPlace
 from jausml.language.semantics.paths.wholes import PathPlace
 from jausml.language.text import tree
+from jausml.language.text.keywords import keyword_of
 from jausml.language.text.reading.parsing import parsed_text
 from jausml.language.text.reading.shaping import span_of, word_text
 from jausml.language.text.tree import Item
@@ -239,7 +240,7 @@ def outline(text: str) -> list[Symbol]:
     for declaration in names_in(text).declarations:
         symbol = Symbol(
             declaration.name.text,
-            tree.snake_case(declaration.table.name),
+            keyword_of(declaration.table.name),
             declaration.item.span,
             declaration.name.span,
         )

@@ -19,9 +19,10 @@ from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model.names import qualified_name
 from jausml.language.semantics.conversions import CONVERSIONS
 from jausml.language.semantics.paths.markers import in_words
+from jausml.language.text.keywords import keyword_of
 from jausml.language.text.reading.parsing import parsed_text
 from jausml.language.text.reading.shaping import word_text
-from jausml.language.text.tree import Direction, Element, End, snake_case
+from jausml.language.text.tree import Direction, Element, End
 from jausml.live.messages.errors import DefinitionError
 from jausml.live.messages.ros_rows import ros_rows
 from jausml.live.messages.text import rows_of
@@ -107,7 +108,7 @@ def _named(bench: Workbench, path: Path, context: Context, token: Token) -> str:
     if declared is None:
         return ""
     _, declaration = declared
-    kind = snake_case(declaration.table.name)
+    kind = keyword_of(declaration.table.name)
     said: list[Any] = [f"{kind} **{declaration.name.text}**", declaration.item.documentation]
     if isinstance(declaration.item, Element) and declaration.table is table("bridge.AttributeMap"):
         said.append(described_map(declaration.item))

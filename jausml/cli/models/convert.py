@@ -198,7 +198,7 @@ def _left_behind(result: ReadResult, target: str, written: str) -> Iterator[str]
 
 def _comments(document: Document) -> int:
     """Returns how many comments of a document no model holds."""
-    from jausml.language.text.tree import ordinary_comments
+    from jausml.language.text.comments import ordinary_comments
 
     if document.is_xml:
         return document.data.replace(b"\0", b"").count(b"<!--")

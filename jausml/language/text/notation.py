@@ -9,7 +9,7 @@ from jausml.language.metamodel import FeatureKind
 from jausml.language.model import inputs
 from jausml.language.model.diagnostics import RuleInfo, Severity
 from jausml.language.model.notation import Fault, Notation
-from jausml.language.text.tree import snake_case
+from jausml.language.text.keywords import keyword_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -164,7 +164,7 @@ class Ros2Jaus:
     def how_to_give(self, table: ClassTable, feature: FeatureTable) -> str:
         """Returns how a feature of a class is given a value."""
         if feature.name == "name":
-            return f"write '{snake_case(table.name)} <name>'"
+            return f"write '{keyword_of(table.name)} <name>'"
         special = _SPECIAL.get(f"{table.name}.{feature.name}") or _SPECIAL.get(feature.name)
         return f"write '{special or _usual(feature)}'"
 
@@ -227,4 +227,4 @@ def _usual(feature: FeatureTable) -> str:
     if not feature.many:
         return f"{feature.name}: {{ }}"
     name = " name" if "name" in target.features else ""
-    return f"{snake_case(target.name)}{name or ' { }'}"
+    return f"{keyword_of(target.name)}{name or ' { }'}"

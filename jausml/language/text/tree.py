@@ -6,20 +6,16 @@ out anew without a loss. Names stand in it without back quotes, texts without qu
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from functools import cache
 from typing import NamedTuple, TypeAlias
-
-from jausml.language.metamodel import ClassTable, FeatureKind, Metamodels
 
 UNBOUNDED = "*"
 """The size of a member that is a sequence of any length."""
 
 
 class Span(NamedTuple):
-    """A stretch of text; lines and columns, in characters, are counted from 1."""
+    """A stretch of text; lines and columns, in characters, count from 1. The end is exclusive."""
 
     line: int = 1
     column: int = 1
@@ -68,7 +64,10 @@ class Item:
     """An item on lines of its own.
 
     Attributes:
+        documentation: Text of the documentation comment before it, without its marks.
         comments: Ordinary comments before it, each with its marks (`// ...` or `/* ... */`).
+        trailing: The ordinary comments behind it on its line, with their marks. Items with brackets
+            have `closing` too: those on lines of their own before the closing bracket.
         spaced: Whether an empty line stands before it and its comments.
     """
 
@@ -277,88 +276,3 @@ LONGEST = 4 * 1024 * 1024
 """Characters that a text may have."""
 DEEPEST = 64
 """How deep brackets may be nested."""
-
-_APART = re.compile(r'"(?:[^"\\]|\\.)*"|`(?:[^`\\]|\\.)*`|//[^\n]*|/\*.*?\*/', re.DOTALL)
-"""Texts, quoted names and comments: within one there is none of the others."""
-_LINE_START = re.compile(r"[ \t\r]*\*?[ ]?")
-_LINE_BREAK = re.compile(r"(?<!\n)\n(?!\n)")
-_ESCAPED_END = re.compile(r"\*\\(\\*)/")
-
-
-def is_documentation(comment: str) -> bool:
-    """Tells whether a comment documents the item behind it."""
-    is_marked = comment.startswith("/**") and comment[3] not in "*/"
-    return is_marked and bool(documentation_text(comment))
-
-
-def ordinary_comments(text: str) -> list[str]:
-    """Returns the comments of a text that document nothing, in order."""
-    comments = (match.group() for match in comments_in(text))
-    return [comment for comment in comments if not is_documentation(comment)]
-
-
-def comments_in(text: str) -> Iterator[re.Match[str]]:
-    """Yields the comments of a text, with their marks and places."""
-    return (match for match in _APART.finditer(text) if match.group()[0] == "/")
-
-
-def documentation_text(comment: str) -> str:
-    r"""Returns the text of a documentation comment, without its marks and the stars of its lines.
-
-    A line break stands for a blank; empty lines stand between paragraphs.
-    """
-    first, *further = comment[3:-2].split("\n")
-    lines = [line.strip(" \t\r") for line in (first, *map(_without_star, further))]
-    text = "\n".join(lines).strip("\n")
-    return _ESCAPED_END.sub(r"*\1/", _LINE_BREAK.sub(" ", text))
-
-
-def _without_star(line: str) -> str:
-    match = _LINE_START.match(line)
-    if match is None or "*" not in match.group():
-        return line.lstrip(" \t\r")
-    return line[match.end() :]
-
-
-KEYWORDS = ("import", "JAUS", "ROS", "struct", "table", "vector", "ignore", "clock", "new")
-"""Words that are names only in back quotes."""
-
-_WORD_STARTS = re.compile(r"(?<=[a-z0-9])(?=[A-Z][a-z])")
-_QUALITY_OF_SERVICE = ("QoS", "Qos")
-
-
-def snake_case(class_name: str) -> str:
-    """Returns the name of a class in small letters with underscores, as `message_def`."""
-    return _WORD_STARTS.sub("_", class_name.replace(*_QUALITY_OF_SERVICE)).lower()
-
-
-def classes_by_keyword(metamodels: Metamodels) -> Mapping[str, ClassTable]:
-    """Returns the classes that have elements, by the keywords that stand for them.
-
-    A keyword that several classes share stands for none: they are named with their packages
-    (`ros.node`), which every class may be.
-    """
-    concrete = [table for table in metamodels.classes.values() if not table.abstract]
-    names = [snake_case(table.name) for table in concrete]
-    classes_by_name = {
-        f"{class_table.package.name}.{snake_case(class_table.name)}": class_table
-        for class_table in concrete
-    }
-    short = zip(names, concrete, strict=True)
-    return classes_by_name | {name: table for name, table in short if names.count(name) == 1}
-
-
-@cache
-def owning_features(owner: ClassTable, table: ClassTable) -> tuple[str, ...]:
-    """Returns the features of a class that may own an element of another class.
-
-    The feature of the very class goes before one of a class that it specialises: a bridge of a
-    system is one of its bridges, and not just one of its components.
-    """
-    taking = {
-        name: feature.target
-        for name, feature in owner.features.items()
-        if feature.kind is FeatureKind.CONTAINMENT and feature.target in table.supertypes
-    }
-    exact = tuple(name for name, target in taking.items() if target is table)
-    return exact or tuple(taking)

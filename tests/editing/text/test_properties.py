@@ -11,8 +11,8 @@ from editing_support import Commands, Edited, dense, loosened
 from sweeps import sweep
 
 from jausml.authoring.editing.commands import EditError, Remove, Set
+from jausml.language.text.comments import ordinary_comments
 from jausml.language.text.reading.parsing import parse
-from jausml.language.text.tree import ordinary_comments
 from jausml.language.text.writing.layout import lay_out
 
 ROOT = Path(__file__).parents[3]

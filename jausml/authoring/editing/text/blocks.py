@@ -32,6 +32,7 @@ from jausml.language.metamodel import ClassTable
 from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model.names import name_of
 from jausml.language.text import tree
+from jausml.language.text.keywords import keyword_of, owning_features
 from jausml.language.text.reading.document import TextDocument
 from jausml.language.text.writing.spelling import IN_THE_HEAD, is_comment, is_name
 from jausml.language.text.writing.unparsing import IMPLIED_PARTS, MAP
@@ -80,7 +81,7 @@ class Blocks:
         what = f"{kind} '{name}'" if name else f"this {kind}"
         message = f"{what} follows from the rest of {self._context.file}: edit the text"
         if copy.owner is None:
-            keyword = tree.snake_case(kind)
+            keyword = keyword_of(kind)
             message += f", and put {keyword} {name or 'NAME'} {{ ... }} around what it has"
         return EditError(message)
 
@@ -152,7 +153,7 @@ class Blocks:
 
     def _rename(self, block: tree.Element, copy: ElementCopy, part: tree.Element) -> None:
         """Writes a new name before a block; one that is no word is left to the feature `name`."""
-        kind, word = tree.Name(tree.snake_case(copy.table.name)), tree.Name(copy.name)
+        kind, word = tree.Name(keyword_of(copy.table.name)), tree.Name(copy.name)
         is_sayable = is_name(copy.name)
         if block.keyword is not None:
             block.name = word if is_sayable else None
@@ -397,7 +398,7 @@ def _keeps_its_words(
     if isinstance(piece.item, tree.Feature):
         return piece.item.name.text == copy.feature
     if isinstance(piece.item, tree.Element):
-        return tree.owning_features(owner.table, copy.table) == (copy.feature,)
+        return owning_features(owner.table, copy.table) == (copy.feature,)
     is_arrow = isinstance(piece.item, tree.Assignment | tree.Ignored)
     return (
         isinstance(around, tree.Element | tree.Assignment)

@@ -33,7 +33,7 @@ from jausml.language.metamodel.filling import contents
 from jausml.language.model.names import name_of
 from jausml.language.model.refs import Ref
 from jausml.language.semantics.connections.exchanges import CONNECTION, FEATURES
-from jausml.language.semantics.names import snake_case
+from jausml.language.text.keywords import keyword_of
 from jausml.language.text.reading.document import TextDocument
 from jausml.language.text.tree import Element, Import, Item, Name, SyntaxTree
 from jausml.language.text.writing.layout import lay_out
@@ -180,7 +180,7 @@ class _Plan:
             left = [copy for some in root.owned.values() for copy in some]
             # A root without parts is not implied, and would be lost with its name.
             if before and all(copy.obj and self._blocks.part(copy) is None for copy in left):
-                items.append(Element(Name(snake_case(root.table.name)), Name(root.name)))
+                items.append(Element(Name(keyword_of(root.table.name)), Name(root.name)))
 
 
 def _check_names(obj: EObject, owner: EObject) -> None:

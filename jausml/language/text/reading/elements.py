@@ -11,8 +11,8 @@ from jausml.language.model.reading.classes import target_class
 from jausml.language.model.values import nearest, show, suggest_or_list
 from jausml.language.model.xmi.parsing import MAX_DEPTH, Node
 from jausml.language.model.xmi.printing import XSI
+from jausml.language.text.keywords import KEYWORDS, classes_by_keyword, keyword_of, owning_features
 from jausml.language.text.tree import (
-    KEYWORDS,
     Call,
     Element,
     Feature,
@@ -23,11 +23,8 @@ from jausml.language.text.tree import (
     Span,
     Text,
     Value,
-    classes_by_keyword,
     is_bare,
     is_map,
-    owning_features,
-    snake_case,
 )
 
 Source: TypeAlias = "Item | Call"
@@ -328,9 +325,10 @@ class ElementReader:
         if table is None:
             self.report_unknown(block, node)
         elif table not in wanted.subtypes or table.abstract:
-            what = f"is {keyword_of(table)}" if table not in wanted.subtypes else "needs a class"
-            legal = " or ".join(sorted(keyword_of(e) for e in wanted.subtypes if not e.abstract))
-            hint = f"write 'new' and one of: {legal}"
+            is_too_wide = table in wanted.subtypes
+            what = "needs a class" if is_too_wide else f"is {keyword_of(table.name)}"
+            legal = sorted(keyword_of(kind.name) for kind in wanted.subtypes if not kind.abstract)
+            hint = f"write 'new' and one of: {' or '.join(legal)}"
             self._wrong(node, feature, block.span, f"takes {wanted.name}; this {what}", hint)
         else:
             child = self.nodes.element(node, feature.name, table, block.span, block)
@@ -360,13 +358,8 @@ class ElementReader:
         hint = ""
         if owning:
             what = f"{table.name} may stand in {' or '.join(owning)}"
-            hint = f"write {owning[0]}: new {keyword_of(table)} ..."
+            hint = f"write {owning[0]}: new {keyword_of(table.name)} ..."
         self.nodes.fault("JML702", block.span, what, hint, owner=owner)
-
-
-def keyword_of(table: ClassTable) -> str:
-    """Returns the keyword of a class."""
-    return snake_case(table.name)
 
 
 def literal(value: Name | Number | Text, feature: FeatureTable) -> str:

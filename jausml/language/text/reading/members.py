@@ -12,9 +12,10 @@ from jausml.language.model.values import nearest, show
 from jausml.language.model.xmi.parsing import Node
 from jausml.language.semantics.jaus.fields import attributes, class_name
 from jausml.language.semantics.paths.attributes import JausPart, Part
+from jausml.language.text.keywords import keyword_of
 from jausml.language.text.reading import declared_types
 from jausml.language.text.reading.maps import WrittenEnd
-from jausml.language.text.tree import End, Member, Span, snake_case
+from jausml.language.text.tree import End, Member, Span
 from jausml.language.wire import target_of
 
 _SIZES = {"fixedArray": True, "boundedSequence": False, "unboundedSequence": False}
@@ -140,7 +141,7 @@ def _jaus_kind(part: JausPart, above: tuple[JausPart, ...] = ()) -> MemberKind |
     # A field that contains itself has no end.
     if field is None or field in above:
         return None
-    keyword = snake_case(class_name(field))
+    keyword = keyword_of(class_name(field))
     match field:
         case jaus.List() | jaus.Array():
             return _repeated(field, above)

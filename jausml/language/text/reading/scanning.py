@@ -15,6 +15,8 @@ from lark import Token
 
 from jausml.language.model.values import nearest
 from jausml.language.text import tree
+from jausml.language.text.comments import documentation_text, is_documentation
+from jausml.language.text.keywords import KEYWORDS
 from jausml.language.text.reading.machine import NOT_PARSED, grammar
 from jausml.language.text.reading.shaping import Items, span_of
 
@@ -155,7 +157,7 @@ def _escape_faults(token: Token) -> Iterator[SyntaxFault]:
             yield SyntaxFault(span, message, f"there are {known}")
 
 
-_KEYWORD_TYPES = {word.upper() for word in tree.KEYWORDS}
+_KEYWORD_TYPES = {word.upper() for word in KEYWORDS}
 _STARTERS = {"WORD", "INDEXED", "NUMBER", "TEXT", *_KEYWORD_TYPES}
 _VALUES = {"WORD", "NUMBER", "TEXT", "HREF", "LBRACE", "NEW"}
 _MARKS = {
@@ -210,7 +212,7 @@ def suggestion(accepted: Collection[str], tokens: Sequence[Token], position: int
     if unexpected_token.type == "ARROW" and "COMMA" in accepted:
         return "no comma stands between assignments"
     for token in reversed(tokens[max(position - 2, 0) : position + 1]):
-        meant = nearest(token, tree.KEYWORDS) if token.type == "WORD" else None
+        meant = nearest(token, KEYWORDS) if token.type == "WORD" else None
         if meant:
             return f"did you mean '{meant}'?"
     return ""
@@ -328,15 +330,13 @@ def _lead(item: tree.Item, comments: Sequence[Token], line: int) -> None:
     """Puts the comments before an item to it."""
     first = (comments[0].line if comments else item.span.line) or 1
     item.spaced = bool(line) and first > line + 1
-    documenting = next(
-        (token for token in reversed(comments) if tree.is_documentation(token)), None
-    )
+    documenting = next((token for token in reversed(comments) if is_documentation(token)), None)
     line = first
     for comment in comments:
         _keep_empty_line(item, line, comment.line or 1)
         line = comment.end_line or 1
         if comment is documenting:
-            item.documentation = tree.documentation_text(comment)
+            item.documentation = documentation_text(comment)
         else:
             item.comments.append(_ordinary(comment))
     if comments and comments[-1] is not documenting:

@@ -25,18 +25,8 @@ from jausml.language.model.reading.reader import read_models
 from jausml.language.model.xmi.parsing import Node
 from jausml.language.model.xmi.writer import external_href, is_written
 from jausml.language.semantics.connections.exchanges import FEATURES, unstated
-from jausml.language.text.tree import (
-    BlockItem,
-    Element,
-    Feature,
-    Href,
-    Name,
-    Text,
-    Value,
-    is_map,
-    owning_features,
-    snake_case,
-)
+from jausml.language.text.keywords import keyword_of, owning_features
+from jausml.language.text.tree import BlockItem, Element, Feature, Href, Name, Text, Value, is_map
 from jausml.language.text.writing.layout import space
 from jausml.language.text.writing.spelling import (
     IN_THE_HEAD,
@@ -289,7 +279,7 @@ class ElementWriter:
     def element(self, obj: EObject) -> Element:
         """Returns an element as a block by itself."""
         table = self._metamodels.class_of(obj)
-        keyword, name, items = Name(snake_case(table.name)), head_name(obj), self._items(obj)
+        keyword, name, items = Name(keyword_of(table.name)), head_name(obj), self._items(obj)
         if name is None:
             block = Element(None, keyword, items)
         else:
@@ -364,7 +354,7 @@ class ElementWriter:
         table = self._metamodels.class_of(obj)
         if not with_class:
             return Element(None, None, self._items(obj))
-        return Element(Name(snake_case(table.name)), head_name(obj), self._items(obj))
+        return Element(Name(keyword_of(table.name)), head_name(obj), self._items(obj))
 
     def feature(self, obj: EObject, feature: FeatureTable) -> Feature:
         """Returns an attribute or a reference of an element with its values."""
@@ -383,5 +373,5 @@ class ElementWriter:
 
 def _is_said_by(feature: FeatureTable, table: ClassTable) -> bool:
     """Tells whether `qos: { ... }` says more than `qos_profile { ... }`, which has no name."""
-    is_keyword = feature.many and feature.name.startswith(snake_case(table.name))
+    is_keyword = feature.many and feature.name.startswith(keyword_of(table.name))
     return "name" not in table.features and not is_keyword

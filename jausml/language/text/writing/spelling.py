@@ -9,6 +9,8 @@ from typing import Any, TypeVar, cast
 from jausml.language.metamodel import DataTypeTable, FeatureTable, ValueKind
 from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.text import tree
+from jausml.language.text.comments import documentation_text, is_documentation
+from jausml.language.text.keywords import KEYWORDS
 
 _STEP = r"\w+(?:\[\d+\])*"
 _PATH = re.compile(rf"/?(?!\d){_STEP}(?:[./]{_STEP})*|\.")
@@ -21,7 +23,7 @@ _SHORT = {"\n": "\\n", "\t": "\\t", "\r": "\\r", "\\": "\\\\"}
 def word(text: str) -> str:
     """Returns a name in the notation: in back quotes where it is no plain word."""
     # A path may end with an index, a name may not.
-    plain = _PATH.fullmatch(text) and not text.endswith("]") and text not in tree.KEYWORDS
+    plain = _PATH.fullmatch(text) and not text.endswith("]") and text not in KEYWORDS
     return text if plain else f"`{_escaped(text, '`')}`"
 
 
@@ -32,7 +34,7 @@ def path(text: str) -> str:
 
 def feature_name(text: str) -> str:
     """Returns the name of a feature, which may be a keyword."""
-    return text if text in tree.KEYWORDS else word(text)
+    return text if text in KEYWORDS else word(text)
 
 
 def quoted(text: str) -> str:
@@ -44,7 +46,7 @@ def can_document(text: str) -> bool:
     """Tells whether a documentation comment can hold a text to the letter."""
     # Read back, since escapes and line breaks of comments have several pitfalls.
     comment = "\n".join(documentation(text, _ANY_WIDTH))
-    return tree.is_documentation(comment) and tree.documentation_text(comment) == text
+    return is_documentation(comment) and documentation_text(comment) == text
 
 
 def documentation(text: str, room: int) -> list[str]:
