@@ -6,13 +6,13 @@ import pytest
 
 from jausml.language.metamodel import read_metamodels
 from jausml.language.metamodel.filling import (
+    add_values,
     contents,
     count,
     holds,
     link,
     new_object,
     set_value,
-    set_values,
 )
 
 ZOO = read_metamodels([Path(__file__).parents[1] / "model" / "emf" / "zoo.ecore"])
@@ -26,8 +26,8 @@ def fill_ours():
     )
     of_zoo, of_cage = CLASSES["zoo.Zoo"].features, CLASSES["zoo.Cage"].features
     set_value(zoo, of_zoo["name"], "Z")
-    set_values(zoo, of_zoo["codes"], [3, 3])
-    set_values(zoo, of_zoo["tags"], ["a", "b"])
+    add_values(zoo, of_zoo["codes"], [3, 3])
+    add_values(zoo, of_zoo["tags"], ["a", "b"])
     set_value(lion, CLASSES["zoo.Lion"].features["tame"], False)
     link(zoo, of_zoo["cages"], cage)
     link(zoo, of_zoo["cages"], other)

@@ -3,7 +3,7 @@
 from hypothesis import strategies as st
 
 from jausml.language.metamodel import FeatureKind, ValueKind
-from jausml.language.metamodel.filling import holds, link, new_object, set_value, set_values
+from jausml.language.metamodel.filling import add_values, holds, link, new_object, set_value
 from jausml.language.model.model import Model
 
 MATCHING = {
@@ -86,7 +86,7 @@ class _Elements:
                 continue
             if feature.kind is FeatureKind.ATTRIBUTE and feature.many:
                 drawn = st.lists(values(feature, self.texts), max_size=3, unique_by=repr)
-                set_values(obj, feature, draw(drawn))
+                add_values(obj, feature, draw(drawn))
             elif feature.kind is FeatureKind.ATTRIBUTE:
                 may_be_null = feature.data_type.nullable and not feature.is_id
                 nulls = st.none() if may_be_null else st.nothing()

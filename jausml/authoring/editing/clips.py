@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from jausml.authoring.editing.commands import Add, EditError, Set
 from jausml.authoring.editing.describing import described
 from jausml.language.metamodel.classes import bridge
-from jausml.language.metamodel.filling import make, set_values
+from jausml.language.metamodel.filling import add_values, make
 from jausml.language.model import refs
 from jausml.language.model.diagnostics import Severity
 from jausml.language.model.names import around, name_of
@@ -136,7 +136,7 @@ def _left_out(model: Model, obj: EObject | None, diagnostic: Diagnostic) -> Left
         text = f"say what is meant where this was pasted: {diagnostic.message}"
         decision = make(model.metamodels, bridge.OpenDecision, text=text)
         decisions = model.metamodels.class_of(owner).features["openDecisions"]
-        set_values(owner, decisions, [*owner.openDecisions, decision])
+        add_values(owner, decisions, [*owner.openDecisions, decision])
     return LeftOut(name_of(obj) if obj is not None else "", diagnostic.message)
 
 

@@ -1,11 +1,10 @@
-"""Filling of pyecore objects, and access to their features, without notification.
+"""Filling of pyecore objects, and questions about their features, without notification.
 
 pyecore's setters check types, notify and search containers for each value, which a reader that has
 checked everything itself need not pay for. What is written here is exactly the state that the
 setters would leave behind (pyecore 0.15), so objects can be changed by the setters afterwards;
-tests/metamodel compares the two. Rules and generators do little but ask elements for their
-features: pyecore would make a holder for each that was never given a value, which is spared too.
-The value of an attribute stands in the element itself, without a holder, as Python finds it first.
+tests/metamodel compares the two. The value of an attribute stands in the element itself, without a
+holder, as `access` reads it.
 """
 
 from __future__ import annotations
@@ -28,7 +27,7 @@ from jausml.language.metamodel.tables import (
 
 ElementT = TypeVar("ElementT", bound="EObject")
 
-# The state behind the setters is private to pyecore.
+# The state behind the setters is private to pyecore. Its `_isset` is a dict, used as a set.
 # ruff: noqa: SLF001
 
 
@@ -60,16 +59,16 @@ def set_value(obj: Any, table: FeatureTable, value: Any) -> None:
     obj._isset[table.feature] = None
 
 
-def set_values(obj: Any, table: FeatureTable, values: Iterable[Any]) -> None:
+def add_values(obj: Any, table: FeatureTable, values: Iterable[Any]) -> None:
     """Adds values to a multi-valued attribute."""
     _extend(_collection(obj, table), values)
     obj._isset[table.feature] = None
 
 
 def fill(obj: Any, table: FeatureTable, values: Sequence[Any]) -> None:
-    """Sets the values of an attribute, of which there may be none."""
+    """Sets an attribute to its value, or adds values to one with many; none changes nothing."""
     if table.many:
-        set_values(obj, table, values)
+        add_values(obj, table, values)
     elif values:
         set_value(obj, table, values[0])
 
@@ -80,7 +79,7 @@ def assign(obj: Any, table: FeatureTable, value: Any) -> None:
         for target in value if table.many and isinstance(value, list | tuple) else [value]:
             link(obj, table, target)
     elif table.many:
-        set_values(obj, table, value)
+        add_values(obj, table, value)
     else:
         data_type = table.data_type
         if data_type is not None and data_type.kind is ValueKind.ENUMERATION:
@@ -103,55 +102,51 @@ def make(metamodels: Metamodels, kind: type[ElementT], /, **features: Any) -> El
     return element
 
 
-def link(obj: Any, table: FeatureTable, target: Any) -> None:
+def link(owner: Any, table: FeatureTable, target: Any) -> None:
     """Sets a single-valued reference or adds to a multi-valued one; opposites are kept."""
-    _store(obj, table, target)
+    point(owner, table, target)
     if table.kind is FeatureKind.CONTAINMENT:
-        hang(target, obj, table)
+        hang(owner, table, target)
     opposite = table.opposite
     if opposite is None:
-        target._inverse_rels.add((obj, table.feature))
+        target._inverse_rels.add((owner, table.feature))
     else:
-        _store(target, opposite, obj)
+        point(target, opposite, owner)
 
 
-def point(obj: Any, table: FeatureTable, target: Any) -> None:
-    """Sets a reference of a detached element, without the opposite."""
-    _store(obj, table, target)
-
-
-def hang(obj: Any, owner: Any, table: FeatureTable) -> None:
-    """Sets the owner of a detached element, which does not get it as a part."""
-    state = obj.__dict__
+def hang(owner: Any, table: FeatureTable, target: Any) -> None:
+    """Sets what an element has as its owner; the feature of the owner is not changed."""
+    state = target.__dict__
     state["_container"] = owner
     state["_containment_feature"] = table.feature
 
 
-def _store(obj: Any, table: FeatureTable, target: Any) -> None:
+def point(owner: Any, table: FeatureTable, target: Any) -> None:
+    """Sets a single-valued reference or adds to a multi-valued one, without the opposite."""
     if table.many:
-        collection = _collection(obj, table)
+        collection = _collection(owner, table)
         if not isinstance(collection, EList):
             OrderedSet.add(collection, target)
         elif target not in collection:
             list.append(collection, target)
     else:
         holder = EValue.__new__(EValue)
-        holder.owner = obj
+        holder.owner = owner
         holder.feature = table.feature
         holder.is_ref = True
         holder.is_cont = table.kind is FeatureKind.CONTAINMENT
         holder.generic_type = None
         holder._value = target
-        obj.__dict__[table.name] = holder
-    obj._isset[table.feature] = None
+        owner.__dict__[table.name] = holder
+    owner._isset[table.feature] = None
 
 
 def _collection(obj: Any, table: FeatureTable) -> Any:
     collection = obj.__dict__.get(table.name)
-    return _new_collection(obj, table) if collection is None else collection
+    return new_collection(obj, table) if collection is None else collection
 
 
-def _new_collection(obj: Any, table: FeatureTable) -> Any:
+def new_collection(obj: Any, table: FeatureTable) -> Any:
     """Returns the empty collection that a feature has from now on."""
     if not table.unique:
         collection = ECollection.create(obj, table.feature)
@@ -206,13 +201,16 @@ def is_set(obj: Any, table: FeatureTable) -> bool:
 
 
 def unset(obj: Any, table: FeatureTable) -> None:
-    """Marks a feature with its default as not set."""
+    """Makes a feature unset.
+
+    Its value must be its default, as no opposite, owner or listener is told.
+    """
     obj.__dict__.pop(table.name, None)
     obj._isset.pop(table.feature, None)
 
 
 def holds(obj: Any, table: FeatureTable, value: Any) -> bool:
-    """Tells whether a feature has a value already."""
+    """Tells whether a reference refers to an element already."""
     held = obj.__dict__.get(table.name)
     if held is None:
         return False
@@ -222,104 +220,3 @@ def holds(obj: Any, table: FeatureTable, value: Any) -> bool:
 def _value(held: Any) -> Any:
     """Returns the value of a single-valued feature, as the element holds it."""
     return held._value if isinstance(held, EValue) else held
-
-
-class _Default:
-    """The default of an attribute of one value, while the element holds none by its name."""
-
-    __slots__ = ("default", "feature")
-
-    def __init__(self, table: FeatureTable) -> None:
-        self.default = table.default
-        self.feature = table.feature
-
-    def __get__(self, obj: Any, owner: Any = None) -> Any:
-        return self.feature if obj is None else self.default
-
-
-def _set_attribute(obj: Any, name: str, value: Any) -> None:
-    """Sets an attribute as pyecore does, checked and with notification."""
-    known = _known(obj, name)
-    if isinstance(known, _Default):
-        holder = EValue(obj, known.feature)
-        holder.check(value)
-        holder._value = getattr(obj, name)
-        obj.__dict__[name] = value
-        holder._set(value)
-    else:
-        object.__setattr__(obj, name, value)
-
-
-def _take_attribute(obj: Any, name: str) -> None:
-    known = _known(obj, name)
-    if isinstance(known, _Default):
-        setattr(obj, name, known.default)
-    else:
-        object.__delattr__(obj, name)
-
-
-def _known(obj: Any, name: str) -> Any:
-    """Returns the attribute of the class of an element by its name, None when there is none."""
-    return next((vars(base)[name] for base in type(obj).__mro__ if name in vars(base)), None)
-
-
-class _Access:
-    """Access to a feature, in place of pyecore's in the classes of elements."""
-
-    __slots__ = ("_default", "_feature", "_name", "_table")
-
-    def __init__(self, table: FeatureTable) -> None:
-        self._table = table
-        self._feature = table.feature
-        self._name = table.name
-        self._default = table.default
-
-    def __set__(self, obj: Any, value: Any) -> None:
-        self._feature.__set__(obj, value)
-
-    def __delete__(self, obj: Any) -> None:
-        self._feature.__delete__(obj)
-
-
-class _Single(_Access):
-    """Access to a reference of one value."""
-
-    __slots__ = ()
-
-    def __get__(self, obj: Any, owner: Any = None) -> Any:
-        if obj is None:
-            return self._feature
-        holder = obj.__dict__.get(self._name)
-        return self._default if holder is None else holder._value
-
-
-class _Many(_Access):
-    """Access to a feature of many values, whose collection stays the same."""
-
-    __slots__ = ()
-
-    def __get__(self, obj: Any, owner: Any = None) -> Any:
-        if obj is None:
-            return self._feature
-        collection = obj.__dict__.get(self._name)
-        return _new_collection(obj, self._table) if collection is None else collection
-
-
-def hasten(table: FeatureTable) -> None:
-    """Adds quick access to a feature to its class.
-
-    Of one with an opposite pyecore's setters expect the holder that its own access makes; what is
-    derived is computed.
-    """
-    feature = table.feature
-    if table.opposite is not None or feature.derived:
-        return
-    python_class = feature.eContainingClass.python_class
-    if table.many:
-        setattr(python_class, table.name, _Many(table))
-    elif table.is_reference:
-        setattr(python_class, table.name, _Single(table))
-    else:
-        setattr(python_class, table.name, _Default(table))
-        python_class.__setattr__ = _set_attribute
-        python_class.__delattr__ = _take_attribute

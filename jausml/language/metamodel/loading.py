@@ -19,7 +19,7 @@ from pyecore.ecore import EAttribute, EClass, EDataType, EEnum, EProxy
 from pyecore.resources import URI, ResourceSet
 from pyecore.resources.xmi import XMIResource
 
-from jausml.language.metamodel.filling import hasten
+from jausml.language.metamodel.access import hasten
 from jausml.language.metamodel.tables import (
     ClassTable,
     DataTypeTable,

@@ -42,7 +42,7 @@ class ItemWriter:
         element = detached(copy, self.find, is_whole=is_whole)
         if copy.owner is not None:
             # Names are looked up from the owner, but the owner must not learn of the element.
-            hang(element, self.find(copy.owner), copy.owner.table.features[copy.feature])
+            hang(self.find(copy.owner), copy.owner.table.features[copy.feature], element)
         if copy.obj is None:
             settle_new(element, copy)
         return element

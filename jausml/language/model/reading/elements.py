@@ -18,7 +18,7 @@ from jausml.language.metamodel import (
     Metamodels,
 )
 from jausml.language.metamodel.classes.ecore import EObject
-from jausml.language.metamodel.filling import holds, link, new_object, set_value, set_values
+from jausml.language.metamodel.filling import add_values, holds, link, new_object, set_value
 from jausml.language.model.diagnostics import ReadFault, Related
 from jausml.language.model.documents import Document
 from jausml.language.model.model import Model
@@ -334,7 +334,7 @@ class ElementBuilder:
                 self._report_value(place, obj, feature, fault)
         if feature.unique:
             self._check_repeated(place, obj, feature, values)
-        set_values(obj, feature, values)
+        add_values(obj, feature, values)
 
     def _report_value(
         self, place: NodePlace, obj: EObject, feature: FeatureTable, fault: ReadFault

@@ -163,5 +163,5 @@ def _copy(
     around = assignment.eContainer() if owner is None else owner
     if around is not None:
         holder = "assignments" if owner is not None else assignment.eContainmentFeature().name
-        hang(copy, around, tables.class_of(around).features[holder])
+        hang(around, tables.class_of(around).features[holder], copy)
     return copy
