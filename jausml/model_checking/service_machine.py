@@ -112,8 +112,8 @@ class MachineProduct:
             yield from self._taken(state, message, client)
         for event in self.events():
             yield from self._taken(state, event, "")
-        for after in self.later(state):
-            yield TIME, after
+        for later in self.later(state):
+            yield TIME, later
 
     def later(self, state: Behaving, said: Mapping[str, bool] | None = None) -> Iterator[Behaving]:
         """Yields the states that are possible one tick later.
