@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import product as combinations
@@ -40,6 +40,9 @@ MOST_CONDITIONS = 8  # conditions of the user that are tried in all combinations
 
 # Conditions that the core services decide.
 _OF_THE_CORE = ("isControllingClient", "isControlAvailable", "isIDStored")
+
+_LAPSE = "Timedout"
+"""The event by which an independent machine learns that control has lapsed."""
 
 _OUTER = "Receiving.Ready"
 _WITHOUT_CONTROL = {"Events": _OUTER, "Transport": "Receiving"}
@@ -109,16 +112,30 @@ class MachineProduct:
             yield from self._taken(state, message, client)
         for event in self.events():
             yield from self._taken(state, event, "")
-        yield TIME, self.later(state)
+        for later in self.later(state):
+            yield TIME, later
 
-    def later(self, state: Behaving) -> Behaving:
-        """Returns the state one tick later without any other step."""
+    def later(self, state: Behaving, said: Mapping[str, bool] | None = None) -> Iterator[Behaving]:
+        """Yields the states that are possible one tick later.
+
+        They are several where an independent machine may take a lapse of control in several ways.
+
+        Args:
+            said: Values of the user's conditions; None for all of them.
+        """
         core = self.services.tick(state.core)
-        # An independent machine learns by this event that control has lapsed.
+        transitions: Iterable[jaus.Transition | None] = (None,)
         if state.core.controller and not core.controller and not self._follows:
-            for _, after in self._taken(state, "Timedout", ""):
-                state = after
-        return self.followed(state, core)
+            if said is not None:
+                transitions = (self.chosen(state, _LAPSE, "", said),)
+            else:
+                outcomes = self.outcomes(state, _LAPSE, "")
+                transitions = dict.fromkeys(transition for _, transition in outcomes)
+        for transition in transitions:
+            before = state
+            if transition is not None:
+                _, before = self.step(state, transition, _LAPSE, "")
+            yield self.followed(before, core)
 
     # ------------------------------------------------------------------ the machine
 

@@ -135,7 +135,7 @@ def choices(product: MachineProduct, state: Behaving, said: Mapping[str, bool]) 
         why_not = "" if core != state.core else f"it changes nothing in {_standing(state)}"
         after = product.followed(state, core)
         yield Choice("core", step.actor, step.what, after, why_not=why_not)
-    yield Choice("time", TIME.actor, TIME.what, product.later(state))
+    yield Choice("time", TIME.actor, TIME.what, next(product.later(state, said)))
 
 
 def _of_the_machine(

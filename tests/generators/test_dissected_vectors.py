@@ -50,7 +50,7 @@ def dissect(tmp_path_factory: pytest.TempPathFactory) -> Dissect:
         view, run = dissector(vector["model"])
         found = list(run(datagram(payload_of(vector) or b"").decode("latin-1")).values())
         pairs = zip(found[::2], found[1::2], strict=True)
-        return view, [Shown(name, *2 * [utf8(str(value))]) for name, value in pairs]
+        return view, [Shown(name, *3 * [utf8(str(value))]) for name, value in pairs]
 
     return dissected
 

@@ -8,7 +8,7 @@ from jausml.generation.target import system_of
 from jausml.language.model import read_models
 from jausml.model_checking.checking import check_subject
 from jausml.model_checking.runtime_machines import CommandConnection, ConnectionState
-from jausml.model_checking.search import CONTROL, DEADLOCK, LATE_STOP, LIVELOCK, Bounds
+from jausml.model_checking.search import CONTROL, DEADLOCK, LATE_STOP, LIVELOCK, TIME, Bounds
 from jausml.model_checking.systems import subjects_of
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -84,6 +84,30 @@ def test_a_state_that_nothing_leaves_is_found(tmp_path):
     (tmp_path / "lamp.xmi").write_text(text.replace(way_out, ""), encoding="utf-8")
     assert found_in(LAMP)["spot: LampFSM of Lamp"] == set()
     assert DEADLOCK in found_in(tmp_path / "lamp.xmi")["spot: LampFSM of Lamp"]
+
+
+def test_all_ways_are_searched_in_which_a_lapse_of_control_may_be_taken(tmp_path):
+    text = LAMP.read_text(encoding="utf-8")
+    ways = """<defaults event="Timedout" guard="isOld" target="Off"/>
+              <defaults event="Timedout" guard="isWorn" target="Broken"/>"""
+    burnt = '<defaults event="Burnt" guard="isOld" target="Off"/>'
+    assert text.count(burnt) == 1
+    text = text.replace(burnt, ways).replace(
+        'address="7.1.1"', 'address="7.1.1" controlTimeout="2"'
+    )
+    (tmp_path / "lamp.xmi").write_text(text, encoding="utf-8")
+    subjects = subjects_of(system_of(read_models([tmp_path / "lamp.xmi"]).model))
+    (product,) = (
+        subject.product for subject in subjects if subject.name == "spot: LampFSM of Lamp"
+    )
+    states, lapses = [product.initial()], set()
+    for state in states:
+        for step, after in product.steps(state):
+            if step is TIME and state.path == "On.Dim" and state.core.controller:
+                lapses.add((after.path, bool(after.core.controller)))
+            if after not in states and len(states) < 500:
+                states.append(after)
+    assert lapses == {("On.Dim", False), ("Off", False), ("Broken", False)}
 
 
 REFINES_ACCESS_CONTROL = """<?xml version="1.0" encoding="UTF-8"?>

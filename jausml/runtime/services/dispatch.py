@@ -58,9 +58,15 @@ def _name_of(function: Callable[..., Any]) -> str:
 
 @dataclass(slots=True)
 class _Route:
-    """The handler and listeners of the messages of one code."""
+    """The handler and listeners of the messages of one code.
+
+    Attributes:
+        handler_takers: The taker of the handler, if there is one. It remembers which messages are
+            late, and so stays when listeners come.
+    """
 
     handler: Handler | None = None
+    handler_takers: list[Take] = field(default_factory=list)
     payload_listeners: list[Take] = field(default_factory=list)
     listeners: dict[type[Message], list[Action]] = field(default_factory=dict)
 
@@ -120,6 +126,7 @@ class Router:
         if route.handler is not None:
             raise ValueError(f"{message_class.NAME} is handled already")
         route.handler = handler
+        route.handler_takers.append(self._handler_taker(handler))
         self._prepare(message_class.CODE)
 
     def set_provision(
@@ -166,9 +173,8 @@ class Router:
     def _prepare(self, code: int) -> None:
         """Makes the takers of a code: the handler, then the listeners."""
         route = self._routes[code]
-        handler = () if route.handler is None else (self._handler_taker(route.handler),)
         listeners = [self._decoding_taker(*item) for item in route.listeners.items()]
-        self.takers[code] = (*handler, *route.payload_listeners, *listeners)
+        self.takers[code] = (*route.handler_takers, *route.payload_listeners, *listeners)
         self._changed()
 
     # ---- takers -----------------------------------------------------------------------------
