@@ -163,6 +163,10 @@ def test_details_have_all_diagnostics_and_follow_the_cursor(system):
         assert "when lost: the stop" in text
         assert "there is no ROS here" in text
         assert "there is no JAUS here" in text
+        await pilot.press("slash", "q", "2")  # which hides all
+        assert panel(app).strip() == ""
+        await pilot.press("escape")
+        assert "drive" in panel(app)
         await pilot.press("escape")
         assert not app.query_one("#panel").has_class("open")
 

@@ -225,15 +225,19 @@ class SystemView(App[None]):
             table.add_row(*map(Text, machine_row))
 
     def _show_details(self) -> None:
-        connection = self._chosen()
-        if not self.query_one("#panel").has_class("open") or connection is None:
+        if not self.query_one("#panel").has_class("open"):
             return
-        ros, jaus = self._inspection.at(connection)
-        texts = (
-            _details_of(connection),
-            _titled("Last message in ROS", ros),
-            _titled("Last message in JAUS", jaus),
-        )
+        connection = self._chosen()
+        if connection is None:  # the filter hides all
+            self._inspection.away()
+            texts = ("", "", "")
+        else:
+            ros, jaus = self._inspection.at(connection)
+            texts = (
+                _details_of(connection),
+                _titled("Last message in ROS", ros),
+                _titled("Last message in JAUS", jaus),
+            )
         for part, text in zip(_PARTS, texts, strict=True):
             self.query_one(f"#{part}", Static).update(text)
 
