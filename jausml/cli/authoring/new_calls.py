@@ -275,7 +275,7 @@ def _chosen_way(
 
 def _free_name(owner: bridges.Bridge, name: str) -> str:
     """Returns a name for the connection of a service or action that a bridge does not have yet."""
-    from jausml.authoring.projects.texts import ProjectError
+    from jausml.authoring.projects.errors import ProjectError
     from jausml.authoring.proposals.new_elements import name_among
     from jausml.language.model.names import name_of
 
