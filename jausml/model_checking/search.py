@@ -49,7 +49,7 @@ class Product(Protocol):
 
     @property
     def late(self) -> str:
-        """The fault when the stop does not come in time."""
+        """The fault when the stop is late; `{bound}` in it stands for the time."""
 
     def source(self, state: Any) -> str:
         """Returns the source of the command in effect, which could be lost; empty without one."""

@@ -45,6 +45,7 @@ _LAPSE = "Timedout"
 """The event by which an independent machine learns that control has lapsed."""
 
 _OUTER = "Receiving.Ready"
+# Paths of services whose state does not depend on control.
 _WITHOUT_CONTROL = {"Events": _OUTER, "Transport": "Receiving"}
 _LEAVES = {EMERGENCY: "Emergency", "FAILURE": "Failure", "SHUTDOWN": "Shutdown"}
 
@@ -77,10 +78,13 @@ class Behaving(NamedTuple):
 
 @dataclass(frozen=True)
 class MachineProduct:
-    """A component with a machine, and its two clients of different authority.
+    """A component with a state machine as a `search.Product`, and its two clients.
 
     Attributes:
-        obeyed: Guards of messages by name, which the component checks before the machine.
+        clients: Names of clients, the one with the lower authority first.
+        obeyed: Guard (ANY, CONTROLLED, READY) that the component checks before the machine, by
+            message name; it holds every name of `messages()`.
+        demanded: Ticks within which the stop is demanded; 0 for the time-out of control.
     """
 
     component: str
@@ -89,7 +93,9 @@ class MachineProduct:
     clients: tuple[str, ...]
     obeyed: Mapping[str, str]
     demanded: int = 0
-    _guarded: dict[tuple[str, str], list[_Guarded]] = field(default_factory=dict)
+    _guarded: dict[tuple[str, str], list[_Guarded]] = field(
+        default_factory=dict, init=False, repr=False, compare=False
+    )
 
     def initial(self) -> Behaving:
         """Returns the state at the start."""
@@ -179,7 +185,10 @@ class MachineProduct:
         return self._guarded[key]
 
     def _taken(self, state: Behaving, trigger: str, sender: str) -> Iterator[tuple[Step, Behaving]]:
-        """Yields the transitions that a trigger may take, whatever conditions of the user say."""
+        """Yields the steps that a trigger may cause, each with the state after it.
+
+        There is one for each transition that some values of the user's conditions select.
+        """
         taken = {
             candidate: None for _, candidate in self.outcomes(state, trigger, sender) if candidate
         }
@@ -234,9 +243,7 @@ class MachineProduct:
             after = after._replace(commanded_by=sender)
         elif after.path != state.path:
             after = after._replace(commanded_by="")
-        passes = sender or self.component
-        if not is_command and after.path == state.path:
-            passes = ""
+        passes = (sender or self.component) if is_command or after.path != state.path else ""
         what = trigger if sender else f"raises {trigger}"
         return Step(actor, what, to, passes=passes, is_helpful=True), after
 
@@ -264,7 +271,10 @@ class MachineProduct:
         return state._replace(core=core, path=self.machine.innermost(path))
 
     def _requested(self, core: Core, path: str) -> Core:
-        """Enters a core state that a component may enter by itself."""
+        """Returns the core services after a component asks for the state of a path.
+
+        They are unchanged where it may not enter that state.
+        """
         inner = path.removeprefix(f"{_OUTER}.")
         if self.machine.core.name == "AccessControl":
             core = self.services.drop(core) if inner.startswith("NotControlled") else core
@@ -284,6 +294,7 @@ class MachineProduct:
         state = state._replace(core=core)
         if not self._follows or _lies_in(state.path, self._path(core)):
             return state
+        # Nothing remains remembered: a pop must not lead back, as in the runtime.
         return Behaving(core, self.machine.innermost(self._path(core)))
 
     # ------------------------------------------------------------------ what must hold
@@ -295,17 +306,20 @@ class MachineProduct:
 
     @property
     def late(self) -> str:
-        """The fault when the stop does not come in time."""
+        """The fault when the stop is late; `{bound}` in it stands for the time."""
         if not self.bound:
             return f"{self.component} stays as it was commanded when its client is lost"
         return f"{self.component} is still as it was commanded {{bound}} after its client was lost"
 
     def source(self, state: Behaving) -> str:
-        """Returns whose command has led to the state; of an independent machine its user knows."""
+        """Returns the client whose command led to the state; empty without one.
+
+        Always empty for an independent machine, whose states mean what its user's code says.
+        """
         return state.commanded_by if self._follows else ""
 
     def is_over(self, state: Behaving) -> bool:
-        """Returns whether the component is in a final state, which no message ends."""
+        """Returns whether the state is final, or an emergency that will return to a final one."""
         return state.core.status in FINAL or state.core.interrupted[0] in FINAL
 
     def place(self, state: Behaving) -> str:
@@ -327,6 +341,10 @@ class MachineProduct:
 
 
 def _trigger(transition: jaus.Transition) -> str:
+    """Returns the name of the message or event; empty for any trigger.
+
+    It is also empty for messages that the runtime takes, which `tried` leaves out.
+    """
     if transition.message is not None:
         return "" if is_core_trigger(transition) else str(transition.message.name)
     return event_name(transition.event)

@@ -1,6 +1,11 @@
 """The process in which messages go through the Python form of a map, there and back.
 
-It answers each line of JSON on its input with one on its output; `jausml/live/workers` runs it.
+It answers each line of JSON on its input with one on its output; `compiled_form.PythonForm` asks,
+and `jausml/live/workers` runs it. Messages are in hex, each with its joins behind it (`_split`).
+
+    request   {"way": "to_ros" or "to_jaus", "messages": [...],
+               "back": whether they go back too, "joins": those of the way back}
+    answer    for each message [translation or null, its way back or null, notes, error, is_refused]
 """
 
 from __future__ import annotations
@@ -16,23 +21,26 @@ from jausml_runtime.conversions import Time
 _BACK = {"to_ros": "to_jaus", "to_jaus": "to_ros"}
 
 
-class Forms:
-    """The translations of a bridge that is not opened."""
+class Translations:
+    """The translations of a bridge that is not opened; its clock stands.
+
+    `now`: seconds and nanoseconds at which it stands.
+    """
 
     def __init__(self, package: str, class_name: str, now: tuple[int, int]) -> None:
         self._bridge = getattr(import_module(f"{package}.{package}"), class_name)()
         self._bridge.now = lambda: Time(*now)
         self._base = import_module(f"{package}.{package}_base")
-        self._readers = {
-            name: self._takers(class_name, name)
+        self._decoders = {
+            name: self._decoders_of(class_name, name)
             for name in _BACK
             if hasattr(self._bridge, f"translate_{name}")
         }
 
-    def _takers(self, class_name: str, name: str) -> list[typing.Any]:
+    def _decoders_of(self, class_name: str, name: str) -> list[typing.Any]:
         """Returns the decoders of the message of a translation, and of those joined to it."""
         method = getattr(getattr(self._base, f"{class_name}Base"), f"translate_{name}")
-        hints = typing.get_type_hints(getattr(method, "__wrapped__", method), vars(self._base))
+        hints = typing.get_type_hints(method, vars(self._base))
         kinds = [kind for parameter, kind in hints.items() if parameter != "return"]
         plain = [next(iter(typing.get_args(kind)), kind) for kind in kinds]  # of `Imu | None`, Imu
         return [
@@ -45,11 +53,10 @@ class Forms:
         counts = getattr(self._bridge, name).statistics.out_of_range
         # The counts are those of this message alone.
         counts.clear()
-        readers = self._readers[name]
-        taken = [
-            read(part) for read, part in zip(readers, _split(data, len(readers) - 1), strict=True)
-        ]
-        target = getattr(self._bridge, f"translate_{name}")(*taken)
+        decoders = self._decoders[name]
+        parts = zip(decoders, _split(data, len(decoders) - 1), strict=True)
+        messages = [decode(part) for decode, part in parts]
+        target = getattr(self._bridge, f"translate_{name}")(*messages)
         notes = [f"{policy} {field}" for policy, field in counts]
         if target is None:
             return None, notes
@@ -57,7 +64,10 @@ class Forms:
         return bytes(octets), notes
 
     def answer(self, request: dict[str, typing.Any]) -> list[list[typing.Any]]:
-        """Returns for each message its translation, its way back, the notes and the error."""
+        """Returns for each message its translation and its way back, the notes and the error.
+
+        The error is empty without one; last is whether bridges drop messages by it.
+        """
         return [self._trip(request, bytes.fromhex(message)) for message in request["messages"]]
 
     def _trip(self, request: dict[str, typing.Any], data: bytes) -> list[typing.Any]:
@@ -77,12 +87,15 @@ class Forms:
             # Bridges drop messages by these, and count them; any other error is a fault.
             is_refused = isinstance(error, JausError)
             return [*payloads, notes, f"{type(error).__name__}: {error}", is_refused]
-        return [*payloads, notes, "", True]
+        return [*payloads, notes, "", False]
 
 
-def _split(data: bytes, joins: int) -> list[bytes]:
-    """Returns a message and those behind it, whose sizes are at the end."""
-    end = len(data) - 4 * joins
+def _split(data: bytes, count: int) -> list[bytes]:
+    """Returns a message and its joins, of which there is a number.
+
+    Behind them stand the sizes of the joins, four bytes little-endian each.
+    """
+    end = len(data) - 4 * count
     sizes = [int.from_bytes(data[at : at + 4], "little") for at in range(end, len(data), 4)]
     parts = []
     for size in reversed(sizes):
@@ -94,9 +107,9 @@ def _split(data: bytes, joins: int) -> list[bytes]:
 def main() -> None:
     """Answers until the input ends."""
     package, class_name, sec, nanosec = sys.argv[1:5]
-    forms = Forms(package, class_name, (int(sec), int(nanosec)))
+    translations = Translations(package, class_name, (int(sec), int(nanosec)))
     for line in sys.stdin:
-        sys.stdout.write(json.dumps(forms.answer(json.loads(line))) + "\n")
+        sys.stdout.write(json.dumps(translations.answer(json.loads(line))) + "\n")
         sys.stdout.flush()
 
 

@@ -9,9 +9,10 @@ from typing import NamedTuple
 
 from jausml.authoring.editing.commands import Add, Command, EditError
 from jausml.authoring.projects.creating import Wish, create
+from jausml.authoring.projects.eclipse_xmi import MAPPINGS, as_xmi_beside, localized
+from jausml.authoring.projects.errors import ProjectError
 from jausml.authoring.projects.places import Opened, Place, opened, place_of
 from jausml.authoring.projects.starting import EMPTY
-from jausml.authoring.projects.texts import MAPPINGS, ProjectError, as_xmi_beside, localized
 from jausml.authoring.proposals.bridging import bridges_of, offer_of
 from jausml.authoring.proposals.elements import AnswerError, Scope
 from jausml.authoring.proposals.new_elements import free_address, participant_name

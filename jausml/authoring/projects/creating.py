@@ -12,16 +12,10 @@ from pathlib import Path
 import jinja2
 
 from jausml import __version__
+from jausml.authoring.projects.eclipse_xmi import METAMODELS, with_schema_location
+from jausml.authoring.projects.errors import ProjectError
 from jausml.authoring.projects.starting import EMPTY, EXAMPLE, starting_point, text_to_begin_with
-from jausml.authoring.projects.texts import (
-    METAMODELS,
-    ProjectError,
-    as_xmi,
-    empty_text,
-    empty_xmi,
-    text_of,
-    with_schema_location,
-)
+from jausml.authoring.projects.texts import empty_text, empty_xmi, example_xmi, text_of
 from jausml.language.model.inputs import read_input
 from jausml.language.model.library import XMI, library_paths, place_in_library
 from jausml.language.model.xmi.writer import replace_file
@@ -161,7 +155,7 @@ def model_text(origin: str, name: str, metamodels: str = "", *, is_text: bool) -
         return text_to_begin_with(point, name).encode()
     if origin == EMPTY:
         return (empty_text(name) if is_text else empty_xmi(name, metamodels)).encode()
-    xmi = as_xmi(name, metamodels)
+    xmi = example_xmi(name, metamodels)
     return (text_of(xmi, name) if is_text else xmi).encode()
 
 

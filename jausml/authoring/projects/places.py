@@ -9,13 +9,9 @@ from typing import TypeVar
 
 from jausml.authoring.editing.project import Project
 from jausml.authoring.editing.reading import can_be_parsed
-from jausml.authoring.projects.texts import (
-    ProjectError,
-    empty_services,
-    empty_xmi,
-    metamodels_for,
-    text_of,
-)
+from jausml.authoring.projects.eclipse_xmi import metamodels_for
+from jausml.authoring.projects.errors import ProjectError
+from jausml.authoring.projects.texts import empty_services, empty_xmi, text_of
 from jausml.authoring.proposals.elements import Scope
 from jausml.language.metamodel.classes import jaus, system
 from jausml.language.model.library import SUFFIXES

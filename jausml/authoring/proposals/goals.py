@@ -158,7 +158,7 @@ def action_commands(
     *,
     to_ros: bool,
     name: str,
-    speed: float = 0.0,
+    speed: float | None = None,
 ) -> list[Command]:
     """Returns the commands that make the connection of an action, with its driver and its map."""
     place = scope.ref(owner)
@@ -225,7 +225,7 @@ def _as_topics(kind: ros.ActionType) -> Iterator[str]:
 
 
 def opens_of(
-    kind: ros.ActionType, way: ListWay, name: str, *, to_ros: bool, speed: float
+    kind: ros.ActionType, way: ListWay, name: str, *, to_ros: bool, speed: float | None
 ) -> list[OpenPoint]:
     """Returns the decisions about a connection of an action that are left to a person."""
     open_points = []

@@ -73,7 +73,7 @@ def command(
     internal error.
     """
     from jausml.authoring.projects.creating import Wish, create, name_for
-    from jausml.authoring.projects.texts import ProjectError
+    from jausml.authoring.projects.errors import ProjectError
 
     if copies:
         refuse_options("not with --copies", "name", "notation", "origin")

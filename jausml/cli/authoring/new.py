@@ -114,7 +114,7 @@ def place_for(model: Path | None) -> Place:
 @contextmanager
 def stopping() -> Iterator[None]:
     """Ends the verb where something cannot be added."""
-    from jausml.authoring.projects.texts import ProjectError
+    from jausml.authoring.projects.errors import ProjectError
 
     try:
         yield

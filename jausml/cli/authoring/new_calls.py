@@ -12,19 +12,20 @@ from jausml.cli.authoring.new import add_to, model_option, pairs, show_open
 from jausml.cli.authoring.topics import side_option
 from jausml.cli.shared.options import FiniteRange
 from jausml.cli.shared.terminal import can_ask, choose_one, remark
+from jausml.language.semantics.connections.limits import GREATEST_SPEED
 
 if TYPE_CHECKING:
     from jausml.authoring.editing.commands import Command
     from jausml.authoring.projects.places import Opened
-    from jausml.authoring.proposals.calls import Half
+    from jausml.authoring.proposals.calls import Call, Half
     from jausml.authoring.proposals.elements import Scope
     from jausml.authoring.proposals.goals import ListWay
     from jausml.authoring.proposals.new_elements import OpenPoint
     from jausml.language.metamodel.classes import bridge as bridges
     from jausml.language.metamodel.classes import ros
-    from jausml.language.metamodel.classes.ecore import EObject
 
-_TRIGGER, _WAYPOINTS = "drop:std_srvs/Trigger", "survey:nav2_msgs/FollowWaypoints"
+_SERVICE_EXAMPLE = "drop:std_srvs/Trigger"
+_ACTION_EXAMPLE = "survey:nav2_msgs/FollowWaypoints"
 _VEHICLE = "vehicle"
 
 
@@ -89,7 +90,7 @@ def service_connection(
     from jausml.authoring.proposals.calls import call_of, connection_commands, halves, opens_of
     from jausml.authoring.proposals.elements import message_of, service_type_of
 
-    name, kind = _name_and_type(word, _TRIGGER)
+    name, kind = _name_and_type(word, _SERVICE_EXAMPLE)
     stated = {"request": pairs(requests, "=", "data=Lit"), "response": pairs(replies, "=", "Lit=x")}
     open_points: list[OpenPoint] = []
 
@@ -105,22 +106,20 @@ def service_connection(
         own = _free_name(owner, name)
         needed = halves(scope, call)
         _check_stated(stated, needed)
-        commands_by_half = {
-            half.kind: _map_of(scope, owner, half, own, stated, yes=yes) for half in needed
-        }
         maps = {
-            half: map_commands
-            for half, map_commands in commands_by_half.items()
-            if map_commands is not None
+            half.kind: map_commands
+            for half in needed
+            if (map_commands := _map_of(scope, owner, half, own, stated, yes=yes)) is not None
         }
         open_points.extend(opens_of(call))
-        _show_call(call.message, call.answer, call.rejections, to_ros=call.to_ros, name=name)
+        _show_call(call)
         return connection_commands(scope, owner, call, maps, own)
 
     add_to(model, f"Add calls of {name}", commands, lambda: show_open(open_points))
 
 
 def _check_stated(stated: dict[str, list[tuple[str, str]]], needed: Sequence[Half]) -> None:
+    """Complains of assignments of a half that needs no map."""
     for kind, words in stated.items():
         if words and kind not in [half.kind for half in needed]:
             raise click.UsageError(f"--{kind}: nothing has to be carried by the {kind}")
@@ -135,7 +134,10 @@ def _map_of(
     *,
     yes: bool,
 ) -> Sequence[Command] | None:
-    """Returns the commands that make the map of a half; None where the model can refer to one."""
+    """Says which map a half gets, and returns the commands that make it.
+
+    Returns None where a ready map is referred to as it is.
+    """
     from jausml.authoring.proposals.calls import own_copy
     from jausml.authoring.proposals.mapping.beginning import Wish
     from jausml.authoring.proposals.new_elements import name_among
@@ -148,26 +150,22 @@ def _map_of(
         return own_copy(scope, owner, half.ready)
     own = name_among(f"{name}_{half.kind}", owner.maps)
     click.echo(f"{half.kind}: new map {own}")
-    to_ros, to_jaus = (words if half.to_ros is way else () for way in (True, False))
+    to_ros, to_jaus = (words, ()) if half.to_ros else ((), words)
     wish = Wish(own, half.message, half.type, to_ros, to_jaus, (half.to_ros,))
     begun = begun_map(scope, owner, wish, yes=yes)
     return [begun.add, *begun.tables]
 
 
-def _show_call(
-    message: EObject,
-    answer: EObject | None,
-    rejections: Sequence[EObject],
-    *,
-    to_ros: bool,
-    name: str,
-) -> None:
+def _show_call(call: Call) -> None:
+    """Says which message asks, and which ones answer."""
     from jausml.language.model.names import name_of
 
-    asked = name_of(message)
-    line = f"{name}: {asked} calls it" if to_ros else f"{name}: a call of it is sent as {asked}"
-    names = [name_of(element) for element in (answer, *rejections) if element is not None]
-    click.echo(f"{line}; answered by {' or '.join(names)}" if names else line)
+    asked = name_of(call.message)
+    line = f"{asked} calls it" if call.to_ros else f"a call of it is sent as {asked}"
+    answers = (call.answer, *call.rejections)
+    names = [name_of(message) for message in answers if message is not None]
+    answered = f"; answered by {' or '.join(names)}" if names else ""
+    click.echo(f"{call.service}: {line}{answered}")
 
 
 @click.command("action-connection")
@@ -176,7 +174,7 @@ def _show_call(
 @click.option("--element", metavar="MAP", help="Map of an element of the list, if several fit.")
 @click.option(
     "--speed",
-    type=FiniteRange(0.0, 327.67, min_open=True),
+    type=FiniteRange(0.0, GREATEST_SPEED, min_open=True),
     metavar="M/S",
     help="Speed at which JAUS components execute the lists, with --side operator.",
 )
@@ -206,7 +204,7 @@ def action_connection(
     from jausml.authoring.proposals.elements import action_type_of
     from jausml.authoring.proposals.goals import action_commands, opens_of, ways_for
 
-    name, kind = _name_and_type(word, _WAYPOINTS)
+    name, kind = _name_and_type(word, _ACTION_EXAMPLE)
     to_ros = side == _VEHICLE
     if speed is not None and to_ros:
         raise click.UsageError("--speed is for --side operator: JAUS states the speed of a vehicle")
@@ -218,11 +216,9 @@ def action_connection(
         own = _free_name(owner, name)
         candidates = _meant(ways_for(scope, used, to_ros=to_ros), driver, element)
         way = _chosen_way(candidates, used, name, to_ros=to_ros, yes=yes)
-        open_points.extend(opens_of(used, way, own, to_ros=to_ros, speed=speed or 0.0))
+        open_points.extend(opens_of(used, way, own, to_ros=to_ros, speed=speed))
         click.echo(f"{name}: {'JAUS -> ROS' if to_ros else 'ROS -> JAUS'}, {way.says()}")
-        return action_commands(
-            scope, owner, name, used, way, to_ros=to_ros, name=own, speed=speed or 0.0
-        )
+        return action_commands(scope, owner, name, used, way, to_ros=to_ros, name=own, speed=speed)
 
     add_to(model, f"Add goals of {name}", commands, lambda: show_open(open_points))
 
@@ -245,12 +241,18 @@ def _meant(candidates: list[ListWay], driver: str | None, element: str | None) -
 
 
 def _listed(candidates: Sequence[ListWay]) -> str:
+    """Returns the ways as further lines of a message."""
     return "".join(f"\n  {way.says()}" for way in candidates)
 
 
 def _chosen_way(
     candidates: list[ListWay], kind: ros.ActionType, name: str, *, to_ros: bool, yes: bool
 ) -> ListWay:
+    """Returns the only way, or the first with `--yes`; else asks for one of several.
+
+    Raises:
+        UsageError: There is none, none was taken, or nobody can be asked.
+    """
     from jausml.authoring.proposals.goals import why_none
 
     if not candidates:
@@ -274,13 +276,17 @@ def _chosen_way(
 
 
 def _free_name(owner: bridges.Bridge, name: str) -> str:
-    """Returns a name for the connection of a service or action that a bridge does not have yet."""
-    from jausml.authoring.projects.texts import ProjectError
+    """Returns a free name for the connection of a service or action.
+
+    Raises:
+        ProjectError: The bridge carries that service or action already.
+    """
+    from jausml.authoring.projects.errors import ProjectError
     from jausml.authoring.proposals.new_elements import name_among
     from jausml.language.model.names import name_of
 
-    carried = (*(connection.service for connection in owner.serviceConnections),)
-    carried += (*(connection.action for connection in owner.actionConnections),)
+    carried = {connection.service for connection in owner.serviceConnections}
+    carried |= {connection.action for connection in owner.actionConnections}
     if name in carried:
         raise ProjectError(f"{name_of(owner)} carries {name} already")
     siblings = (*owner.bridgeConnections, *owner.serviceConnections, *owner.actionConnections)
@@ -288,6 +294,7 @@ def _free_name(owner: bridges.Bridge, name: str) -> str:
 
 
 def _name_and_type(word: str, example: str) -> tuple[str, str]:
+    """Returns both parts of NAME:TYPE; UsageError: they are none of ROS."""
     from jausml.authoring.proposals.elements import plain_type
     from jausml.language.semantics.connections.topics import topic_fault
 

@@ -157,7 +157,7 @@ def _written(
     roots: list[EObject], model: Model, target: str, project_root: str | os.PathLike[str] | None
 ) -> tuple[str, dict[Path, bytes]]:
     """Returns the new file, and the copies of ready maps that Eclipse needs beside it."""
-    from jausml.authoring.projects.texts import as_xmi_beside, localized, with_ready_maps
+    from jausml.authoring.projects.eclipse_xmi import as_xmi_beside, localized, with_ready_maps
     from jausml.language.model.project import find_project_root
     from jausml.language.model.xmi.writer import name_identifiers, to_xmi
     from jausml.language.text.writing.unparsing import to_text

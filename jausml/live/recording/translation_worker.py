@@ -66,7 +66,8 @@ class ConnectionTranslation:
         bridge.now = clock.now
         base = import_module(f"{package}.{package}_base")
         method = getattr(getattr(base, plan["base"]), f"translate_{name}")
-        kinds = {key: _class_of(hint) for key, hint in _hints(method, base).items()}
+        hints = typing.get_type_hints(method, vars(base))
+        kinds = {key: _class_of(hint) for key, hint in hints.items()}
         translate = getattr(bridge, f"translate_{name}")
         self.connection = getattr(bridge, name)
         self.joins = {
@@ -85,10 +86,6 @@ class ConnectionTranslation:
         except Exception as error:
             return [type(error).__name__, str(error)]
         return ["dropped", ""] if target is None else bytes(target).hex()
-
-
-def _hints(method: typing.Any, module: typing.Any) -> dict[str, typing.Any]:
-    return typing.get_type_hints(getattr(method, "__wrapped__", method), vars(module))
 
 
 def _class_of(hint: typing.Any) -> typing.Any:

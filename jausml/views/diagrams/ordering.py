@@ -1,8 +1,8 @@
-"""The order of boxes and rows in which lines cross least, and of those orders the shortest lines.
+"""An order of boxes and rows in which few lines cross, and these are short.
 
 Rows of systems may change places, and boxes of systems and maps: rows of messages have the order of
-what they show. Exact search is too dear; rows go to the mean of what
-they are joined with, then neighbours change places as long as that helps.
+what they show. Exact search is too dear; boxes and rows go to the mean of what they are joined with
+(their barycenter), then neighbours change places as long as that helps.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ _Part = tuple[str, bool]
 
 
 def ordered(graph: Graph) -> Graph:
-    """Returns a graph of the same boxes and rows in the order that is drawn best."""
+    """Returns a graph of the same boxes and rows, in an order in which few lines cross."""
     if not graph.view.startswith(_MOVABLE) or not graph.edges:
         return graph
     work = _Work(graph)
@@ -47,8 +47,8 @@ class _Work:
     """One search.
 
     `siblings`: what stands in each frame, from above: boxes, and frames in it. `joined`: the other
-    ends of the edges at an end. `lines`: the left column of each edge, whether both of its ends
-    stand in it, and its ends from the left.
+    ends of the edges at an end. `arcs`: the ends of the edges within each column. `lanes`: those of
+    the others by their left column, from the left.
     """
 
     def __init__(self, graph: Graph) -> None:
@@ -67,16 +67,18 @@ class _Work:
             )
         self._rows = {node.id: [port.id for port in node.ports] for node in graph.nodes}
         self._joined: dict[_End, list[_End]] = defaultdict(list)
-        self._lines: list[tuple[int, bool, _End, _End]] = []
+        self._lanes: dict[int, list[tuple[_End, _End]]] = defaultdict(list)
+        self._arcs: dict[int, list[tuple[_End, _End]]] = defaultdict(list)
         for edge in graph.edges:
+            # A loop stays at its box, wherever that stands.
             if edge.source.node == edge.target.node:
                 continue
-            first, second = ends = [(end.node, end.port) for end in (edge.source, edge.target)]
+            first, second = ((end.node, end.port) for end in (edge.source, edge.target))
             self._joined[first].append(second)
             self._joined[second].append(first)
-            ends.sort(key=lambda end: self._nodes[end[0]].column)
-            left, right = (self._nodes[name].column for name, _ in ends)
-            self._lines.append((left, left == right, ends[0], ends[1]))
+            left, right = (self._nodes[name].column for name, _ in (first, second))
+            lines = self._arcs if left == right else self._lanes
+            lines[min(left, right)].append((first, second) if left <= right else (second, first))
 
     def nodes(self) -> Iterator[Node]:
         """Yields the boxes in their order, with their rows in theirs."""
@@ -87,7 +89,7 @@ class _Work:
     def improve(self) -> None:
         """Finds an order; the first of equally good ones stays."""
         best, least = self._order(), self._cost()
-        is_large = len(self._lines) > _MOST_EDGES
+        is_large = sum(map(len, self._joined.values())) > 2 * _MOST_EDGES  # each has two ends
         for _ in range(_FEW_ROUNDS if is_large else _ROUNDS):
             self._sort_by_means()
             if (cost := self._cost()) < least:
@@ -99,7 +101,7 @@ class _Work:
             before = least
             for siblings in self._siblings.values():
                 least = self._swap(siblings, least)
-            for rows in self._rows.values() if self._graph.view == "system" else ():
+            for rows in self._movable_rows().values():
                 least = self._swap(rows, least)
             if least == before:
                 return
@@ -113,8 +115,13 @@ class _Work:
         name, is_frame = part
         if not is_frame:
             yield name
-        for inner in self._siblings.get(name, ()) if is_frame else ():
+            return
+        for inner in self._siblings.get(name, ()):
             yield from self._boxes(inner)
+
+    def _movable_rows(self) -> dict[str, list[str]]:
+        """Returns the rows of each box that may change places."""
+        return self._rows if self._graph.view == "system" else {}
 
     def _heights(self) -> dict[_End, float]:
         """Returns about how high the ends of edges stand: rows counted, columns centred."""
@@ -131,21 +138,20 @@ class _Work:
         return heights
 
     def _sort_by_means(self) -> None:
+        """Moves parts, then rows, to the mean height of what they are joined with."""
         heights = self._heights()
         for siblings in self._siblings.values():
-            means = {part: self._mean(list(self._boxes(part)), heights) for part in siblings}
+            means = {part: self._mean(self._ends(part), heights) for part in siblings}
             siblings.sort(key=means.__getitem__)
         heights = self._heights()
-        for name, rows in self._rows.items() if self._graph.view == "system" else ():
-            of_rows = {row: self._mean_of([(name, row)], heights) for row in rows}
+        for name, rows in self._movable_rows().items():
+            of_rows = {row: self._mean([(name, row)], heights) for row in rows}
             rows.sort(key=of_rows.__getitem__)
 
-    def _mean(self, boxes: Sequence[str], heights: Mapping[_End, float]) -> float:
-        return self._mean_of(
-            [(box, row) for box in boxes for row in ("", *self._rows[box])], heights
-        )
+    def _ends(self, part: _Part) -> list[_End]:
+        return [(box, row) for box in self._boxes(part) for row in ("", *self._rows[box])]
 
-    def _mean_of(self, ends: Sequence[_End], heights: Mapping[_End, float]) -> float:
+    def _mean(self, ends: Sequence[_End], heights: Mapping[_End, float]) -> float:
         """Returns the mean height of what some ends are joined with, their own without any."""
         inside = {box for box, _ in ends}
         others = [
@@ -172,20 +178,21 @@ class _Work:
     def _cost(self) -> _Cost:
         """Returns how many edges cross, and how far they lead up or down in all."""
         heights = self._heights()
-        lanes: dict[int, list[tuple[float, float]]] = defaultdict(list)
-        arcs: dict[int, list[tuple[float, float]]] = defaultdict(list)
-        for column, is_arc, first, second in self._lines:
-            one, other = heights[first], heights[second]
-            if is_arc:
-                arcs[column].append((min(one, other), max(one, other)))
-            else:
-                lanes[column].append((one, other))
+        lanes, arcs = (
+            {
+                column: [(heights[first], heights[second]) for first, second in lines]
+                for column, lines in columns.items()
+            }
+            for columns in (self._lanes, self._arcs)
+        )
         crossed = sum(map(_inversions, lanes.values()))
-        for column, bent in arcs.items():
+        for column, lines in arcs.items():
+            bent = [(min(ends), max(ends)) for ends in lines]
             crossed += sum(
                 a < c < b < d or c < a < d < b for (a, b), (c, d) in combinations(bent, 2)
             )
-            # Between two columns, an arc crosses what leaves from within it.
+            # Between two columns, an arc crosses what leaves from within it; those of column 0
+            # bend to the left, where no lines leave.
             leaving = lanes.get(column, ()) if column else ()
             crossed += sum(a < at < b for a, b in bent for at, _ in leaving)
         lengths = (abs(a - b) for lines in (*lanes.values(), *arcs.values()) for a, b in lines)
@@ -193,7 +200,7 @@ class _Work:
 
 
 def _inversions(lines: Sequence[tuple[float, float]]) -> int:
-    """Returns how many pairs of lines cross that lead from one column to the next."""
+    """Returns how many pairs of lines from one column cross, as if all led to the next one."""
     seen: list[float] = []
     crossed = 0
     for _, right in sorted(lines):

@@ -325,6 +325,7 @@ def test_limits_are_those_of_the_rules():
     assert parameters.TIMEOUT.limits == (limits.SHORTEST_TIME, limits.LONGEST_TIME)
     assert parameters.DECIMATION.limits == (1, limits.GREATEST_DECIMATION)
     assert parameters.LEAST_MAX_RATE == limits.LEAST_PACE
+    assert parameters.GREATEST_SPEED == limits.GREATEST_SPEED
     for parameter in (parameters.SILENCE_TIMEOUT, parameters.AGE_LIMIT):
         assert parameter.limits == (0.0, limits.LONGEST_TIME)
     for parameter in (parameters.MAX_RATE, parameters.RATE_CAP):

@@ -10,8 +10,9 @@ from typing import Any
 from jausml.authoring.editing.commands import Add, Command, EditError, Place, Set
 from jausml.authoring.editing.records import Entry
 from jausml.authoring.projects.creating import model_text
+from jausml.authoring.projects.eclipse_xmi import metamodels_for
+from jausml.authoring.projects.errors import ProjectError
 from jausml.authoring.projects.starting import STARTING_POINTS
-from jausml.authoring.projects.texts import ProjectError, metamodels_for
 from jausml.authoring.proposals.new_elements import free_address
 from jausml.authoring.studio.context import KeptEdit, StudioContext
 from jausml.authoring.studio.handlers import showing

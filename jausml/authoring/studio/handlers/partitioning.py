@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from jausml.authoring.projects.adding import check_name
-from jausml.authoring.projects.texts import ProjectError
+from jausml.authoring.projects.errors import ProjectError
 from jausml.authoring.proposals.bridging import system_of
 from jausml.authoring.proposals.elements import AnswerError, Scope
 from jausml.authoring.proposals.partition import commands_of, taken_over

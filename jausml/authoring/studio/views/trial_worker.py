@@ -41,7 +41,7 @@ class Translation:
         self._translate = bridge.translate_tried
         module = importlib.import_module("trial.trial_base")
         method = module.TrialBase.translate_tried
-        hints = typing.get_type_hints(getattr(method, "__wrapped__", method), vars(module))
+        hints = typing.get_type_hints(method, vars(module))
         hints.pop("return", None)
         self._classes = {name: _class_of(hint) for name, hint in hints.items()}
 

@@ -1,4 +1,4 @@
-"""Limits of rates and times of connections: what bridges take as parameters.
+"""Limits of rates, times and speeds of connections: what bridges take as parameters.
 
 A bridge has a parameter for each of these figures, and does not start with one that is outside.
 The runtime states the same (`runtime/bridge/ends/parameters.py`), as it imports nothing of the
@@ -24,6 +24,9 @@ MAXIMUM_RATE = 1092.0
 
 LEAST_PACE = 0.001
 """Hertz above which messages are thinned out, besides 0."""
+
+GREATEST_SPEED = 327.67
+"""Metres per second that ExecuteList can say (AS6009)."""
 
 GREATEST_DECIMATION = 1_000_000
 """Messages of which one passes."""

@@ -13,6 +13,7 @@ from jausml.language.semantics.connections.calls import (
     knows_speed,
     takes,
 )
+from jausml.language.semantics.connections.limits import GREATEST_SPEED
 from jausml.language.semantics.connections.topics import topic_fault
 from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.jaus.inheritance import lineage
@@ -22,9 +23,6 @@ from jausml.language.semantics.paths.ros_paths import RosPlace, ros_name
 from jausml.language.semantics.subject import Subject
 from jausml.language.validation.findings import provider_name
 from jausml.language.validation.rule import Finding, Note, rule
-
-GREATEST_SPEED = 327.67
-"""Metres per second that ExecuteList can say (AS6009)."""
 
 _ENDS = ("name", "direction", "type", "driver", "element", "peers", "search")
 
