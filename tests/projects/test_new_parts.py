@@ -27,6 +27,14 @@ def test_parts_of_a_system(rover, jausml, notation):
     assert text.count("100.1.2") == 1
 
 
+@pytest.mark.parametrize("ending", ["xmi", "ros2jaus"])
+def test_a_new_file_that_is_called_by_marks_of_xml_can_be_read(rover, jausml, ending):
+    model = rover("xmi").with_name(f"a&b<c.{ending}")
+    done = jausml("new", "component", "arm", "--model", model)
+    assert f"next: jausml validate 'models/{model.name}'" in done.output
+    assert "JML501 System name 'a&b<c' is no identifier" in jausml("validate", model, status=1).output
+
+
 @NOTATION
 def test_again_it_would_write_the_same(rover, jausml, notation):
     """What is written is what the writers of the notations write, so Eclipse changes nothing."""

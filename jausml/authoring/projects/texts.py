@@ -8,6 +8,7 @@ from tempfile import TemporaryDirectory
 from jausml.authoring.projects.eclipse_xmi import with_schema_location
 from jausml.language.model.library import LIBRARY_URI, library_root
 from jausml.language.model.reading.reader import read_models
+from jausml.language.model.xmi.printing import attribute_text
 from jausml.language.text.writing.unparsing import to_text
 
 _EXAMPLE = "minimal"
@@ -42,7 +43,7 @@ def empty_xmi(name: str, metamodels: str) -> str:
 
 def empty_services(name: str, metamodels: str) -> str:
     """Returns an empty service set as XMI."""
-    named = _EMPTY_SET.replace('name="minimal"', f'name="{name}"')
+    named = _EMPTY_SET.replace('name="minimal"', f'name="{attribute_text(name)}"')
     return with_schema_location(named, metamodels)
 
 
@@ -65,4 +66,5 @@ def text_of(xmi: str, name: str) -> str:
 
 def _named(xmi: str, name: str) -> str:
     own = f'xmi:id="{_EXAMPLE}" name="{_EXAMPLE}"'
-    return xmi.replace(own, f'xmi:id="{name}" name="{name}"', 1)
+    text = attribute_text(name)
+    return xmi.replace(own, f'xmi:id="{text}" name="{text}"', 1)

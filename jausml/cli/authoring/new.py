@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -147,7 +148,7 @@ def report(place: Place, written: Written) -> None:
     for file in written.files:
         done = "written and formatted" if file in written.formatted else "written"
         remark(f"{_shown(place.root / file)} {done}")
-    remark(f"next: jausml validate {_shown(place.path)}")
+    remark(f"next: jausml validate {shlex.quote(_shown(place.path))}")
 
 
 def show_open(points: Sequence[OpenPoint], findings: Sequence[str] = ()) -> None:
