@@ -32,7 +32,9 @@ def test_a_new_file_that_is_called_by_marks_of_xml_can_be_read(rover, jausml, en
     model = rover("xmi").with_name(f"a&b<c.{ending}")
     done = jausml("new", "component", "arm", "--model", model)
     assert f"next: jausml validate 'models/{model.name}'" in done.output
-    assert "JML501 System name 'a&b<c' is no identifier" in jausml("validate", model, status=1).output
+    assert (
+        "JML501 System name 'a&b<c' is no identifier" in jausml("validate", model, status=1).output
+    )
 
 
 @NOTATION

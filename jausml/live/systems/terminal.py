@@ -230,7 +230,7 @@ class SystemView(App[None]):
         connection = self._chosen()
         if connection is None:  # the filter hides all
             self._inspection.away()
-            texts = ("", "", "")
+            texts = (Text(), Text(), Text())
         else:
             ros, jaus = self._inspection.at(connection)
             texts = (
