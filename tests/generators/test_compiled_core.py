@@ -148,6 +148,8 @@ def attribute(made: Generated, name: str) -> str:
     [
         ("a value beyond its range, which is cut off", twist(x=51.0)),
         ("a value that drops the message", twist(a=math.inf)),
+        ("a double that is no number", twist(y=math.nan)),
+        ("a double that is not finite", twist(y=math.inf)),
         ("a field that is left out since it is too large", twist(z=10.5)),
         ("an error", twist(b=256.0)),
         ("a text beyond ASCII", twist("größe")),
