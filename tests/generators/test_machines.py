@@ -100,7 +100,8 @@ def test_a_wrong_base_fails_the_generated_tests(workspace, tmp_path, right, wron
         if not (tmp_path / Path(package).name).exists():
             (tmp_path / Path(package).name).symlink_to(package)
     with pytest.raises(AssertionError, match=failure):
-        run_in(tmp_path, "-m", "pytest", "-q", "test_spot.py", cwd=folder)
+        # With the values, by which the mistake is told.
+        run_in(tmp_path, "-m", "pytest", "-q", "--assert=rewrite", "test_spot.py", cwd=folder)
 
 
 def test_machines_along_inheritance_are_one(texts):
