@@ -237,6 +237,7 @@ def test_nothing_moves_by_itself(studio, vehicle, open_studio, port, width, heig
     with Component(gps, name="gps", provides=("PrimitiveDriver",), port=port):
         page = open_studio.page_of(studio.commanding_address, viewport=window)
         choose_component(page)
+        expect(page.get_by_role("button", name="Take control")).to_be_visible()
         before = places(page, BUTTONS)
         control(page)
         expect(page.get_by_role("row", name=gps)).to_contain_text("gps")  # it was asked
