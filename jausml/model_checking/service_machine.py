@@ -100,14 +100,12 @@ class MachineProduct:
     def initial(self) -> Behaving:
         """Returns the state at the start."""
         core = Core()
-        return Behaving(core, self.machine.innermost(self._path(core) if self._follows else ""))
+        return Behaving(
+            core, self.machine.innermost(self._path(core) if self.machine.extends_core else "")
+        )
 
     def _path(self, core: Core) -> str:
         return core_path(core, self.machine.core.name)
-
-    @property
-    def _follows(self) -> bool:
-        return self.machine.extends_core
 
     def steps(self, state: Behaving) -> Iterator[tuple[Step, Behaving]]:
         """Yields the possible steps, each with the state after it."""
@@ -131,7 +129,7 @@ class MachineProduct:
         """
         core = self.services.tick(state.core)
         transitions: Iterable[jaus.Transition | None] = (None,)
-        if state.core.controller and not core.controller and not self._follows:
+        if state.core.controller and not core.controller and not self.machine.extends_core:
             if said is not None:
                 transitions = (self.chosen(state, _LAPSE, "", said),)
             else:
@@ -263,7 +261,7 @@ class MachineProduct:
         return self._entered(state, self.machine.innermost(resolved or state.path))
 
     def _entered(self, state: Behaving, target: str) -> Behaving:
-        if not self._follows or _lies_in(target, self._path(state.core)):
+        if not self.machine.extends_core or _lies_in(target, self._path(state.core)):
             return state._replace(path=target)
         # The core services change first; if they may not, the machine follows them.
         core = self._requested(state.core, target)
@@ -292,7 +290,7 @@ class MachineProduct:
     def followed(self, state: Behaving, core: Core) -> Behaving:
         """Returns the state after the machine follows the core services."""
         state = state._replace(core=core)
-        if not self._follows or _lies_in(state.path, self._path(core)):
+        if not self.machine.extends_core or _lies_in(state.path, self._path(core)):
             return state
         # Nothing remains remembered: a pop must not lead back, as in the runtime.
         return Behaving(core, self.machine.innermost(self._path(core)))
@@ -316,7 +314,7 @@ class MachineProduct:
 
         Always empty for an independent machine, whose states mean what its user's code says.
         """
-        return state.commanded_by if self._follows else ""
+        return state.commanded_by if self.machine.extends_core else ""
 
     def is_over(self, state: Behaving) -> bool:
         """Returns whether the state is final, or an emergency that will return to a final one."""
