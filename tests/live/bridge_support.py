@@ -100,7 +100,10 @@ class Process:
 
     def _read(self) -> None:
         for line in self.popen.stdout:
-            self.facts.append(json.loads(line))
+            if line.startswith("{"):
+                self.facts.append(json.loads(line))
+            else:  # Fast DDS says its errors on standard output
+                self._log_file.write(line.encode())
 
     def of_kind(self, *kinds: str) -> list[dict]:
         """What the process said of some kinds so far."""
@@ -172,6 +175,15 @@ class RosPeer(SpinningNode):
             self._publishers[topic] = publisher
             wait_for(lambda: publisher.get_subscription_count() > 0, f"subscription of {topic}")
         return self._publishers[topic]
+
+    def on_executor(self, call):
+        """Calls on the thread that takes answers, and returns the result.
+
+        An action client of rclpy drops an answer that comes before it has noted its question.
+        """
+        task = self.executor.create_task(call)
+        wait_for(task.done, "the call")
+        return task.result()
 
     def call(self, kind, name: str, request):
         """Calls a service once somebody serves it; returns the answer."""

@@ -1,5 +1,7 @@
 """Goals of ROS actions become lists of JAUS: real processes, a real client of rclpy."""
 
+from functools import partial
+
 import needs
 import pytest
 
@@ -77,6 +79,7 @@ class Client:
         from rclpy.action import ActionClient
 
         self.type = NavigateThroughPoses
+        self.peer = peer
         name = "station/navigate_through_poses"
         self.handle = ActionClient(peer.node, NavigateThroughPoses, name)
         wait_for(self.handle.server_is_ready, "the action", PATIENCE)
@@ -109,10 +112,13 @@ class Goal:
             pose.pose.position.x = float(x)
             message.poses.append(pose)
         self.feedback: list[int] = []
-        answer = client.handle.send_goal_async(message, self._progress)
+        send = partial(client.handle.send_goal_async, message, self._progress)
+        answer = client.peer.on_executor(send)
         wait_for(answer.done, "answer to the goal", PATIENCE)
         self.handle = answer.result()
-        self.result = self.handle.get_result_async() if self.handle.accepted else None
+        self.result = None
+        if self.handle.accepted:
+            self.result = client.peer.on_executor(self.handle.get_result_async)
 
     def _progress(self, message):
         self.feedback.append(message.feedback.number_of_poses_remaining)

@@ -264,7 +264,7 @@ def test_nothing_moves_by_itself(studio, vehicle, open_studio, port, width, heig
 
 
 PARTS = ".operate section, .dock > *"
-BUTTONS = ".bar button"
+BUTTONS = ".components .bar button"
 COMMANDING = ".commands button"
 
 

@@ -3,13 +3,14 @@
 import os
 import resource
 import signal
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import pytest
-from studio_client import Page, RefusedError, Server, serving, started
+from studio_client import LONGEST, Page, RefusedError, Server, serving, started
 
 from jausml.authoring.editing.project import Project
 from jausml.authoring.studio.context import StudioContext
@@ -91,6 +92,18 @@ def halted(*servers: Server) -> Iterator[None]:
             os.kill(studio.process.pid, signal.SIGCONT)
 
 
+def seen_alike(*pages: Page) -> list[dict[str, Any]]:
+    """Returns the pictures once they are the same: a studio learns soon what another one wrote."""
+    end = time.monotonic() + LONGEST
+    while True:
+        seen = [page.ask("view", file=FILE, view="system") for page in pages]
+        first, *others = (picture["graph"]["nodes"] for picture in seen)
+        if all(nodes == first for nodes in others):
+            return seen
+        assert time.monotonic() < end, seen
+        time.sleep(0.05)
+
+
 def send(page: Page, view: dict[str, Any], wanted: tuple[str, str]) -> int:
     """Sends another address for a box of a picture; returns what names the answer."""
     title, address = wanted
@@ -120,7 +133,7 @@ def test_a_full_disk_and_two_studios_at_the_same_moment_lose_nothing(held, folde
         assert one.ask("kept")["edits"] == []
 
         for turn in range(3):
-            seen = [studio.ask("view", file=FILE, view="system") for studio in (one, two)]
+            seen = seen_alike(one, two)
             wanted = [("helm", f"1.2.{turn + 1}"), ("winch", f"1.3.{turn + 1}")]
             with halted(held, other):
                 sent = [send(*request) for request in zip((one, two), seen, wanted, strict=True)]
@@ -130,7 +143,7 @@ def test_a_full_disk_and_two_studios_at_the_same_moment_lose_nothing(held, folde
             assert f"1.2.{turn + 1}" in text
             assert f"1.3.{turn + 1}" in text
         # Of the same property one is done; the other is kept, with what it was to be.
-        seen = [studio.ask("view", file=FILE, view="system") for studio in (one, two)]
+        seen = seen_alike(one, two)
         wanted = [("helm", "1.4.1"), ("helm", "1.4.2")]
         with halted(held, other):
             sent = [send(*request) for request in zip((one, two), seen, wanted, strict=True)]
