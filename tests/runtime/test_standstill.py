@@ -56,28 +56,31 @@ def test_a_callback_that_takes_long_is_a_standstill_too(loop):
     turn(loop, 0.1)
     loop.call_soon(lambda: time.sleep(STILL))
     turn(loop, 2 * STILL)
-    assert len(told) == 1
-    assert told[0] >= STILL
+    # A busy computer may hold up the test itself, for less than that.
+    assert len([seconds for seconds in told if seconds >= STILL]) == 1
 
 
 def test_only_those_are_told_whose_time_has_passed(loop):
-    told: list[str] = []
-    short = loop.standstill.watch(STILL / 3, lambda _: told.append("short"))
-    loop.standstill.watch(100.0, lambda _: told.append("long"))
-    loop.standstill.watch(0.0, lambda _: told.append("never"))
+    told: set[str] = set()
+    short = loop.standstill.watch(STILL / 3, lambda _: told.add("short"))
+    loop.standstill.watch(100.0, lambda _: told.add("long"))
+    loop.standstill.watch(0.0, lambda _: told.add("never"))
     turn(loop, 0.1)
     time.sleep(STILL)
     turn(loop, 0.1)
-    assert told == ["short"]
+    assert told == {"short"}
     short.change(0.0)
+    told.clear()
     time.sleep(STILL)
     turn(loop, 0.1)
+    assert not told
     short.change(STILL / 3)
     turn(loop, 0.1)
     short.cancel()
+    told.clear()
     time.sleep(STILL)
     turn(loop, 0.1)
-    assert told == ["short"]
+    assert not told
 
 
 class Late:
