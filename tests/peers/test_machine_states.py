@@ -19,7 +19,12 @@ from jausml.live.systems.machines import MOST_MACHINES
 from jausml.live.systems.monitoring import Monitor, polling
 from jausml.live.systems.state import ComponentState, Level, SystemState
 from jausml.runtime.base.address import JausAddress
-from jausml.runtime.messages.machine_states import QueryMachineStates, ReportMachineStates
+from jausml.runtime.messages.events import CancelEvent
+from jausml.runtime.messages.machine_states import (
+    MACHINE_STATES,
+    QueryMachineStates,
+    ReportMachineStates,
+)
 
 pytestmark = pytest.mark.ports
 
@@ -161,6 +166,24 @@ def test_who_does_not_provide_it_is_never_asked(component, network, catalogue):
 
     assert observed(network, catalogue, condition)
     assert asked == []
+
+
+def test_who_provides_it_no_more_is_not_followed_any_more(
+    component, network, catalogue, monkeypatch
+):
+    monkeypatch.setattr(monitoring, "ROUND", 0.25)
+    monkeypatch.setattr(monitoring, "DISCOVERY", 2)
+    cancelled = []
+    target = component(telling=lambda *_: nonsense())
+    target.on_payload(CancelEvent, lambda payload, _: cancelled.append(payload))
+
+    def condition(found):
+        if found.machines:
+            remaining = [service for service in target.services if service.urn != MACHINE_STATES]
+            target.services = tuple(remaining)
+        return cancelled
+
+    assert observed(network, catalogue, condition)
 
 
 ROVER = """
