@@ -13,7 +13,10 @@ from jausml.views.diagrams.layout.settling import Area, area_of, covered, surrou
 from jausml.views.diagrams.layout.sheet import Places, Point, Sheet
 
 OFF_CORNERS = 16
-"""Room between a corner and the end of a line: corners may be round, and arrowheads are wide."""
+"""Room between a corner and the end of a line: corners may be round, and arrowheads are wide.
+
+Each side of a box is longer than twice that, since a line of text and its margins are.
+"""
 
 
 def spaced(sheet: Sheet, places: Places) -> Places:
@@ -60,5 +63,4 @@ def _off_corners(area: Area, end: Point) -> Point:
 
 
 def _within(value: float, first: float, last: float) -> float:
-    room = min(OFF_CORNERS, (last - first) / 2)
-    return min(max(value, first + room), last - room)
+    return min(max(value, first + OFF_CORNERS), last - OFF_CORNERS)
