@@ -5,7 +5,7 @@ import pytest
 from jausml.live.messages import MessageError
 from jausml.live.peers.entry_messages import find_exchange, full_query, message_class, plain_query
 from jausml.live.peers.rendering import shown_fields
-from jausml.runtime import ServiceIdentity
+from jausml.runtime import Scope, ServiceIdentity
 from jausml.runtime.wire.message import DecodeError, EncodeError
 
 
@@ -62,6 +62,18 @@ def test_every_query_of_the_library_has_plain_fields_that_encode(catalogue):
     assert len(queries) > 100
     for query in queries:
         assert query.decode(query.encode(plain_query(query))) is not None
+
+
+@pytest.mark.parametrize(
+    ("name", "scope"),
+    [
+        ("QueryIdentification", Scope.COMPONENT),  # 4 in AS5710; whoever answers tells of itself
+        ("QueryConfiguration", Scope.NODE),  # 3: a component knows its node, not its subsystem
+    ],
+)
+def test_a_plain_query_of_discovery_asks_for_what_one_component_knows(name, scope, catalogue):
+    ((record, fields),) = plain_query(catalogue.message(name)).items()
+    assert (record, fields) == (f"{name}Rec", {"QueryType": scope})
 
 
 def test_a_full_query_asks_for_each_optional_field(catalogue):
