@@ -123,6 +123,7 @@ def recording(tmp_path_factory):
     line = ["-m", "robot.main", "--jaus-port", str(port)]
     bridge = Process(line, packages, folder / "bridge.log")
     arguments = ["record", str(FLEET), "--output", str(path), "--port", str(port)]
+    arguments += ["--topic", TOPIC, "--topic", "/of_nobody/*"]
     recorder, speaker = jausml(*arguments, log=log), None
     try:
         from nav_msgs.msg import Odometry

@@ -32,6 +32,12 @@ def test_topics_that_nobody_publishes_are_told_beside_the_recording(capsys):
     assert said.err.endswith("nor 2 other topics of the model\n")
 
 
+def test_patterns_may_be_repeated():
+    options = ("--topic", "/a", "--topic", "/b*", "--exclude", "/b1", "--exclude", "/b2")
+    parameters = record.command.make_context("record", [*options]).params
+    assert (parameters["topics"], parameters["excluded"]) == (("/a", "/b*"), ("/b1", "/b2"))
+
+
 def says(number, port):
     """Sends so many messages to a receiver on loopback."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as speaker:
