@@ -256,8 +256,8 @@ def method(body: str) -> str:
     ("body", "message"),
     sweep(
         [
-            ("self.report_boom_now()", "BoomBase has no report_boom_now; is it report_boom now?"),
             ("super().more_of_it()", "BoomBase has no more_of_it"),
+            ("self.report_boom_now()", "BoomBase has no report_boom_now; is it report_boom now?"),
             ("self.report_changed()", "report_changed needs report_class"),
             (
                 "self.report_changed(FoldBoom, 1, 2, 3)",
