@@ -160,6 +160,17 @@ def test_a_label_that_lies_on_something_is_found(five_groups):
     assert ground.hidden(line.id, (box[0] + 5, box[1] + 5)) > 0
 
 
+def test_a_label_that_lies_on_the_title_of_a_frame_is_found():
+    graph = graph_of(read(MODELS / "catvehicle/catvehicle.xmi").model, "system")
+    sheet, places = placed(graph)
+    ground = Ground(sheet, places)
+    (frame,) = sheet.frames
+    (left, top), line = places.frames[frame.id][0], sheet.lines[0]
+    on_title = left + 1 + line.width / 2, top + 1 + line.height / 2
+    off_line = 1
+    assert ground.hidden(line.id, on_title) == off_line + 1
+
+
 @pytest.mark.parametrize(
     ("segment", "crosses"),
     [
