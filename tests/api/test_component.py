@@ -10,6 +10,8 @@ import pytest
 from ports import free_port
 
 import jausml
+from jausml.live.api.aio import AsyncSubscription
+from jausml.live.api.messages import Subscription
 
 pytestmark = pytest.mark.ports
 
@@ -81,6 +83,23 @@ def test_an_iteration_ends_with_its_subscription(operator):
     reports.close()
     taking.join(10)
     assert not taking.is_alive()
+
+
+def test_a_closed_subscription_says_so_each_time():
+    reports = Subscription()
+    reports.close()
+    for _ in range(2):
+        with pytest.raises(TimeoutError, match="closed"):
+            reports.next(timeout=0.1)
+
+    async def take():
+        reports = AsyncSubscription()
+        await reports.close()
+        for _ in range(2):
+            with pytest.raises(EOFError):
+                await asyncio.wait_for(reports.next(), 10)
+
+    asyncio.run(take())
 
 
 def test_commands_are_obeyed_under_control_alone(operator, vehicle):

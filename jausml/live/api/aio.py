@@ -39,12 +39,12 @@ class AsyncSubscription:
 
     async def __aiter__(self) -> AsyncIterator[Received]:
         """Yields reports as they come, until the subscription is closed."""
-        while (report := await self._reports.get()) is not None:
+        while (report := await self._get()) is not None:
             yield report
 
     async def next(self) -> Received:
         """Returns the next report."""
-        report = await self._reports.get()
+        report = await self._get()
         if report is None:
             raise EOFError("the subscription is closed")
         return report
@@ -65,6 +65,12 @@ class AsyncSubscription:
     def begin(self, cancel: Callable[[], None]) -> None:
         """Keeps the function that cancels the event at the end."""
         self._cancel = cancel
+
+    async def _get(self) -> Received | None:
+        report = await self._reports.get()
+        if report is None:
+            self._put(None)  # for whoever asks next
+        return report
 
     def _put(self, report: Received | None) -> None:
         if self._reports.qsize() >= MOST_WAITING:
