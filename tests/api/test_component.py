@@ -69,18 +69,19 @@ def test_reports_come_at_changes(operator, vehicle):
         assert reports.next(timeout=10).fields["Velocity_X"] == pytest.approx(-2.0, abs=1e-3)
 
 
-def test_an_iteration_ends_with_its_subscription(operator):
+@pytest.mark.parametrize("is_stopped", [False, True])
+def test_an_iteration_ends_with_its_subscription_or_component(operator, is_stopped):
     reports = operator.subscribe(VEHICLE, "VelocityState", rate=100)
     taken = []
 
     def take():
         taken.extend(reports)
 
-    taking = threading.Thread(target=take)
+    taking = threading.Thread(target=take, daemon=True)
     taking.start()
     while not taken:
         taking.join(0.01)
-    reports.close()
+    (operator.stop if is_stopped else reports.close)()
     taking.join(10)
     assert not taking.is_alive()
 
