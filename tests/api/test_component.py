@@ -86,6 +86,24 @@ def test_an_iteration_ends_with_its_subscription_or_component(operator, is_stopp
     assert not taking.is_alive()
 
 
+def test_an_iteration_of_asyncio_ends_with_its_component(port, vehicle):
+    assert vehicle.address == VEHICLE
+
+    async def drive():
+        operator = jausml.AsyncComponent(OPERATOR, port=port)
+        await operator.start()
+        reports = await operator.subscribe(VEHICLE, "VelocityState", rate=100)
+
+        async def take():
+            return [report async for report in reports]
+
+        taking = asyncio.ensure_future(take())
+        await operator.stop()
+        await asyncio.wait_for(taking, 10)
+
+    asyncio.run(drive())
+
+
 def test_a_closed_subscription_says_so_each_time():
     reports = Subscription()
     reports.close()
