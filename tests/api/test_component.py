@@ -10,6 +10,8 @@ import pytest
 from ports import free_port
 
 import jausml
+from jausml.live.api.aio import AsyncSubscription
+from jausml.live.api.messages import Subscription
 
 pytestmark = pytest.mark.ports
 
@@ -67,20 +69,56 @@ def test_reports_come_at_changes(operator, vehicle):
         assert reports.next(timeout=10).fields["Velocity_X"] == pytest.approx(-2.0, abs=1e-3)
 
 
-def test_an_iteration_ends_with_its_subscription(operator):
+@pytest.mark.parametrize("is_stopped", [False, True])
+def test_an_iteration_ends_with_its_subscription_or_component(operator, is_stopped):
     reports = operator.subscribe(VEHICLE, "VelocityState", rate=100)
     taken = []
 
     def take():
         taken.extend(reports)
 
-    taking = threading.Thread(target=take)
+    taking = threading.Thread(target=take, daemon=True)
     taking.start()
     while not taken:
         taking.join(0.01)
-    reports.close()
+    (operator.stop if is_stopped else reports.close)()
     taking.join(10)
     assert not taking.is_alive()
+
+
+def test_an_iteration_of_asyncio_ends_with_its_component(port, vehicle):
+    assert vehicle.address == VEHICLE
+
+    async def drive():
+        operator = jausml.AsyncComponent(OPERATOR, port=port)
+        await operator.start()
+        reports = await operator.subscribe(VEHICLE, "VelocityState", rate=100)
+
+        async def take():
+            return [report async for report in reports]
+
+        taking = asyncio.ensure_future(take())
+        await operator.stop()
+        await asyncio.wait_for(taking, 10)
+
+    asyncio.run(drive())
+
+
+def test_a_closed_subscription_says_so_each_time():
+    reports = Subscription()
+    reports.close()
+    for _ in range(2):
+        with pytest.raises(TimeoutError, match="closed"):
+            reports.next(timeout=0.1)
+
+    async def take():
+        reports = AsyncSubscription()
+        await reports.close()
+        for _ in range(2):
+            with pytest.raises(EOFError):
+                await asyncio.wait_for(reports.next(), 10)
+
+    asyncio.run(take())
 
 
 def test_commands_are_obeyed_under_control_alone(operator, vehicle):

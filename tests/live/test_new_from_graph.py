@@ -1,6 +1,7 @@
 """`jausml new bridge --from-graph`: a bridge for what runs in ROS."""
 
 from threading import Condition
+from types import SimpleNamespace
 
 import needs
 import pytest
@@ -16,7 +17,7 @@ from jausml.cli import main
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.names import name_of
 from jausml.live.ros.node import QuietNode
-from jausml.live.ros.running import ParameterReader
+from jausml.live.ros.running import Hearing, ParameterReader, RosEndpoint, RunningTopic
 
 from .bridge_support import wait_for
 
@@ -171,7 +172,7 @@ DESCRIPTION = """<robot name="crane">
 
 @pytest.fixture
 def crane(monkeypatch):
-    """A node with frames of its own, parameters, a stamped command, and a silent topic."""
+    """A node with frames of its own, parameters, a stamped command, and a topic nobody can read."""
     from geometry_msgs.msg import TwistStamped
     from nav_msgs.msg import Odometry
     from sensor_msgs.msg import Imu, Temperature
@@ -195,7 +196,8 @@ def crane(monkeypatch):
         moved = Odometry(child_frame_id="crane/chassis")
         moved.header.frame_id = "crane/odom"
         node.create_timer(0.2, lambda: odometry.publish(moved))
-        node.create_publisher(Imu, "imu", 5)
+        imu = node.create_publisher(Imu, "imu", 5)
+        node.create_timer(0.2, lambda: imu.publish(b"\0\1\0\0of another definition"))
         motor = node.create_publisher(Temperature, "motor", 5)
         warm = Temperature()
         warm.header.frame_id = "crane/motor"
@@ -247,6 +249,15 @@ def test_names_of_frames_go_into_maps_and_parameters_are_shown(tmp_path, monkeyp
     assert not any(bridge_connection.silenceTimeout for bridge_connection in made.bridgeConnections)
     assert not made.quantities
     run("validate", file, "--strict")
+
+
+def test_a_header_of_a_robot_maker_names_no_frames(monkeypatch):
+    fields = {"header": "unitree_api/RequestHeader"}
+    kind = SimpleNamespace(get_fields_and_field_types=lambda: fields)
+    monkeypatch.setattr("jausml.live.ros.running.message_class", lambda _: kind)
+    publishers = (RosEndpoint("/sport", "reliable", "volatile"),)
+    topic = RunningTopic("/api/sport/request", ("unitree_api/msg/Request",), publishers, ())
+    assert not Hearing(None, [topic], Condition()).silent
 
 
 def test_a_question_without_an_answer_is_asked_again(monkeypatch):

@@ -25,3 +25,12 @@ def test_one_reason_silences_several():
     assert not journal.silence([1, 3], "anna", "a restart")
     texts = [entry["text"] for entry in journal.entries]
     assert sum("because 'a restart'" in text for text in texts) == 2
+
+
+def test_what_was_silenced_does_not_push_out_what_sounds():
+    journal = Journal(lambda *_: None)
+    journal.alarm("arm", "lost")
+    for number in range(2, 300):
+        journal.alarm("gps", f"{number}")
+        journal.silence([number], "anna", "known")
+    assert [alarm["subject"] for alarm in journal.alarms] == ["arm"]

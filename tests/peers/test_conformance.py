@@ -178,6 +178,26 @@ def test_a_target_that_answers_no_query_fails(peer, network, catalogue):
     assert not report.passed
 
 
+def test_a_target_that_lists_each_id_is_asked_for_no_unknown_one(catalogue, network, free_port):
+    class Crowd(FaultyPeer):
+        def listed(self, kind, names, seq=False):
+            nodes = super().listed(kind, names, seq=True)
+            (own,) = nodes[0].component_list
+            nodes[0].component_list += [
+                kind.ComponentSeq(kind.ComponentRec(number, 0), own.service_list[:1])
+                for number in range(2, 255)
+            ]
+            return nodes if seq else kind(node_list=nodes)
+
+    peer = Crowd(TARGET, free_port)
+    try:
+        with opened(network, TARGET, catalogue, **QUICK) as session:
+            report = run(session, only("discovery.services-unknown"), lambda _: None)
+    finally:
+        peer.close()
+    assert skipped(report) == {"discovery.services-unknown"}
+
+
 def test_without_faults_the_same_checks_pass(peer, network, catalogue):
     peer()
     with opened(network, TARGET, catalogue, **QUICK) as session:

@@ -1,6 +1,8 @@
 """`jausml conformance` from the command line: formats, choices, exit status."""
 
 import json
+import os
+import pty
 import subprocess
 from xml.etree import ElementTree
 
@@ -34,6 +36,24 @@ def test_a_failure_shows_its_evidence_and_exits_with_1(jausml, peer):
     assert "QueryHeartbeatPulse is not answered with ReportHeartbeatPulse" in result.stdout
     assert ">> 65000.1.1 > 100.1.1" in result.stdout
     assert "0222" in result.stdout  # the bytes of the query
+
+
+@pytest.mark.needs("setsid")
+def test_an_emergency_ends_when_the_terminal_goes(component, free_port, wait_until):
+    target = component()
+    ours, theirs = pty.openpty()
+    line = ["conformance", "100.1.1", "--only", "management.clear-by-other", "--quiet-time", "60"]
+    process = subprocess.Popen(
+        ["setsid", "--ctty", *warm.command(), *line, "--port", str(free_port)],
+        stdin=theirs,
+        stdout=theirs,
+        stderr=theirs,
+    )
+    os.close(theirs)
+    wait_until(lambda: target.status is Status.EMERGENCY)
+    os.close(ours)
+    wait_until(lambda: target.status is Status.STANDBY)
+    process.wait(timeout=20)
 
 
 def test_json_has_all_that_a_program_needs(jausml, peer, tmp_path):

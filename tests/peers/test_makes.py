@@ -11,10 +11,22 @@ from jausml.live.peers.makes import rover
 from jausml.live.peers.makes.rover import JausPlusPlus
 from jausml.live.peers.makes.vehicle import SERVICES, Place, Vehicle
 from jausml.runtime.base.address import JausAddress
+from jausml.runtime.messages import (
+    ConfirmEventRequest,
+    CreateEvent,
+    QueryIdentification,
+    QueryStatus,
+    RejectEventRequest,
+    ReleaseControl,
+    RequestControl,
+    Resume,
+)
 
 pytestmark = pytest.mark.ports
 
-ADDRESS = JausAddress(152, 1, 1)
+ADDRESS, OCU = JausAddress(152, 1, 1), JausAddress(200, 1, 1)
+QUERY = QueryStatus().encode()
+SET_EFFORT = b"\x05\x04\x00"
 
 
 @pytest.fixture
@@ -41,6 +53,31 @@ def test_it_is_controlled_and_watched(jausml, vehicle):
     assert result.stdout.count("ReportStatus") > 3
     assert f"note: {ADDRESS} acknowledges without the version of JUDP" in result.stderr
     assert not vehicle.is_dead
+
+
+def test_no_message_ends_it():
+    commands = []
+    made = Vehicle(
+        ADDRESS, lambda _code: None, lambda *taken: commands.append(taken), doubles_events=True
+    )
+
+    def answers(message):
+        return [answer for _, answer in made.take(message, OCU)]
+
+    def create(query):
+        return CreateEvent(1, CreateEvent.EventType.PERIODIC_SC, 10.0, query).encode()
+
+    cut = QueryIdentification(query_type=4).encode()[:-1]
+    assert not answers(cut)
+    answers(RequestControl(authority_code=255).encode())
+    answers(Resume().encode())
+    unsupported = [RejectEventRequest(1, 5).encode()]
+    for query in (cut, SET_EFFORT, ReleaseControl().encode(), create(QUERY)):
+        assert answers(create(query)) == unsupported
+    assert not commands
+    for number in range(255):
+        assert answers(create(QUERY)) == [ConfirmEventRequest(1, number, 10.0).encode()]
+    assert answers(create(QUERY)) == [RejectEventRequest(1, 3).encode()]
 
 
 def test_a_peer_lives_until_it_is_ended(jausml, free_port):

@@ -1,13 +1,23 @@
 """Parts of the live tools without a network: what they hear, and when what they repeat is due."""
 
+from itertools import count
+
 import pytest
 
-from jausml.live.peers.discovery import services_of
+from jausml.live.peers.discovery import Survey, services_of
 from jausml.live.peers.heard import Heard
 from jausml.live.peers.requesting import Course
+from jausml.runtime import JausComponent
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.counters import Counters
-from jausml.runtime.messages import ReportServiceList, ReportServices, ReportStatus
+from jausml.runtime.messages import (
+    QueryIdentification,
+    ReportIdentification,
+    ReportServiceList,
+    ReportServices,
+    ReportStatus,
+)
+from jausml.runtime.virtual import VirtualWorld
 
 TWO_RECORDS = bytes.fromhex(
     "034b 02"
@@ -53,6 +63,27 @@ def test_a_service_list_of_two_component_records_is_merged_too():
     assert {address: names(service_list) for address, service_list in found.items()} == {
         JausAddress(7, 2, 9): ["One", "Two"]
     }
+
+
+def test_a_name_that_changes_with_each_answer_is_not_asked_for_without_end():
+    with VirtualWorld() as world:
+        tool, peer = (
+            JausComponent(world.transport(), JausAddress(subsystem, 1, 1), name="", services=())
+            for subsystem in (1, 2)
+        )
+        names = count()
+
+        def identify(query, sender):
+            peer.send(ReportIdentification(query.query_type, 10001, f"{next(names)}"), sender)
+
+        peer.handle(QueryIdentification, identify)
+        survey = Survey(tool, ())
+        peer.start()
+        tool.start()
+        for _ in range(2):
+            survey.ask(peer.address)
+            world.run_for(1.0)
+        assert next(names) < 10
 
 
 # -- what was heard --------------------------------------------------------------------------------

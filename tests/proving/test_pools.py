@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from jausml.live.workers.pool import PoolError, Work
+from jausml.live.workers.worker import BridgeCode, Worker, WorkerError
 
 GUARDS = ("jausml/live/workers", "jausml/proving/running.py", "jausml/mutating/running.py")
 
@@ -37,3 +38,12 @@ def test_what_is_left_in_folders_is_removed():
     assert Path(first).is_dir()
     results.close()  # as a campaign that is ended early does
     assert not Path(first).parent.exists()
+
+
+def test_a_worker_that_ends_in_its_answer_is_told(tmp_path):
+    script = tmp_path / "script.py"
+    script.write_text('input(); print(\'{"half": 1\', end="")\n')
+    worker = Worker(BridgeCode({"a/a/a.py": ""}, ""), script)
+    with pytest.raises(WorkerError, match="its process has ended"):
+        worker.ask({}, 30)
+    worker.close()

@@ -1,18 +1,29 @@
 """MCAP files that were cut off at any byte: what was flushed is read, and becomes whole again."""
 
+import errno
 import io
+import time
+from contextlib import contextmanager
 from functools import cache
 
 import pytest
 from click.testing import CliRunner
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from recordings import by_mcap, by_rosbags
+from recordings import by_mcap, by_rosbags, wait_for
 
 from jausml.cli import main
 from jausml.live.recording.bags import Bag
-from jausml.live.recording.mcap_files import COMPRESSIONS, McapFile, RecordingError, TimeSpan
+from jausml.live.recording.mcap_files import (
+    COMPRESSIONS,
+    McapFile,
+    RecordingError,
+    TimeSpan,
+    TrafficFilter,
+)
 from jausml.live.recording.mcap_reading import McapRecording
+from jausml.live.recording.recorder import Recorder, RecordingFiles, SplitLimits
+from jausml.live.traffic.captures import RAW_IP, CapturedFrame, read_frames
 
 EACH, FLUSHES = 3, 4
 SECOND = 10**9
@@ -169,3 +180,52 @@ def test_a_folder_without_a_model_is_told_to_hold_files(tmp_path):
     result = CliRunner().invoke(main, line)
     assert result.exit_code == 2
     assert "is no MCAP file: name one that is in a bag, or make one by `ros2 bag" in result.stderr
+
+
+def broken():
+    raise OSError(errno.ENOSPC, "No space left on device")
+
+
+@contextmanager
+def recorded(path, limits, **broken_methods):
+    """Yields a recorder, its files, and a function that gives it frames, until a fault."""
+    parts = RecordingFiles(path, limits)
+    vars(parts).update(broken_methods)
+    recorder = Recorder(parts, None, {}, TrafficFilter())
+    frame = CapturedFrame(1, 1.0, RAW_IP, b"E", nanoseconds=SECOND)
+
+    def take(count):
+        for _ in range(count):
+            recorder.take_frame(frame, None)
+
+    with recorder.kept(0.001, lambda: None):
+        yield recorder, parts, take
+        wait_for(lambda: recorder.fault is not None, "fault")
+
+
+def captured(path):
+    return len(list(read_frames(io.BytesIO(path.with_suffix(".pcap").read_bytes()))))
+
+
+def test_a_full_disk_is_told_with_what_it_took(tmp_path):
+    path = tmp_path / "run.mcap"
+    with recorded(path, SplitLimits()) as (recorder, parts, take):
+        take(5)
+        wait_for(lambda: recorder.lost == 0 and recorder.reached, "five frames on the disk")
+        parts.current.flush = broken
+        full = time.time()
+        take(4)
+    assert captured(path) == 5
+    assert recorder.lost == 4
+    assert recorder.reached <= full
+
+
+def test_a_file_that_is_complete_stays_so_where_the_next_one_has_no_room(tmp_path):
+    limits = SplitLimits(duration=0.0)
+    with recorded(tmp_path / "run.mcap", limits, _further=broken) as (_, parts, take):
+        take(9)
+    (path,) = parts.paths
+    whole = McapRecording(str(path))
+    assert list(whole.messages()) == []
+    assert whole.fault == ""
+    assert captured(path) > 0

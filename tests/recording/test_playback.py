@@ -160,6 +160,25 @@ def test_an_override_is_told_of(tmp_path):
     assert any("code of yours decides" in line and override[1] in line for line in found.state)
 
 
+def test_a_rejection_is_of_the_controller_that_it_goes_to(tmp_path):
+    confirmed, rejected = (
+        {f"{kind}ControlRec": {"ResponseCode": 0}} for kind in ("Confirm", "Reject")
+    )
+    other = "30.1.1"
+    messages = [
+        (1.0, VEHICLE, OPERATOR, "ConfirmControl", confirmed),
+        (2.0, VEHICLE, OPERATOR, "RejectControl", rejected),
+        (2.1, VEHICLE, other, "ConfirmControl", confirmed),
+        (2.2, VEHICLE, OPERATOR, "RejectControl", rejected),
+        (3.0, VEHICLE, other, "RejectControl", rejected),
+    ]
+    path = tmp_path / "control.mcap"
+    path.write_bytes(recorded_traffic(load_catalogue(), "/bridge", "10.1.9", messages, {}))
+    system = indexed(str(path))
+    found = [system.state(at).components[VEHICLE].controller for at in (0.5, 1.05, 1.5, 2.0)]
+    assert found == [OPERATOR, "", other, ""]
+
+
 def test_before_the_first_drop_nothing_is_explained(opened):
     found = explained(opened(Drive()), model(), DRIVE, 2.5)
     assert found.counter == (

@@ -13,6 +13,7 @@ import needs
 import pytest
 import warm
 from isolation import small_folder
+from network_hosts import NetworkHost
 from ports import free_port
 from recordings import PATIENCE, by_mcap, datagram, event, pose, velocity, wait_for
 
@@ -131,6 +132,28 @@ def test_nothing_is_overwritten_and_nothing_is_left_behind(tmp_path):
     assert "run.pcap is there already; --force overwrites it" in done.stderr
     assert done.returncode == 2
     assert [path.name for path in tmp_path.iterdir()] == ["run.pcap"]
+
+
+@pytest.mark.needs("namespaces of networks")
+def test_it_goes_on_after_an_outage_of_the_interface(tmp_path):
+    host = NetworkHost("127.0.0.1")
+    made = Recording(tmp_path, 3794, prefix=host.command(()))
+    said = "".join(f"\\x{octet:02x}" for octet in datagram(velocity(2.0, 0.5, 0.25)))
+
+    def is_recorded():
+        host.run("bash", "-c", f"printf '{said}' > /dev/udp/127.0.0.1/3794")
+        return made.capture.stat().st_size > 24
+
+    try:
+        made.begin_with_frames()
+        for state in ("down", "up"):
+            host.run("ip", "link", "set", "lo", state)
+        wait_for(is_recorded, "message after the outage")
+        assert made.end() == 0
+    finally:
+        made.close()
+        host.close()
+    assert "outages of the interface: 1\n" in made.log.read_text()
 
 
 @pytest.mark.slow

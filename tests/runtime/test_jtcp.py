@@ -17,6 +17,7 @@ import ports
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from network_hosts import NetworkHost
 
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.base.counters import Counters
@@ -478,7 +479,38 @@ class TestBadStreams:
         wait_until(lambda: here.counter("jtcp.not_connected") == 1)
 
 
+VANISHING = """
+import socket, subprocess
+from jausml.runtime.base.loop import Loop
+from jausml.runtime.transports import tcp_connection
+
+tcp_connection._VANISHED_S = 1
+with socket.create_server(("127.0.0.1", 0)) as server, Loop() as loop:
+    place, closed = server.getsockname(), []
+    connection = tcp_connection.TcpConnection(
+        tcp_connection.connect(place), place, loop, connecting=True, buffer=1000, timeout=60.0,
+        idle=0.0, on_packet=print, on_close=closed.append,
+    )
+    peer, _ = server.accept()
+    while not connection.is_connected:
+        loop.run_once(0.1)
+    subprocess.run(["ip", "link", "set", "lo", "down"], check=True)
+    connection.write(b"hello")
+    while not closed:
+        loop.run_once(0.1)
+    print(loop.counters.snapshot())
+"""
+
+
 class TestConnecting:
+    @pytest.mark.needs("namespaces of networks")
+    def test_a_peer_that_vanishes_while_it_is_sent_to_is_noticed(self):
+        host = NetworkHost("127.0.0.1")
+        try:
+            assert host.run(sys.executable, "-c", VANISHING) == "{'jtcp.lost': 1}\n"
+        finally:
+            host.close()
+
     @pytest.mark.parametrize(
         ("is_known", "counter"), [(True, "jtcp.connect_failed"), (False, "jtcp.not_connected")]
     )

@@ -1,8 +1,10 @@
 import random
 import socket
+import sys
 import threading
 
 import pytest
+from network_hosts import NetworkHost
 
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.base.loop import Loop
@@ -337,7 +339,52 @@ class TestThreads:
             thread.join()
 
 
+REPLUGGED = """
+import subprocess, time
+from jausml.runtime.base.loop import Loop
+from jausml.runtime.base.settings import TransportSettings
+from jausml.runtime.transports.udp.judp import JudpTransport
+
+def ip(words):
+    subprocess.run(["ip", *words.split()], check=True)
+
+def plug():
+    ip("link add wire type veth peer name other")
+    ip("address add 192.0.2.1/24 dev wire")
+    for name in ("wire", "other"):
+        ip(f"link set {name} up")
+
+plug()
+with Loop() as loop:
+    transport = JudpTransport(TransportSettings(interface="192.0.2.1"), loop)
+    transport.open()
+    port = transport._port
+    for _ in range(22):  # the kernel keeps 20 memberships
+        assert not port.rejoin()
+        ip("link delete wire")
+        assert not port.rejoin()
+        plug()
+        assert port.rejoin()
+    ip("link delete wire")
+    plug()
+    while not loop.counters.snapshot().get("judp.rejoined"):
+        loop.run_once(0.1)
+    port.unicast.sendto(b"hello", port.group)
+    while not loop.counters.snapshot().get("judp.own_multicast"):
+        loop.run_once(0.1)
+    transport.close()
+"""
+
+
 class TestNetworkFailure:
+    @pytest.mark.needs("namespaces of networks")
+    def test_an_interface_that_is_removed_and_comes_back_is_used_again(self):
+        host = NetworkHost("192.0.2.1")
+        try:
+            host.run(sys.executable, "-c", REPLUGGED)
+        finally:
+            host.close()
+
     def test_a_transport_that_is_not_open_counts(self):
         with Loop() as loop:
             transport = JudpTransport(TransportSettings(), loop)

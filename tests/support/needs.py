@@ -181,6 +181,7 @@ NEEDS: dict[str, Callable[[], str]] = {
     "rosidl": _modules(_ROS_CURE, "rosidl_adapter.parser", "rosidl_generator_py"),
     "sanitizers": _sanitizers,
     "setpriv": _program("util-linux", "setpriv"),
+    "setsid": _program("util-linux", "setsid"),
     "sros2": _modules("apt install ros-jazzy-sros2", "sros2.keystore"),
     "type support": type_support.lacking,
     "zsh": _program("zsh", "zsh"),

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import os
 import signal
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import reduce, wraps
-from typing import TYPE_CHECKING, Any
+from types import FrameType
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
@@ -110,12 +112,28 @@ def waiting_options(function: Callable[..., Any]) -> Callable[..., Any]:
 
 @contextmanager
 def ended_by_signals() -> Iterator[None]:
-    """Lets SIGTERM end a block like Ctrl-C, so that control is released."""
+    """Lets SIGTERM, and the end of the terminal, end a block like Ctrl-C: control is released."""
     former = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    terminals = [number for number in (1, 2) if os.isatty(number)]
+    hang_up: int = getattr(signal, "SIGHUP", 0)  # Windows has none
+    is_heeded = bool(hang_up) and signal.getsignal(hang_up) == signal.SIG_DFL
+
+    def leave_terminal(number: int, _: FrameType | None) -> NoReturn:
+        # Shells send it again, and writing to a terminal that has gone is an error.
+        signal.signal(number, signal.SIG_IGN)
+        nowhere = os.open(os.devnull, os.O_RDWR)
+        for terminal in terminals:
+            os.dup2(nowhere, terminal)
+        raise KeyboardInterrupt
+
+    if is_heeded:
+        signal.signal(hang_up, leave_terminal)
     try:
         yield
     finally:
         signal.signal(signal.SIGTERM, former)
+        if is_heeded and signal.getsignal(hang_up) == leave_terminal:
+            signal.signal(hang_up, signal.SIG_DFL)
 
 
 @contextmanager

@@ -291,6 +291,8 @@ def _show_lost(capture: InterfaceCapture) -> None:
     lost = capture.lost()
     if lost:
         click.echo(f"{lost} frames were lost: the host was too busy", err=True)
+    if capture.outages:
+        click.echo(f"outages of the interface: {capture.outages}", err=True)
 
 
 def _heard(listener: MulticastListener) -> Iterator[CapturedFrame | None]:

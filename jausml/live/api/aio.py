@@ -9,6 +9,7 @@ from contextlib import asynccontextmanager
 from functools import partial, wraps
 from inspect import iscoroutinefunction
 from typing import Any, Concatenate, ParamSpec, TypeVar
+from weakref import WeakSet
 
 from jausml.live.api.component import Component
 from jausml.live.api.messages import MOST_WAITING, Fields, Received
@@ -39,12 +40,12 @@ class AsyncSubscription:
 
     async def __aiter__(self) -> AsyncIterator[Received]:
         """Yields reports as they come, until the subscription is closed."""
-        while (report := await self._reports.get()) is not None:
+        while (report := await self._get()) is not None:
             yield report
 
     async def next(self) -> Received:
         """Returns the next report."""
-        report = await self._reports.get()
+        report = await self._get()
         if report is None:
             raise EOFError("the subscription is closed")
         return report
@@ -65,6 +66,12 @@ class AsyncSubscription:
     def begin(self, cancel: Callable[[], None]) -> None:
         """Keeps the function that cancels the event at the end."""
         self._cancel = cancel
+
+    async def _get(self) -> Received | None:
+        report = await self._reports.get()
+        if report is None:
+            self._put(None)  # for whoever asks next
+        return report
 
     def _put(self, report: Received | None) -> None:
         if self._reports.qsize() >= MOST_WAITING:
@@ -120,6 +127,7 @@ class AsyncComponent:
         """Describes a component as `Component` does."""
         self._inner = Component(address, **options)
         self._tasks: set[asyncio.Future[None]] = set()
+        self._subscriptions: WeakSet[AsyncSubscription] = WeakSet()
 
     def __repr__(self) -> str:
         return repr(self._inner).replace("<", "<Async", 1)
@@ -132,7 +140,6 @@ class AsyncComponent:
         await self.stop()
 
     start = _in_thread(Component.start)
-    stop = _in_thread(Component.stop)
     query = _in_thread(Component.query)
     discover = _in_thread(Component.discover)
     request = _in_thread(Component.request)
@@ -140,6 +147,12 @@ class AsyncComponent:
     emergency = _in_thread(Component.emergency)
     clear = _in_thread(Component.clear)
     command = _in_thread(Component.command)
+
+    async def stop(self) -> None:
+        """Stops, as `Component.stop`."""
+        for subscription in list(self._subscriptions):
+            await subscription.close()
+        await asyncio.to_thread(self._inner.stop)
 
     @property
     def address(self) -> str:
@@ -153,6 +166,7 @@ class AsyncComponent:
             subscription = AsyncSubscription()
             watch = partial(self._inner.watch, target, name, rate, subscription.take)
             subscription.begin(await self._had(watch, lambda cancel: cancel()))
+            self._subscriptions.add(subscription)
             return subscription
 
         return Subscribing(begin)

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
+from weakref import WeakSet
 
 from jausml.live.api.messages import (
     Declarations,
@@ -94,6 +95,7 @@ class Component:
         self._timeout = timeout
         self._stack = ExitStack()
         self._running: Operator | None = None
+        self._subscriptions: WeakSet[Subscription] = WeakSet()
 
     def __repr__(self) -> str:
         state = "stopped" if self._running is None else "runs"
@@ -127,7 +129,9 @@ class Component:
             self._stack = stack.pop_all()
 
     def stop(self) -> None:
-        """Releases control, cancels events and closes the network."""
+        """Releases control, cancels events, whose iterations end, and closes the network."""
+        for subscription in list(self._subscriptions):
+            subscription.close()
         self._running = None
         self._stack.close()
 
@@ -170,6 +174,7 @@ class Component:
         """
         subscription = Subscription()
         subscription.begin(self.watch(target, name, rate, subscription.take))
+        self._subscriptions.add(subscription)
         return subscription
 
     def watch(

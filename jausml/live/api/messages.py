@@ -126,7 +126,7 @@ class Subscription:
 
     def __iter__(self) -> Iterator[Received]:
         """Yields reports as they come, until the subscription is closed."""
-        while (report := self._reports.get()) is not None:
+        while (report := self._get(None)) is not None:
             yield report
 
     def next(self, timeout: float | None = None) -> Received:
@@ -139,7 +139,7 @@ class Subscription:
             TimeoutError: None came in time, or the subscription is closed.
         """
         try:
-            report = self._reports.get(timeout=timeout)
+            report = self._get(timeout)
         except Empty:
             raise TimeoutError(f"no report within {timeout:g} s") from None
         if report is None:
@@ -166,6 +166,12 @@ class Subscription:
     def begin(self, cancel: Callable[[], None]) -> None:
         """Keeps the function that cancels the event at the end."""
         self._cancel = cancel
+
+    def _get(self, timeout: float | None) -> Received | None:
+        report = self._reports.get(timeout=timeout)
+        if report is None:
+            self.take(None)  # for whoever asks next
+        return report
 
     def _drop(self) -> None:
         try:

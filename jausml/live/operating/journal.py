@@ -88,8 +88,9 @@ class Journal:
                     return
             self._count += 1
             self._alarms[self._count] = Alarm(self._count, time.time(), cause, about, text)
-            while len(self._alarms) > _MOST_ALARMS:
-                del self._alarms[min(self._alarms)]
+            if len(self._alarms) > _MOST_ALARMS:
+                # One that sounds is kept longer than any that somebody has silenced.
+                del self._alarms[min(self._alarms, key=lambda n: (not self._alarms[n].silenced, n))]
         self.note("alarm", f"{about}: {text}")
 
     def returned(self, subject: str) -> None:

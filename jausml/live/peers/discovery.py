@@ -187,7 +187,8 @@ class Survey:
             before, after = component.identification, report.identification
             if before and before != after:  # it is another component, with other services
                 component.services = ()
-                self.ask(sender)
+                # Not for its name, which may differ each time.
+                self._component.send(query_services(), sender)
             component.identification, component.type = after, report.type_
             component.is_silent = False
 

@@ -58,6 +58,7 @@ class FilePair:
         mode = "wb" if overwrites else "xb"
         self.path, self.begun = path, time.monotonic()
         self._paths = (path, path.with_suffix(CAPTURE))
+        self._is_complete = False
         with ExitStack() as stack:
             self._streams = [
                 cast("BinaryIO", stack.enter_context(file.open(mode))) for file in self._paths
@@ -90,9 +91,12 @@ class FilePair:
             for stream in self._streams:
                 stream.flush()
             self.sync()
+        self._is_complete = True
 
     def give_up(self) -> None:
         """Closes both files after an error of the disk, and cuts them to their last whole state."""
+        if self._is_complete:
+            return
         with suppress(OSError):
             self._written.close()
         for path, size, end in zip(self._paths, self._whole, (END, b""), strict=True):
@@ -240,7 +244,6 @@ class Recorder:
 
     Attributes:
         fault: Why files can no longer be written; None while they can.
-        lost: Number of frames and messages after that.
         reached: Time in seconds since 1970 up to which the disk has all messages; None for none.
     """
 
@@ -263,7 +266,6 @@ class Recorder:
         self.jaus = JausWriter(catalogue)
         self.undefined: set[str] = set()
         self.fault: OSError | None = None
-        self.lost = 0
         self.reached: float | None = None
         self._parts = parts
         self._selection = selection
@@ -272,6 +274,13 @@ class Recorder:
         self._installation = Installation()
         self._known: dict[tuple[str, str], str] = {}
         self._lock = Lock()
+        # Numbers of frames and messages: all, those that were flushed, and those on the disk.
+        self._taken = self._flushed = self._kept = 0
+
+    @property
+    def lost(self) -> int:
+        """Number of frames and messages after `reached`, once files can no longer be written."""
+        return self._taken - self._kept
 
     @contextmanager
     def kept(self, period: float, begun: Callable[[], None]) -> Iterator[None]:
@@ -287,7 +296,7 @@ class Recorder:
         finally:
             ended.set()
             keeper.join()
-            self._write(self._parts.current.close)
+            self._write(0, self._parts.current.close)
             if self.fault is not None:
                 self._parts.current.give_up()
 
@@ -299,11 +308,11 @@ class Recorder:
         """
         if datagram is not None and not self._selection.wants(datagram):
             return
-        self._write(self._write_frame, frame, datagram)
+        self._write(1, self._write_frame, frame, datagram)
 
     def take_topic(self, topic: str, kind: str, data: bytes, heard: int, published: int) -> None:
         """Writes a message of ROS (`heard`, `published`: nanoseconds since 1970, 0 if unknown)."""
-        self._write(self._write_topic, topic, kind, data, heard, published or heard)
+        self._write(1, self._write_topic, topic, kind, data, heard, published or heard)
 
     def _write_frame(self, frame: CapturedFrame, datagram: Datagram | None) -> None:
         self._parts.current.capture.write(frame)
@@ -319,29 +328,35 @@ class Recorder:
             file.write(channel, heard, data, published)
             self.topics[topic] += 1
 
-    def _write(self, do: Callable[..., None], *arguments: Any) -> None:
-        """Calls `do` under the lock of the files; counts messages that can no longer be written."""
+    def _write(self, count: int, do: Callable[..., None], *arguments: Any) -> None:
+        """Calls `do` under the lock of the files, unless they can no longer be written.
+
+        Args:
+            count: Number of frames and messages that it writes.
+        """
         with self._lock:
-            if self.fault is not None:
-                self.lost += 1
-                return
-            try:
-                do(*arguments)
-            except OSError as error:
-                self.fault = error
-                self.lost += 1
+            self._taken += count
+            if self.fault is None:
+                try:
+                    do(*arguments)
+                except OSError as error:
+                    self.fault = error
 
     def _keep(self, period: float, ended: Event, begun: Callable[[], None]) -> None:
         while not ended.wait(period) and self.fault is None:
             now = time.time()
-            self._write(self._parts.current.flush)
+            self._write(0, self._flush)
             try:
                 self._parts.current.sync()  # it may take long, so it does not hold the lock
             except OSError as error:
                 self.fault = error
-            else:
-                self.reached = now
-                self._write(self._turn, begun)
+            if self.fault is None:
+                self.reached, self._kept = now, self._flushed
+                self._write(0, self._turn, begun)
+
+    def _flush(self) -> None:
+        self._parts.current.flush()
+        self._flushed = self._taken
 
     def _turn(self, begun: Callable[[], None]) -> None:
         if self._parts.turn():

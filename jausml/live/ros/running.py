@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
 from threading import Condition
@@ -252,7 +253,8 @@ class Hearing:
                 if topic.publishers and len(topic.types) == 1
                 else None
             )
-            if cls is not None and "header" in cls.get_fields_and_field_types():
+            fields = {} if cls is None else cls.get_fields_and_field_types()
+            if fields.get("header") == "std_msgs/Header":
                 self._waiting.add(topic.name)
                 self._subscribe(node, topic, cls)
 
@@ -265,7 +267,8 @@ class Hearing:
         from rclpy.serialization import deserialize_message  # noqa: PLC0415
 
         def take(data: bytes) -> None:
-            with self._come:
+            # An error of data of another definition of the type would end the thread of all.
+            with self._come, suppress(RuntimeError):
                 if topic.name not in self._waiting:
                     return  # Images and clouds are large: each is read once.
                 self._note(topic, deserialize_message(data, cls))

@@ -94,6 +94,7 @@ class Listener:
         self.hears_ros = self.hears_jaus = False
         self._recording = recording
         self._open_queries: dict[str, set[tuple[str, str]]] = {}
+        self._controllers: dict[str, str] = {}
 
     def facts(self, time: float, record: Found) -> Iterator[Fact]:
         """Yields the facts in a message; most have none."""
@@ -124,6 +125,11 @@ class Listener:
             return
         kind, read = _READERS[name]
         fields = read(kind.decode(bytes.fromhex(value["payload"])), other)
+        # One to a former controller is repeated until it acknowledges, or comes later.
+        if kind is RejectControl and self._controllers.get(source, other) != other:
+            return
+        if "controller" in fields:
+            self._controllers[source] = fields["controller"]
         if fields:
             yield Fact(time, answer=ComponentAnswer(source, **fields))
 

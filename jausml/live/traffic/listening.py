@@ -48,9 +48,15 @@ _FILTER = (
 
 
 class InterfaceCapture:
-    """Capture of all UDP frames of an interface (its IPv4 address), also of other hosts."""
+    """Capture of all UDP frames of an interface (its IPv4 address), also of other hosts.
+
+    Attributes:
+        outages: How often the interface went down.
+    """
 
     def __init__(self, interface: str) -> None:
+        self.outages = 0
+        self._interface = interface
         try:
             kind = socket.SOCK_DGRAM  # without headers of the link
             self._socket = socket.socket(socket.AF_PACKET, kind, socket.htons(_ALL_PROTOCOLS))
@@ -60,18 +66,21 @@ class InterfaceCapture:
             reason = f"{error.strerror}: that needs CAP_NET_RAW, as tcpdump does"
             raise TrafficError(f"cannot capture: {reason}") from error
         try:
-            self._configure(interface)
+            self._configure()
         except OSError as error:
             self._socket.close()
             raise TrafficError(f"cannot capture {interface}: {error.strerror}") from error
 
-    def _configure(self, interface: str) -> None:
+    def _configure(self) -> None:
         _attach_filter(self._socket)
         self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, _BUFFER)
         self._socket.setsockopt(socket.SOL_SOCKET, _SO_TIMESTAMPNS, 1)
-        if interface != _EVERYWHERE:
-            self._socket.bind((_name_of(interface), 0))
         self._socket.settimeout(_TURN)
+        self._bind()
+
+    def _bind(self) -> None:
+        if self._interface != _EVERYWHERE:
+            self._socket.bind((_name_of(self._interface), 0))
 
     def __enter__(self) -> InterfaceCapture:
         return self
@@ -81,13 +90,23 @@ class InterfaceCapture:
 
     def frames(self) -> Iterator[CapturedFrame | None]:
         """Yields frames as they pass, and None after a while without one, so that one can end."""
-        number = 0
+        number, is_down = 0, False
         while True:
             try:
+                if is_down:
+                    self._bind()  # to another device, if it was removed and has come back
                 data, ancillary_data, _, address = self._socket.recvmsg(_LARGEST, 64)
             except TimeoutError:
+                is_down = False
                 yield None
                 continue
+            except OSError:
+                self.outages += not is_down
+                is_down = True
+                yield None
+                time.sleep(_TURN)
+                continue
+            is_down = False
             _, protocol, direction, hardware, *_ = address
             # Each frame of the loopback interface is both outgoing and incoming.
             is_double = hardware == _LOOPBACK and direction == _OUTGOING

@@ -184,7 +184,7 @@ class Worker:
                 line = self._answer_line(request)
             finally:
                 timer.cancel()
-        if line:
+        if line.endswith("\n"):  # or it ended in the midst of its answer
             return json.loads(line)
         if late.is_set():
             raise WorkerError(f"the translation took longer than {seconds:g} s")

@@ -69,14 +69,13 @@ class StopRequest:
 
     @contextmanager
     def on_signals(self) -> Iterator[None]:
-        """Lets SIGINT and SIGTERM request the stop during a block."""
+        """Lets SIGINT, SIGTERM, and SIGHUP of a lost terminal request the stop during a block."""
 
         def handle(number: int, _frame: FrameType | None) -> None:
             self.request(signal.Signals(number).name)
 
         atexit.register(ignore_signals)
-        numbers = (signal.SIGINT, signal.SIGTERM)
-        former = {number: signal.signal(number, handle) for number in numbers}
+        former = {number: signal.signal(number, handle) for number in _end_signals()}
         try:
             yield
         finally:
@@ -85,6 +84,14 @@ class StopRequest:
 
 
 def ignore_signals() -> None:
-    """Ignores further SIGINT and SIGTERM, so that a process at its end is not interrupted."""
-    for number in (signal.SIGINT, signal.SIGTERM):
+    """Ignores further signals to end, so that a process at its end is not interrupted."""
+    for number in _end_signals():
         signal.signal(number, signal.SIG_IGN)
+
+
+def _end_signals() -> Iterator[int]:
+    """Yields the signals that ask a process to end."""
+    yield from (signal.SIGINT, signal.SIGTERM)
+    hang_up = getattr(signal, "SIGHUP", None)  # Windows has none
+    if hang_up is not None and signal.getsignal(hang_up) != signal.SIG_IGN:  # as of nohup
+        yield hang_up

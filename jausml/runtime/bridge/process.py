@@ -145,7 +145,7 @@ class QuietCollection:
 
 
 def run_bridge(bridge: Bridge, arguments: Sequence[str] | None = None) -> int:
-    """Runs a bridge until SIGINT, SIGTERM or a JAUS Shutdown ends it.
+    """Runs a bridge until SIGINT, SIGTERM, SIGHUP or a JAUS Shutdown ends it.
 
     Args:
         arguments: Command line without the program's name, with --ros-args; that of the process

@@ -209,8 +209,9 @@ class EventStream:
         if self._state is _State.IDLE or not self._subscribers:
             return
         if self._state is _State.ACTIVE and not self._renewals:
-            # No request is open: the event has timed out, or the provider answers twice.
-            self._renew()
+            # No request is open: the event has timed out, or the provider answers twice, and would
+            # do so again at once.
+            self._timer.set_at(self._confirmed_at + SETTLING, self._renew)
             return
         if self._rate is not None and rate <= 0:
             self._recreate()

@@ -159,7 +159,9 @@ class HandoffClient:
 
     def _answered(self, message: ConfirmHandoffRequest, sender: JausAddress) -> None:
         pending = self._pending.get(sender)
-        if pending is not None and pending.answered(message):
+        if message.response_code not in tuple(HandoffAnswer):
+            self._host.counters.count("handoff_client.bad_answer", f"{message} of {sender}")
+        elif pending is not None and pending.answered(message):
             self._control.take_over(sender)
 
     def _timeout_reported(self, message: ReportEnhancedTimeout, sender: JausAddress) -> None:

@@ -33,7 +33,7 @@ class ComponentProgram:
 def run_component(
     factory: Factory, program: ComponentProgram, argv: Sequence[str] | None = None
 ) -> int:
-    """Runs one component until SIGINT, SIGTERM or a JAUS Shutdown ends it.
+    """Runs one component until SIGINT, SIGTERM, SIGHUP or a JAUS Shutdown ends it.
 
     Args:
         argv: Command line without the program's name; that of the process when None.

@@ -86,7 +86,7 @@ def _nearest(now: datetime, day: int, clock: time) -> datetime:
     A TimeStamp has no month: near the end of a month its day may be one of the next.
     """
     candidates = []
-    for months in (-1, 0, 1):
+    for months in (-2, -1, 0, 1):
         year, month = divmod(now.year * 12 + now.month - 1 + months, 12)
         try:
             candidates.append(_moment(year, month + 1, day, clock))

@@ -13,6 +13,7 @@ import struct
 import sys
 import tempfile
 from collections.abc import Collection, Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
@@ -182,6 +183,22 @@ class SharedPort:
         self._take(unicast)
         return True
 
+    def rejoin(self) -> bool:
+        """Joins the group anew if the interface was removed and is back; returns whether it did."""
+        multicast, unicast = self.multicast, self.unicast
+        if multicast is None or unicast is None:
+            return False
+        try:
+            self._change_membership(multicast, socket.IP_ADD_MEMBERSHIP)
+            self._send_by_interface(unicast)
+        except OSError as error:
+            if error.errno != errno.EADDRINUSE:  # it is no member: the interface is not there
+                # The kernel keeps the membership, and allows few.
+                with suppress(OSError):
+                    self._change_membership(multicast, socket.IP_DROP_MEMBERSHIP)
+            return False
+        return True
+
     def close(self) -> None:
         """Closes all sockets."""
         for sock in self.sockets:
@@ -228,9 +245,8 @@ class SharedPort:
     def _unicast_socket(self, port: int) -> socket.socket:
         sock = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         try:
-            interface = socket.inet_aton(self._settings.interface)
             sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, self._settings.receive_buffer)
-            sock.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, interface)
+            self._send_by_interface(sock)
             sock.setsockopt(
                 socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, self._settings.multicast_ttl
             )
@@ -243,12 +259,17 @@ class SharedPort:
             raise
         return sock
 
+    def _send_by_interface(self, sock: socket.socket) -> None:
+        interface = socket.inet_aton(self._settings.interface)
+        sock.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, interface)
+
+    def _change_membership(self, sock: socket.socket, option: int) -> None:
+        ends = (self._settings.multicast_group, self._settings.interface)
+        sock.setsockopt(socket.IPPROTO_IP, option, b"".join(map(socket.inet_aton, ends)))
+
     def _multicast_socket(self) -> socket.socket:
         sock = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         try:
-            membership = socket.inet_aton(self._settings.multicast_group) + socket.inet_aton(
-                self._settings.interface
-            )
             sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
             if hasattr(socket, "SO_REUSEPORT"):
                 # To share the port with a node manager that allows it (fkie).
@@ -256,7 +277,7 @@ class SharedPort:
             sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, self._settings.receive_buffer)
             sock.settimeout(0)
             sock.bind(self.group)
-            sock.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, membership)
+            self._change_membership(sock, socket.IP_ADD_MEMBERSHIP)
             if sys.platform == "linux":
                 # Only the group on our interface, whatever other processes have joined.
                 sock.setsockopt(socket.IPPROTO_IP, _IP_MULTICAST_ALL, 0)

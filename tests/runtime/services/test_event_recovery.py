@@ -282,3 +282,13 @@ class TestSequence:
         self.send(probe, client, [0])
         assert inbox == []
         assert world.counters.snapshot()["event_client.bad_report"] == 1
+
+    def test_who_answers_twice_is_not_asked_without_a_pause(self, world, client, probe):
+        statuses(client, Inbox())
+        for _ in range(100):
+            requests = [asked for asked in probe.take() if isinstance(asked, CreateEvent)]
+            for request in (*requests, *requests):
+                probe.send(ConfirmEventRequest(request.request_id, 4, 0.0), client)
+        assert world.count(CreateEvent.CODE) == 1
+        world.run(1.1)
+        assert world.count(CreateEvent.CODE) == 2

@@ -15,7 +15,7 @@ from jausml.runtime import (
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.api import JausError
 from jausml.runtime.clients.control_session import ControlClient
-from jausml.runtime.messages import RequestReleaseControl
+from jausml.runtime.messages import ConfirmHandoffRequest, RequestReleaseControl
 from jausml.runtime.virtual import Link, VirtualWorld
 
 from .bridge_support import Ros
@@ -197,6 +197,18 @@ def test_only_what_is_controlled_may_ask_to_be_given_up(world):
     world.run_for(5)
     assert made.first.shown == ()
     assert made.first.counters.snapshot()["handoff_client.not_controlled"] == 1
+
+
+def test_an_answer_without_a_meaning_is_counted(world):
+    made = Scene(world.transport(), [world.transport() for _ in range(2)])
+    made.second.ask()
+    robot = made.robot.address
+    unknown = ConfirmHandoffRequest(1, 1).encode()[:-1] + b"\xc8"
+    made.robot.transport.send(robot, made.second.address, unknown)
+    world.run_for(1.0)
+    counts = made.second.counters.snapshot()
+    assert counts["handoff_client.bad_answer"] == 1
+    assert "component.handler_failed" not in counts
 
 
 @pytest.mark.ports

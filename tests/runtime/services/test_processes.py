@@ -157,7 +157,7 @@ class TestTwoProcesses:
 
 
 class TestEnd:
-    @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+    @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
     def test_by_signal(self, robot, operator, wait_until, number):
         tested = robot()
         statuses = []

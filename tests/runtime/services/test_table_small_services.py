@@ -236,10 +236,11 @@ def test_time_is_set(world, row, told):
     assert stage.component.host_time() == START + timedelta(seconds=2), "the host's is left alone"
 
 
-def test_a_time_alone_may_be_of_the_month_before(world):
-    """One that was sent just before midnight comes just after it."""
+@pytest.mark.parametrize("month", [2, 3])
+def test_a_time_alone_is_the_nearest_one_of_that_day(world, month):
+    """One that was sent just before midnight comes just after it; February has no day 31."""
     late = set_time((23, 59, 59, 0, 31))
-    new_month = set_time((0, 0, 1, 0, 1), (1, 2, 26))
+    new_month = set_time((0, 0, 1, 0, 1), (1, month, 26))
     row = Row("SetTime, the last month's", (*controlled(), new_month), when=late)
     stage = play(world, row, Robot)
     assert stage.component.told[-1] == datetime(2026, 1, 31, 23, 59, 59, tzinfo=UTC)

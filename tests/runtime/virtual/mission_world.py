@@ -206,7 +206,10 @@ def paused_behind_a_task(scene):
 def begun_at_a_message(scene):
     scene.spool()
     scene.say(RunMission(mission_id=5, task_id=7, message_uid=2))
-    return [scene.ask(task_id=7, uid=1), scene.ask(task_id=7, uid=2)]
+    asked = [scene.ask(task_id=7, uid=1), scene.ask(task_id=7, uid=2)]
+    scene.say(PauseMission())
+    scene.say(RunMission(mission_id=5, task_id=99))  # there is no such task
+    return [*asked, scene.ask(task_id=7, uid=1)]
 
 
 def aborted(scene):

@@ -74,7 +74,7 @@ def test_a_mission_pauses_behind_a_task(play):
 def test_a_mission_begins_at_a_message(play):
     happened = play("begun_at_a_message")
     assert happened["driven"] == [[2.0, 3.0, 4.0]]
-    assert happened["asked"] == [INIT, RUNNING]
+    assert happened["asked"] == [INIT, RUNNING, INIT]
 
 
 def test_a_mission_is_aborted_and_no_other_takes_its_place_before(play):

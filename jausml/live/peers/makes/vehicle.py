@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from jausml.runtime import messages as core
 from jausml.runtime.base.address import JausAddress
-from jausml.runtime.wire.message import Message
+from jausml.runtime.wire.message import DecodeError, Message
 
 CORE = ("Transport", "Events", "AccessControl", "Management", "Discovery")
 SERVICES = (
@@ -131,9 +131,11 @@ class Vehicle:
             return [(source, report)]
         kind = _INPUTS.get(code)
         if kind is not None:
-            return [
-                (source, answer.encode()) for answer in self._answers(kind.decode(payload), source)
-            ]
+            try:
+                message = kind.decode(payload)
+            except DecodeError:
+                return []
+            return [(source, answer.encode()) for answer in self._answers(message, source)]
         if source == self._controller and self._state == READY:
             self._obey(payload, source)
         return []
@@ -141,7 +143,7 @@ class Vehicle:
     def due(self) -> list[tuple[JausAddress, bytes]]:
         """Returns the events that are due, with their receivers."""
         now, reports = time.monotonic(), []
-        for number, event in self._events.items():
+        for number, event in tuple(self._events.items()):  # as another thread adds events
             if now >= event.due and not self.is_dead:
                 ((_, report),) = self.take(event.query, event.client)
                 reports.append((event.client, core.Event(number, event.sequence, report).encode()))
@@ -186,10 +188,14 @@ class Vehicle:
         return []
 
     def _create(self, message: core.CreateEvent, source: JausAddress) -> Sequence[Message]:
-        if not self.take(message.query_message, source):
+        query = message.query_message
+        # A command would be obeyed, and again for each report.
+        if not (0x20 <= query[1] < 0x40 and self.take(query, source)):
             return [core.RejectEventRequest(message.request_id, 5)]
-        number = next(index for index in range(255) if index not in self._events)
-        asked = (source, message.query_message)
+        number = next((index for index in range(255) if index not in self._events), None)
+        if number is None:
+            return [core.RejectEventRequest(message.request_id, 3)]
+        asked = (source, query)
         for known, event in self._events.items():
             if not self.doubles_events and (event.client, event.query) == asked:
                 number = known

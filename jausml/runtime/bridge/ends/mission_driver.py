@@ -234,9 +234,11 @@ class MissionDriver(ListDriver):
     def _execute(self, message: Any, sender: JausAddress) -> Completion:
         """Executes the mission from its beginning, or from the task or message that is named."""
         mission = self._known(message.mission_id, State.INIT, State.PAUSED)
+        place = NO_UID
         if mission is not None:
-            mission.first = mission.place(message.task_id, message.message_uid)
-        return self._go(NO_UID if mission is None else mission.first, sender)
+            place = mission.place(message.task_id, message.message_uid)
+            mission.first = place or mission.first
+        return self._go(place, sender)
 
     def _resume(self, message: Any, sender: JausAddress) -> Completion:
         """Executes the mission from where it was paused."""

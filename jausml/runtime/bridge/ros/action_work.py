@@ -103,8 +103,8 @@ class ActionMessages:
         return goal
 
     def distances(self, goal: Any) -> list[float]:
-        """Returns the metres from each element of a goal to the last, if feedback counts these."""
-        if self._action.counting is not Progress.DISTANCE:
+        """Returns the metres from each element of a list to the last, if feedback counts these."""
+        if self._is_single or self._action.counting is not Progress.DISTANCE:
             return []
         positions = map(_position, attrgetter(self._action.goal)(goal))
         points = [(position.x, position.y, position.z) for position in positions]

@@ -122,7 +122,7 @@ def reader(
 
 
 _MANAGER_INTERVAL_S = 5.0
-_DROPS_INTERVAL_S = 1.0
+_CHECK_INTERVAL_S = 1.0
 
 
 class JudpTransport(DatagramTransport):
@@ -136,7 +136,7 @@ class JudpTransport(DatagramTransport):
         self._receive_by: Callable[[socket.socket, bool], Receiver] | None = None
         self._standstill_watch: Watch | None = None
         self._takeover_alarm = Alarm(loop)
-        self._drops_alarm = Alarm(loop)
+        self._check_alarm = Alarm(loop)
         self._manager_alarm = Alarm(loop)
 
     def open(self) -> None:
@@ -148,7 +148,7 @@ class JudpTransport(DatagramTransport):
                 self._listen_at(sock)
             self._share_port()
             self._check_manager()
-            self._count_drops()
+            self._check_sockets()
             self._standstill_watch = self.loop.standstill.watch(
                 self._settings.standstill, self._discard_waiting
             )
@@ -156,7 +156,7 @@ class JudpTransport(DatagramTransport):
     def close(self) -> None:
         """Closes the sockets; messages that wait for acknowledgement are reported as lost."""
         with self.loop.lock:
-            for timer in (self._takeover_alarm, self._manager_alarm, self._drops_alarm):
+            for timer in (self._takeover_alarm, self._manager_alarm, self._check_alarm):
                 timer.cancel()
             if self._standstill_watch is not None:
                 self._standstill_watch.cancel()
@@ -314,10 +314,13 @@ class JudpTransport(DatagramTransport):
             JUDP_PORT,
         )
 
-    def _count_drops(self) -> None:
-        """Counts each second the datagrams that the kernel has dropped."""
+    def _check_sockets(self) -> None:
+        """Counts what the kernel has dropped and rejoins the group, if needed, each second."""
         self._drops.update()
-        self._drops_alarm.set(_DROPS_INTERVAL_S, self._count_drops)
+        if self._port.rejoin():
+            LOGGER.warning("%s is back; multicasts were lost", self._settings.interface)
+            self.counters.add("judp.rejoined")
+        self._check_alarm.set(_CHECK_INTERVAL_S, self._check_sockets)
 
     def _discard_waiting(self, still: float) -> None:
         """Discards datagrams that waited while the process stood still for `still` seconds.
