@@ -149,7 +149,8 @@ def _proof(concern: Concern, content: dict[str, Any]) -> Iterator[_Statement]:
             about = f"{len(tried)} numbers, {whole} of them whole, {sum(tried):,} values"
             against = _against(map_result)
             text = against or f"{about}, no findings"
-            yield not against, f"map {map_result['name']}: {text}"
+            if against or tried:
+                yield not against, f"map {map_result['name']}: {text}"
 
 
 def _model_check(concern: Concern, content: dict[str, Any]) -> Iterator[_Statement]:
