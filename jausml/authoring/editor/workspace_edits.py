@@ -137,7 +137,7 @@ _LAYOUT = frozenset({"span", "comments", "trailing", "spaced", "closing"})
 
 
 def unsaved(bench: Workbench, path: Path) -> Unsaved:
-    """Returns a text, the open ones and what these import, as an editor holds them."""
+    """Returns a text, its project, the open ones and their imports, as an editor holds them."""
     return Unsaved({file: bench.text(file) for file in bench.related(path) if not is_shipped(file)})
 
 
