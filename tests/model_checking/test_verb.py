@@ -91,6 +91,8 @@ def test_a_stop_can_be_demanded_sooner_than_the_model_says():
     told = run(model, "--within", "2", status=1).stdout
     assert "JML933 SetTravelSpeed still stands 2 s after its source was lost" in told
     assert run(model, "--within", "5", status=0)
+    # A time of less than a millisecond is a demand too.
+    assert "JML933" in run(model, "--within", "0.0004", "--states", "1000", status=1).stdout
 
 
 @pytest.mark.parametrize("bound", [("--states", "10"), ("--budget", "1e-9")])
