@@ -159,7 +159,8 @@ def _model_check(concern: Concern, content: dict[str, Any]) -> Iterator[_Stateme
         name = str(product["name"])
         if name == concern.name or name.startswith((f"{concern.name} to ", f"{concern.name}: ")):
             against = _against(product, rules)
-            if against or product["complete"] is True:
+            allowed = {finding["rule"] for finding in product.get("allowed", ())}
+            if against or (product["complete"] is True and allowed.isdisjoint(rules)):
                 text = against or f"{', '.join(rules)} hold in all states"
                 yield not against, f"{name}: {text}"
 

@@ -104,6 +104,19 @@ def test_a_bound_that_is_met_is_no_pass(bound):
     assert not product["complete"]
 
 
+def test_a_bound_that_is_allowed_is_met_all_the_same(tmp_path):
+    text = (EXAMPLES / "fleet" / "fleet.ros2jaus").read_text(encoding="utf-8")
+    reason = "@allow JML935 until 2999-12-31: it takes too long"
+    model = tmp_path / "allowed.ros2jaus"
+    documented = "What the operator asks of the base; it stops when nobody asks."
+    assert documented in text
+    model.write_text(text.replace(documented, reason), encoding="utf-8")
+    told = run(model, "--states", "10", "--format", "json", status=0).stdout
+    (product,) = json.loads(told)["products"]
+    assert [allowed["rule"] for allowed in product["allowed"]] == ["JML935"]
+    assert not product["complete"]
+
+
 def test_a_warning_can_be_allowed_with_a_reason(tmp_path):
     text = CARELESS.read_text(encoding="utf-8")
     reason = "@allow JML932 until 2999-12-31: the operator asks once"

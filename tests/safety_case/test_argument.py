@@ -249,9 +249,10 @@ def test_a_proof_is_of_the_map():
 
 
 def test_a_product_check_is_of_the_connection_and_its_rules():
-    def checked(*rules, complete=True):
+    def checked(*rules, complete=True, allowed=()):
         found = [{"rule": rule, "message": "is wrong"} for rule in rules]
         product = {"name": "bridge.cruise_speed", "complete": complete, "found": found}
+        product["allowed"] = [{"rule": rule, "reason": "it is known"} for rule in allowed]
         return {"products": [product]}
 
     goal = "operator/bridge.cruise_speed"
@@ -262,6 +263,9 @@ def test_a_product_check_is_of_the_connection_and_its_rules():
         (False, "bridge.cruise_speed: JML933 is wrong")
     ]
     assert says(goal, "model check", checked(complete=False))[0] == []
+    # What a person allows was found, and shows nothing.
+    assert says(goal, "model check", checked(allowed=["JML933"]))[0] == []
+    assert says(goal, "model check", checked(allowed=["JML934"]))[0][0][0]
 
 
 def test_fault_runs_are_held_against_the_time_of_the_model():
