@@ -486,7 +486,7 @@ def test_commands_that_follow_each_other_are_one_change_of_a_text(bench, at):
     held = unsaved(bench, path)
     model = held.read(path).model
     refs = [ref_of(decision, model, held.root) for decision in model.instances(bridge.OpenDecision)]
-    edits = held.edits(path, [Remove(ref) for ref in refs])
+    edits = held.edits([Remove(ref) for ref in refs])
     after = text_after(bench, path, edits)
     assert "openDecisions" not in after
     assert after.startswith("/** 🚜 */\none {")
