@@ -136,7 +136,7 @@ class Verbs(LazyGroup):
             return super().make_context(*args, **kwargs)
 
     def invoke(self, ctx: click.Context) -> Any:
-        """Runs a verb; an unexpected exception is an internal error."""
+        """Runs a verb; an unexpected exception is an internal error, but for that of a file."""
         try:
             with _written_out():
                 return super().invoke(ctx)
@@ -148,6 +148,9 @@ class Verbs(LazyGroup):
         except Exception as error:
             if ctx.params["debug"]:
                 traceback.print_exc()
+            if isinstance(error, OSError) and error.filename is not None:
+                click.echo(f"Error: {error.filename}: {error.strerror}", err=True)
+                ctx.exit(ENVIRONMENT_FAULT)
             hint = "" if ctx.params["debug"] else " (jausml --debug shows where)"
             what = f"{type(error).__name__}: {error}"
             click.echo(f"jausml: internal error: {what}{hint}", err=True)

@@ -57,7 +57,8 @@ class Outcome:
     @property
     def is_complete(self) -> bool:
         """Whether all states were searched."""
-        return all(counter_example.rule != BOUND_MET for counter_example in self.found)
+        rules = {example.rule for example in self.found}
+        return BOUND_MET not in rules.union(aside.diagnostic.rule for aside in self.allowed)
 
 
 def check_system(

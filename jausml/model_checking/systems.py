@@ -26,6 +26,7 @@ MOST_TICKS = 60  # ticks of the longest time-out; shorter ones are rounded up th
 _VERSION_1_1 = (1, 1)
 _TAKES_OVER = "an operator of more authority"
 _ANYBODY = "a client"
+_GREATEST_AUTHORITY = 255  # of the byte that RequestControl has for it
 _LAPSE = 5.0  # seconds after which control of a component lapses that says nothing of it
 RENEWALS = 4  # renewals of control in the time in which it lapses (`controlled_target.py`)
 # Greatest seconds after which control counts as lost for a bridge (`controlled_target.py`).
@@ -77,7 +78,7 @@ def machine_subjects(component: jaus.Component, demanded: float = 0.0) -> Iterat
     """Yields the product of each machine that is generated for a component."""
     clock = _Clock([float(component.controlTimeout), demanded])
     authority = int(component.defaultAuthority)
-    core = core_services_of(component, clock, {_ANYBODY: authority, _TAKES_OVER: authority + 1})
+    core = core_services_of(component, clock, _with_rival(_ANYBODY, authority))
     provided = provided_services(component)
     yield from _behaving(str(component.name), component.provides, provided, (core, clock), demanded)
 
@@ -148,7 +149,7 @@ def _commanding(
     message = connection.map.message
     guard = guard_of_receivers(message, connection.peers, connection.search)
     name = "a peer that is found" if peer is None else str(peer.name)
-    authorities = {str(owner.name): int(owner.authority), _TAKES_OVER: int(owner.authority) + 1}
+    authorities = _with_rival(str(owner.name), int(owner.authority))
     if peer is None:
         services = CoreServices(authorities, timeout=clock.ticks(lapse))
     else:
@@ -233,7 +234,12 @@ def _authorities(
 ) -> dict[str, int]:
     stated = [int(peer.authority) for peer in connection.peers if owner in peer.controls]
     own = stated[0] if stated else int(owner.defaultAuthority)
-    return {client: own, _TAKES_OVER: own + 1}
+    return _with_rival(client, own)
+
+
+def _with_rival(client: str, authority: int) -> dict[str, int]:
+    """Returns the authorities of a client and of who takes over, if anybody can have more."""
+    return {client: authority, _TAKES_OVER: min(authority + 1, _GREATEST_AUTHORITY)}
 
 
 def core_services_of(
@@ -253,7 +259,7 @@ class _Clock:
     """Steps of time in which the time-outs of a product are whole numbers."""
 
     def __init__(self, seconds: list[float]) -> None:
-        times = [round(duration * 1000) for duration in seconds if duration > 0] or [1000]
+        times = [_milliseconds(duration) for duration in seconds if duration > 0] or [1000]
         step = gcd(*times)
         # Shorter steps would only add states.
         if max(times) > step * MOST_TICKS:
@@ -262,6 +268,11 @@ class _Clock:
 
     def ticks(self, seconds: float) -> int:
         """Returns the steps of a time-out; 0 for never."""
-        step = round(self.tick * 1000)
+        step = _milliseconds(self.tick)
         # Rounded up: no time-out may come earlier than that of the runtime.
-        return -(-round(seconds * 1000) // step) if seconds > 0 else 0
+        return -(-_milliseconds(seconds) // step) if seconds > 0 else 0
+
+
+def _milliseconds(seconds: float) -> int:
+    """Returns a time that is not 0, which would be never."""
+    return max(1, round(seconds * 1000))

@@ -101,8 +101,12 @@ def _content(data: bytes, *, is_xml: bool) -> tuple[str, dict[str, Any]]:
     raise EvidenceError(f"is no evidence that is known: {_KNOWN}")
 
 
+_OUTCOMES = ("failure", "error", "skipped")
+"""Outcomes of tests that are not passed, the worst first."""
+
+
 def _tests(data: bytes) -> dict[str, str]:
-    """Returns the outcomes of tests, by module and name: `passed`, or another word."""
+    """Returns the worst outcomes of tests, by module and name: `passed`, or another word."""
     try:
         root = etree.fromstring(data, etree.XMLParser(resolve_entities=False, no_network=True))
     except etree.XMLSyntaxError as error:
@@ -111,11 +115,8 @@ def _tests(data: bytes) -> dict[str, str]:
     for case in root.iter("testcase"):
         module = case.get("classname", "").rpartition(".")[2]
         name = f"{module}.{case.get('name', '').partition('[')[0]}"
-        outcomes = [
-            element.tag for element in case if element.tag in ("failure", "error", "skipped")
-        ]
-        if outcomes_by_test.get(name, "passed") == "passed":
-            outcomes_by_test[name] = outcomes[0] if outcomes else "passed"
+        outcomes = [outcomes_by_test.get(name), *(element.tag for element in case)]
+        outcomes_by_test[name] = next((one for one in _OUTCOMES if one in outcomes), "passed")
     if not outcomes_by_test:
         raise EvidenceError("is no JUnit report: it has no test cases")
     return outcomes_by_test

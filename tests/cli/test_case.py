@@ -277,6 +277,7 @@ def test_a_document_that_was_filled_in_stays(refused, mower, begun):
     ("name", "content", "complaint"),
     [
         ("none.json", None, "none.json is not there"),
+        ("", None, "cannot be read: Is a directory"),
         ("n" * 252 + ".json", None, "cannot be read"),
         ("torn.json", "{", "torn.json is no JSON"),
         ("list.json", "[]", "list.json is no evidence that is known"),

@@ -122,6 +122,16 @@ def test_internal_error_is_3_and_short(jausml, monkeypatch):
     assert "in fail" in result.stderr
 
 
+@pytest.mark.usefixtures("folder")
+@pytest.mark.parametrize(
+    "arguments",
+    ["build {}", "case good.xmi -o {}", "diff HEAD:{} good.xmi", "generate good.xmi -o {}"],
+)
+def test_a_name_that_no_file_can_have_is_2(jausml, arguments):
+    result = jausml(*arguments.format("a" * 300).split())
+    assert (result.exit_code, result.stderr.count("File name too long\n")) == (2, 1)
+
+
 def test_terminal_without_unicode(folder):
     (folder / "bad.xmi").write_text(
         (folder / "bad.xmi").read_text().replace('name="velocity"', 'name="vélocité"')

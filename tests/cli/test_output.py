@@ -43,6 +43,16 @@ def test_output_without_room_is_told(shell, words):
     assert result.stderr == "Error: cannot write the output: No space left on device\n"
 
 
+def test_a_file_for_which_there_is_no_room_stays_as_it_was(shell, folder):
+    before = (folder / "good.xmi").read_bytes()
+    result = shell("ulimit -f 1; jausml merge good.xmi good.xmi bad.xmi -o good.xmi")
+    assert (result.returncode, result.stderr) == (
+        2,
+        "Error: cannot write good.xmi: File too large\n",
+    )
+    assert (folder / "good.xmi").read_bytes() == before
+
+
 @pytest.mark.parametrize("words", ["--help", "list --help", "list messages"])
 def test_a_reader_that_has_gone_is_no_problem_of_the_models(words):
     reader, writer = os.pipe()

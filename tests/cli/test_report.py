@@ -51,6 +51,7 @@ def test_assumptions_change_what_is_assumed_alone(jausml):
         (["--assume-rate", "fast"], "'fast' is no rate above 0 in hertz"),
         (["--assume-rate", "0"], "'0' is no rate above 0 in hertz"),
         (["--assume-rate", "nan"], "'nan' is no rate above 0 in hertz"),
+        (["--assume-rate", "1e-320"], "'1e-320' is no rate above 0 in hertz"),
         (["--assume-length", "-1"], "'-1' is no number of elements"),
         (["--assume-length", "9" * 5000], "is no number of elements"),
         (["--assume-length", "nobody=5"], "no connection 'nobody' of which to assume something"),

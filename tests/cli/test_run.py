@@ -120,6 +120,11 @@ def test_time_is_over(workspace):
     assert (code, err) == (0, "")
 
 
+def test_any_time_may_be_given(jausml, workspace):
+    result = jausml("run", workspace(alpha="print('one')"), "--for", "1e300")
+    assert (result.exit_code, result.stdout) == (0, "alpha | one\n")
+
+
 def test_failure_of_one_stops_the_others(workspace, tmp_path):
     ready = tmp_path / "ready"
     alpha = f"{OBEDIENT.partition('print')[0]}open({str(ready)!r}, 'x')\n"

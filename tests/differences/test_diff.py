@@ -31,6 +31,18 @@ local_pose {
 """
 
 
+INTERFACES = """<?xml version="1.0" encoding="UTF-8"?>
+<ros:InterfacePackage xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"
+    xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"
+    xmlns:ros="http://www.jausml.org/ros/1.0" name="d_msgs">
+  <messages name="Dot">
+    <fields xsi:type="ros:PrimitiveField" name="x" type="float64"/>
+    <fields xsi:type="ros:PrimitiveField" name="y" type="float64"/>
+  </messages>
+</ros:InterfacePackage>
+"""
+
+
 def compared(*words, status=0):
     """Runs `jausml diff`, which ends with a status."""
     done = CliRunner().invoke(main, ["diff", *map(str, words)])
@@ -240,6 +252,38 @@ def test_a_change_of_a_map(diff, old, new, text):
     changes = diff(MAP, replaced(MAP, old, new), ".ros2jaus")
     assert [change["text"] for change in changes] == [text]
     assert changes[0]["newPlace"]["line"] > 5
+
+
+@pytest.mark.parametrize(
+    ("old", "new"), [("linear(2, 1)", "linear(1, 2)"), ("negate, scale(2)", "scale(2), negate")]
+)
+def test_conversions_and_their_arguments_in_another_order(diff, old, new):
+    before = replaced(MAP, "position.x", f"position.x : {old}")
+    (change,) = diff(before, replaced(before, old, new), ".ros2jaus")
+    x = "X -> pose.pose.position.x"
+    assert change["text"] == f"{x} : {old} => {x} : {new}"
+
+
+def test_names_of_elements_in_another_order(diff):
+    arm = ROOT / "models" / "library" / "mappings" / "joint_positions.ros2jaus"
+    text = arm.read_text(encoding="utf-8")
+    swapped = text.replace("joint_1, joint_2", "joint_2, joint_1", 1)
+    (change,) = diff(text, swapped, ".ros2jaus")
+    assert change["text"].endswith(": other options")
+
+
+@pytest.mark.parametrize(
+    ("text", "pattern", "breaks"),
+    [
+        (INTERFACES, '<fields [^>]* name="[xy]"[^>]*/>', ["peers"]),
+        (WINCH, r"<transitions (?:(?!</?transitions).)*?(?:/>|</transitions>)", []),
+    ],
+)
+def test_parts_whose_order_means_something(diff, text, pattern, breaks):
+    first, second = list(re.finditer(pattern, text, re.DOTALL))[:2]
+    swapped = "".join((second[0], text[first.end() : second.start()], first[0]))
+    (change,) = diff(text, text[: first.start()] + swapped + text[second.end() :])
+    assert (change["kind"], change["breaks"]) == ("ordered", breaks)
 
 
 def test_a_reference_to_a_renamed_element_is_no_change(diff):

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from jausml.authoring.editing.commands import EditError, Set
+from jausml.authoring.editing.commands import EditError, Rename, Set
 from jausml.authoring.editing.project import Project
 from jausml.authoring.editing.splices import common_ends
 
@@ -116,3 +116,20 @@ def test_xmi_is_not_typed(tmp_path):
 )
 def test_common_ends_never_overlap(old, new, ends):
     assert common_ends(old, new) == ends
+
+
+def test_no_edit_loses_what_cannot_be_parsed(project):
+    """In a text that was so from the start, and in one that has to follow a new name."""
+    broken = TEXT.replace("{", "{ to JAUS { }")
+    (project.root / FILE).write_text(broken)
+    with pytest.raises(EditError, match="fix it first"):
+        Project(project.root).do([Set(f"{FILE}#//@components.0", "address", ("1.1.9",))], "edit")
+    assert (project.root / FILE).read_text() == broken
+    using = f'import "{FILE}"\ncomponent leg {{ provides: Walking }}\n'
+    (project.root / FILE).write_text('service_set legs { service Walking { urn: "urn:a:b:W" } }\n')
+    (project.root / "leg.ros2jaus").write_text(using)
+    project = Project(project.root)
+    project.write_text("leg.ros2jaus", f"{using}// half\ncomponent {{", project.revision)
+    with pytest.raises(EditError, match=r"leg\.ros2jaus .* fix it first"):
+        project.do([Rename(f"{FILE}#//@services.0", "Running")], "rename")
+    assert (project.root / "leg.ros2jaus").read_text().endswith("// half\ncomponent {")

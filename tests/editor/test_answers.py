@@ -219,6 +219,15 @@ def test_rename_reaches_other_texts_and_steps_of_names(bench, at, tmp_path):
     assert new["robot.ros2jaus"].startswith("speed {")
 
 
+def test_rename_reaches_the_closed_texts_of_the_project(bench, at, tmp_path):
+    (tmp_path / ".project").write_text("", encoding="utf-8")
+    (tmp_path / "models").mkdir()
+    using = tmp_path / "models" / "using.ros2jaus"
+    using.write_text('import "../robot.ros2jaus"\nbridge b { connection c { map: velocity } }')
+    new = renamed(bench, at(to_ros("a -> b").replace("velocity", "velo¦city", 1)), "speed")
+    assert new["using.ros2jaus"].endswith("map: speed } }")
+
+
 def test_no_name_is_given_that_means_something_else_in_another_text(bench, at, tmp_path):
     using = tmp_path / "using.ros2jaus"
     using.write_text("nothing")
@@ -477,7 +486,7 @@ def test_commands_that_follow_each_other_are_one_change_of_a_text(bench, at):
     held = unsaved(bench, path)
     model = held.read(path).model
     refs = [ref_of(decision, model, held.root) for decision in model.instances(bridge.OpenDecision)]
-    edits = held.edits(path, [Remove(ref) for ref in refs])
+    edits = held.edits([Remove(ref) for ref in refs])
     after = text_after(bench, path, edits)
     assert "openDecisions" not in after
     assert after.startswith("/** 🚜 */\none {")

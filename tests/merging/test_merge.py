@@ -567,6 +567,12 @@ def test_a_conflict_in_a_text_has_its_place_and_comments_of_theirs_are_kept(merg
     assert "// Fast.\n" in outcome.data.decode()
 
 
+def test_a_file_beside_that_cannot_be_read_is_left_alone(merge, tmp_path, monkeypatch):
+    monkeypatch.setenv("JAUSML_MAX_FILE_MIB", "1")
+    (tmp_path / "other.xmi").write_bytes(bytes(2 << 20))
+    assert merge(MINIMAL, MINIMAL, replaced(MINIMAL, RATE)) == (replaced(MINIMAL, RATE), ())
+
+
 def test_a_link_into_another_checkout_is_merged(tmp_path, monkeypatch):
     for name in ("here", "there"):
         (tmp_path / name / ".git").mkdir(parents=True)

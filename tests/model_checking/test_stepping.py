@@ -20,6 +20,7 @@ from jausml.model_checking.stepping import (
     stepped_test,
     walked,
 )
+from jausml.model_checking.systems import machine_subjects
 
 ROOT = Path(__file__).resolve().parents[2]
 WINCH = ROOT / "models" / "examples" / "winch" / "winch.xmi"
@@ -99,6 +100,17 @@ def test_control_lapses_as_time_passes(winch):
     assert machine.tick == 2.0
     end = "Receiving.Ready.NotControlled.Available.Standby"
     assert ends(machine, *READY, Chosen("time", "passes")) == end
+
+
+def test_nobody_has_more_than_the_greatest_authority(winch, monkeypatch):
+    model, _ = winch
+    [component] = (e for e in model.instances(jaus.Component, library=False) if e.provides)
+    monkeypatch.setattr(component, "defaultAuthority", 255)
+    (subject,) = machine_subjects(component)
+    assert subject.product.services.authorities == {
+        "a client": 255,
+        "an operator of more authority": 255,
+    }
 
 
 def test_a_step_that_is_gone_is_named(winch):

@@ -91,6 +91,8 @@ def test_a_stop_can_be_demanded_sooner_than_the_model_says():
     told = run(model, "--within", "2", status=1).stdout
     assert "JML933 SetTravelSpeed still stands 2 s after its source was lost" in told
     assert run(model, "--within", "5", status=0)
+    # A time of less than a millisecond is a demand too.
+    assert "JML933" in run(model, "--within", "0.0004", "--states", "1000", status=1).stdout
 
 
 @pytest.mark.parametrize("bound", [("--states", "10"), ("--budget", "1e-9")])
@@ -99,6 +101,19 @@ def test_a_bound_that_is_met_is_no_pass(bound):
     told = run(model, *bound, status=1).stdout
     assert "warning JML935 only " in told
     (product,) = json.loads(run(model, *bound, "--format", "json", status=1).stdout)["products"]
+    assert not product["complete"]
+
+
+def test_a_bound_that_is_allowed_is_met_all_the_same(tmp_path):
+    text = (EXAMPLES / "fleet" / "fleet.ros2jaus").read_text(encoding="utf-8")
+    reason = "@allow JML935 until 2999-12-31: it takes too long"
+    model = tmp_path / "allowed.ros2jaus"
+    documented = "What the operator asks of the base; it stops when nobody asks."
+    assert documented in text
+    model.write_text(text.replace(documented, reason), encoding="utf-8")
+    told = run(model, "--states", "10", "--format", "json", status=0).stdout
+    (product,) = json.loads(told)["products"]
+    assert [allowed["rule"] for allowed in product["allowed"]] == ["JML935"]
     assert not product["complete"]
 
 

@@ -114,6 +114,40 @@ def test_a_join_that_nothing_feeds_is_subscribed_to_nothing(rover, jausml):
     jausml("generate", model, "-o", "src", "--target", "bridge")
 
 
+WASHING = """\
+system rover {
+    service_set Wash {
+        service Wash {
+            urn: "urn:example:rover:Wash"
+            inputs: new message_def SetWash {
+                code: 0xD101
+                isCommand: true
+                record WashRec { fixed_field Power { type: float64 } }
+            }
+        }
+    }
+    bridge washer {
+        address: 100.1.1
+        wash {
+            JAUS SetWash
+            ROS std_msgs/Float64
+            stopJaus: { values: { target: Power  value: 0 } }
+            ROS->JAUS ( data -> Power )
+        }
+    }
+}
+"""
+
+
+def test_who_is_found_by_a_service_without_control_is_not_asked_for_it(rover, jausml):
+    model = rover("text")
+    model.write_text(WASHING, encoding="utf-8")
+    jausml("new", "connection", "wash:std_msgs/Float64:wash", "--side", "operator")
+    [connection] = the_bridge(model).bridgeConnections
+    assert (len(connection.search.services), connection.control) == (1, False)
+    jausml("validate", "models", "--strict")
+
+
 STOP = "e_stop/set:std_msgs/Bool"
 
 

@@ -95,6 +95,7 @@ def test_a_suggested_topic_is_proposed_by_its_map():
 
 
 def test_a_join_is_fed_by_what_it_is_named_after():
+    """Of what nodes publish: nothing comes by topics to which nodes listen alone."""
     [lamps] = ways("headlights", "std_msgs/Bool", maps=("report_lamps",), to_ros=False)[:1]
     topics = [TopicEnd(name, "std_msgs/Bool") for name in ("e_stop", "brake_lights", "armed")]
     assert name_of(lamps.map) == "report_lamps"
@@ -103,6 +104,8 @@ def test_a_join_is_fed_by_what_it_is_named_after():
     imus = [TopicEnd(topic_name, "sensor_msgs/Imu") for topic_name in ("camera/accel", "imu/data")]
     assert joins_of(pose, imus, set()) == {"imu": "imu/data"}
     assert joins_of(pose, imus[:1], set()) == {"imu": "camera/accel"}
+    heard_imu = TopicEnd("imu/desired", "sensor_msgs/Imu", to_ros=True)
+    assert joins_of(pose, [heard_imu, imus[0]], set()) == {"imu": "camera/accel"}
 
 
 def test_one_message_is_not_that_of_two_topics():

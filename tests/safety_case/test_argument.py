@@ -8,7 +8,7 @@ from sweeps import sweep
 
 from jausml.language.validation.engine import check_project
 from jausml.safety_case.argument import safety_case
-from jausml.safety_case.evidence import Evidence, generated_tests
+from jausml.safety_case.evidence import Evidence, generated_tests, read_evidence
 from jausml.safety_case.hazards import HAZARDS
 
 GUARDS = ("jausml/safety_case", "metamodels")
@@ -244,12 +244,15 @@ def test_a_proof_is_of_the_map():
     assert said == [(False, "map cruise_speed: JML922 Velocity_X drifts")]
     assert "proof" in lacks
     assert says("unit/bridge.odometry", "proof", proof())[0] == []
+    without = {"maps": [{"name": "cruise_speed", "fields": [], "found": []}]}
+    assert says("unit/bridge.cruise_speed", "proof", without)[0] == []
 
 
 def test_a_product_check_is_of_the_connection_and_its_rules():
-    def checked(*rules, complete=True):
+    def checked(*rules, complete=True, allowed=()):
         found = [{"rule": rule, "message": "is wrong"} for rule in rules]
         product = {"name": "bridge.cruise_speed", "complete": complete, "found": found}
+        product["allowed"] = [{"rule": rule, "reason": "it is known"} for rule in allowed]
         return {"products": [product]}
 
     goal = "operator/bridge.cruise_speed"
@@ -260,6 +263,9 @@ def test_a_product_check_is_of_the_connection_and_its_rules():
         (False, "bridge.cruise_speed: JML933 is wrong")
     ]
     assert says(goal, "model check", checked(complete=False))[0] == []
+    # What a person allows was found, and shows nothing.
+    assert says(goal, "model check", checked(allowed=["JML933"]))[0] == []
+    assert says(goal, "model check", checked(allowed=["JML934"]))[0][0][0]
 
 
 def test_fault_runs_are_held_against_the_time_of_the_model():
@@ -296,7 +302,8 @@ def test_a_mutation_that_nothing_notices_speaks_against_a_goal():
 
 
 def test_stale_evidence_says_nothing():
-    content = {"maps": [{"name": "cruise_speed", "fields": [], "found": []}]}
+    fields = [{"tried": 256, "total": 256}]
+    content = {"maps": [{"name": "cruise_speed", "fields": fields, "found": []}]}
     stale = Evidence("E1", "proof", stale="is of another version of the model", content=content)
     found = goals(CAR, stale)["unit/bridge.cruise_speed"]
     assert [support.evidence for support in found.supports] == ["E0"]
@@ -322,3 +329,13 @@ def test_a_test_run_has_to_run_what_is_generated():
         said, lacks = says(goal, "test run", ran(missing), tests=tests)
         assert said == []
         assert "test run" in lacks
+
+
+def test_of_several_runs_of_a_test_the_worst_counts(tmp_path):
+    case = '<testcase classname="test_m" name="test_a[{}]">{}</testcase>'
+    outcomes = ("", "<skipped/>", "<failure/>", "<skipped/>", "")
+    cases = "".join(case.format(*pair) for pair in enumerate(outcomes))
+    report = tmp_path / "run.xml"
+    report.write_text(f"<testsuite>{cases}</testsuite>", encoding="utf-8")
+    evidence = read_evidence(report, "run.xml", 1, ())
+    assert evidence.content == {"tests": {"test_m.test_a": "failure"}}

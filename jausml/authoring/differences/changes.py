@@ -175,7 +175,7 @@ def _breaks_peers(kind: Kind, classes: set[str], feature: str, *, is_lost: bool)
         case Kind.REMOVED:
             return bool(classes & {*_SEEN, *_LAYOUTS})
         case Kind.ORDERED:
-            return True
+            return not classes & {"jaus.State", "jaus.Transition"}
     if classes & set(_ON_THE_WIRE) and feature not in _OFF_THE_WIRE:
         return True
     is_seen = any(feature in _PEERS.get(class_name, ()) for class_name in classes)

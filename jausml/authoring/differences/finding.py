@@ -18,15 +18,19 @@ from jausml.authoring.differences.changes import (
     with_unit,
     words,
 )
-from jausml.authoring.differences.matching import Matching, address, values
+from jausml.authoring.differences.matching import SEQUENCES, Matching, address, values
 from jausml.language.metamodel import ClassTable, FeatureKind, FeatureTable
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model.model import Model
 from jausml.language.model.reading.reader import LostReference
 
-_ORDERED = {"jaus.Record.fields", "jaus.Sequence.fields", "jaus.Variant.options"}
-"""Owned parts whose order is that on the wire."""
+_ORDERED = {
+    *("jaus.Record.fields", "jaus.Sequence.fields", "jaus.Variant.options"),
+    *("ros.MessageType.fields", "jaus.State.transitions", "jaus.State.defaults"),
+    *("jaus.State.entry", "jaus.State.exit", "jaus.Transition.actions"),
+}
+"""Owned parts whose order is that on the wire, or in which a machine tries or does them."""
 _DOCUMENTATION = "documentation"
 _PHRASES = {
     feature: (f"no longer {feature}", f"now {feature}")
@@ -147,7 +151,8 @@ class _Finding:
         ]
         lost = [a for a, b in zip(ours, known, strict=True) if not _holds(theirs, b)]
         added = [value for value in theirs if not _holds(known, value)]
-        if not lost and not added and len(ours) == len(theirs):
+        is_same = known == theirs if feature.name in SEQUENCES else len(ours) == len(theirs)
+        if not lost and not added and is_same:
             return
         old, new = (" ".join(map(value_text, side)) for side in (ours, theirs))
         kind = Kind.RENAMED if feature.name == "name" else Kind.CHANGED

@@ -16,6 +16,8 @@ from jausml.language.model.names import name_of, with_owners
 
 _KEYS = ("target", "path", "jaus", "value", "index", "text")
 """Attributes that tell elements without a name apart, the first that a class has."""
+SEQUENCES = frozenset({"arguments", "conversions", "dimensions", "names"})
+"""Features of which each value means what it does by its place."""
 _MOST = 60  # elements of one list that are compared with each other to find renamed ones
 _ALIKE = 0.5
 """Share of the facts of two elements that must be equal for one to be the other, renamed."""
@@ -104,16 +106,16 @@ class Matching:
             for feature in self._class_of(obj).features.values():
                 if feature.name in ("name", "documentation"):
                     continue
-                if feature.kind is FeatureKind.CONTAINMENT:
-                    for part in values(obj, feature):
-                        inner = getattr(part, "name", None)
-                        known[feature.name, part.eClass.name, inner] += 1
+                for at, value in enumerate(values(obj, feature)):
+                    place = feature.name, at if feature.name in SEQUENCES else 0
+                    if feature.kind is FeatureKind.CONTAINMENT:
+                        inner = getattr(value, "name", None)
+                        known[place, value.eClass.name, inner] += 1
                         known += Counter(
-                            {(feature.name, inner, fact): n for fact, n in self.facts(part).items()}
+                            {(place, inner, fact): n for fact, n in self.facts(value).items()}
                         )
-                elif feature.kind is not FeatureKind.CONTAINER:
-                    for value in values(obj, feature):
-                        known[feature.name, address(value) or str(value)] += 1
+                    elif feature.kind is not FeatureKind.CONTAINER:
+                        known[place, address(value) or str(value)] += 1
             self._facts[obj] = known
         return known
 

@@ -80,9 +80,14 @@ class Draft:
             raise EditError(f"{ref} is part of the library, which cannot be changed")
         if file not in self.models:
             raise EditError(f"{file or ref!r} is no model file of the opened folder")
-        if self.files[file].is_stale:
-            raise EditError(f"{file} cannot be parsed as it is: fix it first", conflict=True)
+        self._check_parsed(file)
         return file
+
+    def _check_parsed(self, file: str) -> None:
+        """Raises EditError for a file of which an edit would lose what cannot be parsed."""
+        held = self.files[file]
+        if held.is_stale or not (held.is_printed or can_be_parsed(file, held.data)):
+            raise EditError(f"{file} cannot be parsed as it is: fix it first", conflict=True)
 
     def element(self, ref: Ref) -> tuple[EObject, Model]:
         """Returns an element, and the model of its own file."""
@@ -107,8 +112,9 @@ class Draft:
         return element, model
 
     def apply(self, file: str, data: bytes) -> None:
-        """Sets the bytes of a file after commands."""
+        """Sets the bytes of a file after commands (`EditError`: it cannot be edited)."""
         if data != self.files[file].data:
+            self._check_parsed(file)
             # `check` tries whether it can be parsed.
             self.files[file] = Stored(
                 file, data, digest(data), self._revision, data, self._revision, is_printed=True

@@ -17,7 +17,7 @@ from jausml.language.model.inputs import read_input
 from jausml.language.model.library import LIBRARY_URI, library_root, module_of
 from jausml.language.model.model import Model
 from jausml.language.model.names import qualified_name
-from jausml.language.model.project import made_project
+from jausml.language.model.project import made_project, model_files
 from jausml.language.model.reading.library_cache import LibraryCache
 from jausml.language.model.reading.reader import ReadResult, read_models
 from jausml.language.project import Index, Models, library, own_instances, stored_files
@@ -166,9 +166,11 @@ class Workbench:
         return [file for file in files if file is not None]
 
     def related(self, path: Path) -> list[Path]:
-        """Returns a text, the open ones, and all texts that these import."""
+        """Returns a text, those of its project, the open ones, and all texts that these import."""
         paths: dict[Path, None] = {}
         pending = [*self.texts, path]
+        if root := self.root or made_project(path.parent):
+            pending += [root / file for file in model_files(root, (SUFFIX,))]
         while pending:
             text_path = pending.pop()
             if text_path.suffix == SUFFIX and text_path not in paths:

@@ -12,7 +12,7 @@ from typing import Any, TypeAlias, cast
 from jausml.authoring.editing.commands import Command, EditError, Rename
 from jausml.authoring.editing.drafts import Draft
 from jausml.authoring.editing.executing import execute
-from jausml.authoring.editing.reading import Reader, can_be_parsed, stored
+from jausml.authoring.editing.reading import Reader, stored
 from jausml.authoring.editing.splices import common_ends
 from jausml.authoring.editor.definition import declaration_at
 from jausml.authoring.editor.names import Declaration
@@ -65,15 +65,8 @@ class Unsaved:
         model = self.read(path).model
         return refs.ref_of(find(model), model, self.root)
 
-    def edits(self, path: Path, commands: Sequence[Command]) -> list[Edit]:
-        """Returns the edits of texts that commands lead to.
-
-        `path`: the text that they begin with, which has to be sound. `EditError`: they cannot be
-        carried out.
-        """
-        name = self._names[path]
-        if not can_be_parsed(name, self._files[name].data):
-            raise EditError(f"{name} cannot be parsed as it is: fix it first")
+    def edits(self, commands: Sequence[Command]) -> list[Edit]:
+        """Returns the edits of texts that commands lead to (`EditError`: none can be made)."""
         draft = Draft(self.root, self._files, self._reader, 1)
         execute(commands, draft)
         changed = {change.file for change in draft.changes()}
@@ -137,7 +130,7 @@ _LAYOUT = frozenset({"span", "comments", "trailing", "spaced", "closing"})
 
 
 def unsaved(bench: Workbench, path: Path) -> Unsaved:
-    """Returns a text, the open ones and what these import, as an editor holds them."""
+    """Returns a text, its project, the open ones and their imports, as an editor holds them."""
     return Unsaved({file: bench.text(file) for file in bench.related(path) if not is_shipped(file)})
 
 
@@ -165,7 +158,7 @@ def fixes(bench: Workbench, path: Path, lines: range) -> Iterator[Fix]:
             continue
         for fix in quick_fixes(scope, finding):
             try:
-                edits = held.edits(path, fix.commands)
+                edits = held.edits(fix.commands)
             except EditError:
                 continue
             yield Fix(fix.label, finding, edits)
@@ -203,7 +196,7 @@ def rename(bench: Workbench, path: Path, place: Place, name: str) -> list[Edit]:
     held = unsaved(bench, home)
     try:
         element = held.ref(home, partial(_declared, declaration=declaration))
-        return held.edits(home, [Rename(element, name)])
+        return held.edits([Rename(element, name)])
     except EditError as error:
         raise RenameError(str(error)) from error
 

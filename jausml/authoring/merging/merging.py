@@ -12,7 +12,7 @@ from pathlib import Path
 from types import MappingProxyType
 
 from jausml.authoring.editing.commands import EditError
-from jausml.authoring.editing.reading import Reader, stored
+from jausml.authoring.editing.reading import Disk, Reader, stored
 from jausml.authoring.editing.records import Stored
 from jausml.authoring.merging.comments import LineOf, comments_of, with_comments
 from jausml.authoring.merging.executing import Execution
@@ -225,9 +225,9 @@ class _Merge:
 
 def _files(root: Path, known: Mapping[str, bytes | None]) -> dict[str, Stored]:
     """Returns the model files of a folder, some with the known bytes of our side."""
-    paths = {model_file: root / model_file for model_file in model_files(root)}
+    disk = Disk(root)
     stored_files = {
-        n: stored(n, read_input(path), 0) for n, path in paths.items() if path.is_file()
+        n: stored(n, data, 0) for n in model_files(root) if (data := disk.readable(n)) is not None
     }
     ours = {n: stored(n, data, 0) for n, data in known.items() if data is not None}
     return {**stored_files, **ours}

@@ -19,6 +19,7 @@ from jausml.language.semantics.jaus.commands import is_command, is_emergency
 from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
 from jausml.language.semantics.jaus.inheritance import lineage, with_inherited
 from jausml.language.semantics.jaus.services import (
+    ACCESS_CONTROL,
     code,
     find_same,
     provides_access_control,
@@ -173,7 +174,7 @@ class Draft:
             searched = {"services": (scope.ref(self.offer.service),)}
             inner.append(Child("search", "jaus.PeerSearch", searched))
         is_commanded = not self.offer.to_ros and is_command(self.offer.message)
-        if is_commanded and self.peer is not None and not provides_access_control(self.peer):
+        if is_commanded and not can_control(self.peer, self.offer.service):
             values["control"] = ("false",)
         inner += self._topics(scope)
         return Add(place, "bridgeConnections", "bridge.Connection", values, tuple(inner))
@@ -234,6 +235,13 @@ def system_of(scope: Scope) -> system.System | None:
     """Returns the system of the file that was asked for."""
     systems = (root for root in scope.model.documents[0].roots if isinstance(root, system.System))
     return next(systems, None)
+
+
+def can_control(peer: jaus.Component | None, service: jaus.Service | None) -> bool:
+    """Tells whether a peer grants control; None is one that is found by a service."""
+    if peer is not None:
+        return provides_access_control(peer)
+    return any(ancestor.name == ACCESS_CONTROL for ancestor in lineage(service))
 
 
 def lacks_stop(offer: Offer, map_: bridge.AttributeMap) -> bool:

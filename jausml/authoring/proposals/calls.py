@@ -6,7 +6,14 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from jausml.authoring.editing.commands import NEW, Add, Child, Command
-from jausml.authoring.proposals.bridging import copied, fitting, offer_of, shifted, with_service
+from jausml.authoring.proposals.bridging import (
+    can_control,
+    copied,
+    fitting,
+    offer_of,
+    shifted,
+    with_service,
+)
 from jausml.authoring.proposals.elements import AnswerError, Scope
 from jausml.authoring.proposals.new_elements import OpenPoint, name_among, open_decisions
 from jausml.language.metamodel.classes import bridge, jaus, ros
@@ -23,12 +30,7 @@ from jausml.language.semantics.jaus.commands import (
 )
 from jausml.language.semantics.jaus.fields import attributes
 from jausml.language.semantics.jaus.inheritance import lineage
-from jausml.language.semantics.jaus.services import (
-    ACCESS_CONTROL,
-    find_input,
-    provides_access_control,
-    query_name,
-)
+from jausml.language.semantics.jaus.services import find_input, query_name
 from jausml.language.semantics.paths.ros_paths import ros_name
 
 _SUCCESS = ("success", "succeeded", "ok", "accepted", "done")
@@ -207,13 +209,9 @@ def peers_of(
     peer = next((other for other in others if find_input(message, other) is not None), None)
     owner = service or message.eContainer()
     wanted = owner if isinstance(owner, jaus.Service) else None
-    if peer is not None:
-        has_control = provides_access_control(peer)
-    else:
-        has_control = any(ancestor.name == ACCESS_CONTROL for ancestor in lineage(wanted))
     values: dict[str, tuple[str, ...]] = {}
     takes_all = wanted is not None and not obeys_controller_alone(message, wanted)
-    if is_command(message) and (takes_all or not has_control):
+    if is_command(message) and (takes_all or not can_control(peer, wanted)):
         values["control"] = ("false",)
     if peer is not None:
         return {"peers": (scope.ref(peer),), **values}, ()

@@ -276,8 +276,11 @@ def joins_of(crossing: Crossing, topics: Sequence[TopicEnd], taken: set[str]) ->
 
 
 def feeds(topic: TopicEnd, join: bridge.Join) -> bool:
-    """Tells whether a topic fits a join: by its type, and a bare value by its name."""
-    if join.type is None or ros_name(join.type) != topic.type:
+    """Tells whether a topic, which has a publisher, fits a join: by its type, and by its name.
+
+    The name counts where the type is of a bare value.
+    """
+    if topic.to_ros or join.type is None or ros_name(join.type) != topic.type:
         return False
     return not is_bare(topic.type) or TopicName(topic.name).feeds(join)
 

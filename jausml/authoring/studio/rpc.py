@@ -78,5 +78,7 @@ def refusal_of(error: Exception) -> RpcError | None:
     """Returns the answer that a page gets for an error; None for a fault of ours."""
     if isinstance(error, EditError):
         return RpcError(REFUSED, for_people(str(error)), {"conflict": error.conflict})
+    if isinstance(error, OSError) and error.filename is not None:
+        return RpcError(REFUSED, f"{error.filename}: {error.strerror}")
     refusals = (AnswerError, LayoutError, UnknownViewError)
     return RpcError(REFUSED, for_people(str(error))) if isinstance(error, refusals) else None

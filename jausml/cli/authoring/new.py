@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from jausml.cli.shared.files import EnvironmentFault
+from jausml.cli.shared.files import ending_at
 from jausml.cli.shared.options import LazyGroup, format_option, refuse_options
 from jausml.cli.shared.terminal import remark
 
@@ -117,12 +117,8 @@ def stopping() -> Iterator[None]:
     """Ends the verb where something cannot be added."""
     from jausml.authoring.projects.errors import ProjectError
 
-    try:
+    with ending_at(ProjectError):
         yield
-    except ProjectError as error:
-        raise EnvironmentFault(str(error)) from error
-    except OSError as error:
-        raise EnvironmentFault(f"{error.filename}: {error.strerror}") from error
 
 
 def add_to(

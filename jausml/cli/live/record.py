@@ -152,7 +152,7 @@ def command(
     from jausml.live.signals import ended_by_signals
     from jausml.live.traffic.frames import UdpReader
 
-    size = None if max_size is None else int(max_size * _MEGA)
+    size = None if max_size is None else int(min(max_size, _MEGA**2) * _MEGA)
     limits = SplitLimits(size, max_duration, max_files)
     path = _output(output, limits, force=force)
     settings = transport_settings(interface, port, multicast_group)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import atexit
+import math
 import os
 import queue
 import signal
@@ -187,8 +188,8 @@ class Supervisor:
     def _next_event(self, deadline: float | None) -> _Event | None:
         """Returns the next event, None when the time is over."""
         try:
-            left = None if deadline is None else max(0.0, deadline - time.monotonic())
-            return self._events.get(timeout=left)
+            left = math.inf if deadline is None else max(0.0, deadline - time.monotonic())
+            return self._events.get(timeout=min(left, threading.TIMEOUT_MAX))
         except queue.Empty:
             return None
 

@@ -65,7 +65,7 @@ def command(
         raise click.UsageError("--check takes -o DIR, and the evidence that the case there names")
     folder = Path(output or ".")
     former = _former(folder) if check or (output and (folder / _PLAIN).exists()) else None
-    links = [os.path.relpath(path, folder).replace(os.sep, "/") for path in files]
+    links = [os.path.relpath(Path(path), folder).replace(os.sep, "/") for path in files]
     report = _readable(model, reading)
     named = links or (former.evidence if former else ())
     evidence, unread = _evidence(report, folder, named)

@@ -260,10 +260,7 @@ def _read(name: str) -> str:
 
     if not name.endswith(SUFFIX):
         raise EnvironmentFault(f"{click.format_filename(name)}: the file is no *{SUFFIX} file")
-    try:
-        data = read_input(name)
-    except OSError as error:
-        raise EnvironmentFault(f"{click.format_filename(name)}: {error.strerror}") from error
+    data = read_input(name)
     _, fault = decode(data)
     if fault is not None:
         place = Location(name, fault.line, fault.column)

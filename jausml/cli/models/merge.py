@@ -39,12 +39,13 @@ def command(base: str, ours: str, theirs: str, file: str | None, output: str | N
     """
     from jausml.authoring.merging.merging import UnmergeableError, merged
     from jausml.authoring.merging.planning import AS_LINES
+    from jausml.language.model.inputs import read_input
     from jausml.language.model.project import find_project_root
     from jausml.language.text.notation import SUFFIX
     from jausml.language.validation.formats.text import lines_of
 
     named = Path(file or ours)
-    states = _read(base), _read(ours), _read(theirs)
+    states = read_input(base), read_input(ours), read_input(theirs)
     root = find_project_root([named]).resolve()
     path = Path(os.path.realpath(named))  # of a link, that which is read
     try:
@@ -61,16 +62,6 @@ def command(base: str, ours: str, theirs: str, file: str | None, output: str | N
     write_report(outcome.data, output)
     if outcome.findings:
         _fail(*(line for finding in outcome.findings for line in lines_of(finding)))
-
-
-def _read(file: str) -> bytes:
-    from jausml.language.model.inputs import read_input
-
-    try:
-        return read_input(file)
-    except OSError as error:
-        name = click.format_filename(file)
-        raise EnvironmentFault(f"cannot read {name}: {error.strerror}") from error
 
 
 def _around(path: Path, root: Path, *states: bytes) -> dict[str, States]:

@@ -188,7 +188,7 @@ def _rate(text: str) -> float:
         rate = float(text)
     except ValueError:
         rate = math.nan
-    if not 0 < rate <= _LARGEST_RATE:
+    if not 1 / _LARGEST_RATE <= rate <= _LARGEST_RATE:
         raise click.UsageError(f"--assume-rate: {text!r} is no rate above 0 in hertz")
     return rate
 

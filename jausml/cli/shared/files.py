@@ -90,11 +90,15 @@ def write_report(
     if output is None:
         click.echo(rendered, nl=False)
         return
+    from jausml.language.model.xmi.writer import replace_file
+
     _check_inputs(output, inputs)
     if isinstance(rendered, str):
         rendered = rendered.encode("utf-8", errors="backslashreplace")
     with writing(output):
-        Path(output).write_bytes(rendered)
+        # A file that is there is never half of the new one; a pipe or a device is no such file.
+        write = replace_file if Path(output).is_file() else Path.write_bytes
+        write(Path(output), rendered)
 
 
 def made_folder(folder: Path) -> Path:

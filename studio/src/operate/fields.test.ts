@@ -47,6 +47,14 @@ it.each([
   expect(read({ Rec: { X: typed, N: "3" } })[1]).toEqual({ "Rec.X": fault });
 });
 
+it("refuses a whole number that would be sent as another one", () => {
+  const long = [number("N", { integer: true, ranges: [[0, 2 ** 64]] })];
+  expect(read({ N: "9007199254740991" }, long)[1]).toEqual({});
+  expect(read({ N: "9007199254740993" }, long)[1]).toEqual({
+    N: "9007199254740993 has more digits than can be sent.",
+  });
+});
+
 it("refuses fractions of whole numbers, and numbers between ranges", () => {
   const gaps = [
     number("N", {

@@ -113,6 +113,8 @@ export function readNumber(
   if (!Number.isFinite(value)) faults.set(path, `${typed} is no number.`);
   else if (kind.integer && !Number.isInteger(value))
     faults.set(path, `${typed} is no whole number.`);
+  else if (kind.integer && !Number.isSafeInteger(value))
+    faults.set(path, `${typed} has more digits than can be sent.`);
   else if (!kind.ranges.some(([low, high]) => low <= value && value <= high)) {
     faults.set(path, `${typed} is not within ${rangesOf(kind)}.`);
   }

@@ -14,7 +14,7 @@ from jausml.language.model.library import LIBRARY_URI
 
 pytestmark = pytest.mark.ports
 
-INTERNAL_ERROR = -32603
+INTERNAL_ERROR, REFUSED = -32603, -32000
 PARSE_ERROR, INVALID_REQUEST, METHOD_NOT_FOUND, INVALID_PARAMS = -32700, -32600, -32601, -32602
 
 METHODS = (
@@ -154,6 +154,14 @@ def test_messages_that_are_no_requests_are_errors(page, text):
 )
 def test_what_is_wrong_is_named(page, text, code):
     assert told(page, text)["error"]["code"] == code
+
+
+def test_a_folder_that_cannot_be_looked_at_is_refused(page):
+    params = {"file": "catvehicle.xmi", "out": "a" * 300}
+    text = json.dumps({"jsonrpc": "2.0", "id": 1, "method": "plan", "params": params})
+    error = told(page, text)["error"]
+    assert error["code"] == REFUSED
+    assert error["message"].endswith("aaa: File name too long")
 
 
 def test_bytes_are_no_message(page):

@@ -74,14 +74,27 @@ def test_values_become_those_of_ros_with_units_and_bytes(trials):
     assert bytes.fromhex(found.bytes)[:4] == b"\0\1\0\0"  # little-endian CDR
 
 
-def test_values_become_those_of_jaus_with_code_and_time(trials):
-    moment = "2026-05-17T12:30:15.250"
+@pytest.mark.parametrize(
+    ("moment", "stamp"),
+    [
+        ("2026-05-17T12:30:15.250", "day 17 12:30:15.250"),
+        ("1969-12-31T23:59:59.250", "day 31 23:59:59.250"),
+    ],
+)
+def test_values_become_those_of_jaus_with_code_and_time(trials, moment, stamp):
     given = {"pose.pose.position.x": "4", "pose.pose.orientation.w": "1", "header.stamp": moment}
     found = run(trials, "dead_reckoning", given, to_ros=False)
     values = shown(found)
     assert number(values["X"]) == pytest.approx(4, abs=1e-3)
-    assert values["TimeStamp"] == "day 17 12:30:15.250"
+    assert values["TimeStamp"] == stamp
     assert bytes.fromhex(found.bytes)[:2] == b"\x03\x44"
+
+
+def test_a_time_of_another_zone_is_told_in_that_of_the_world():
+    at = jaus_values.moment("2026-05-18T00:30+02:00")
+    assert (at.day, at.hour) == (17, 22)
+    with pytest.raises(AnswerError, match="is no time"):
+        jaus_values.moment("0001-01-01T00:30+02:00")
 
 
 def test_what_does_not_fit_is_told(trials):

@@ -56,9 +56,11 @@ def moment(text: str) -> datetime:
         return datetime.now(timezone.utc)
     try:
         instant = datetime.fromisoformat(text.strip().replace("Z", "+00:00"))
-    except ValueError as error:
+        if instant.tzinfo is None:
+            return instant.replace(tzinfo=timezone.utc)
+        return instant.astimezone(timezone.utc)
+    except (ValueError, OverflowError) as error:
         raise AnswerError(f"{text!r} is no time such as 2026-05-17T12:30:15.250") from error
-    return instant if instant.tzinfo is not None else instant.replace(tzinfo=timezone.utc)
 
 
 def _entry(message: jaus.MessageDef) -> MessageEntry:

@@ -262,7 +262,7 @@ def _expanded(scope: PathScope, path: str, inner: str, text: str) -> dict[str, s
     place = scope.find_source(path)
     if isinstance(place, RosPlace) and place.attribute().kind == TIME:
         at = jaus_values.moment(text)
-        seconds = int(at.timestamp())
+        seconds = int(at.replace(microsecond=0).timestamp())
         return {f"{inner}.sec": str(seconds), f"{inner}.nanosec": str(at.microsecond * 1000)}
     return {inner: text}
 
