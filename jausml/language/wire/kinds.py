@@ -242,7 +242,7 @@ class Record:
     def known_bits(self) -> int:
         """The bits of the presence vector that stand for members.
 
-        Of a published vector that is too short, the members behind it have none, and cannot be sent.
+        Of a published vector that is too short, members behind it have none, and cannot be sent.
         """
         bits = sum(member.bit for member in self.members)
         return bits & (self.presence.upper if self.presence else 0)
