@@ -259,6 +259,14 @@ class CommandsInEmergency(CommandingProduct):
         return state._replace(own=own)
 
 
+class LeavesTheCommand(CommandingProduct):
+    """It commands nothing more, and tells the peer nothing."""
+
+    def _own_changed(self, state, own):
+        after = super()._own_changed(state, own)
+        return state._replace(own=own, connection_state=after.connection_state)
+
+
 class NeverAsksAgain(CommandingProduct):
     def _renewed(self, state):
         return state
@@ -273,6 +281,7 @@ class PeerKeepsMoving(CommandingProduct):
 BETWEEN = [
     pytest.param(SendsAStopOnce, LATE_STOP, id="a stop that is lost on the way"),
     pytest.param(CommandsInEmergency, CONTROL, id="commands in an emergency"),
+    pytest.param(LeavesTheCommand, CONTROL, id="a command left when the bridge halts"),
     pytest.param(NeverAsksAgain, DEADLOCK, id="control that is never asked for"),
     pytest.param(PeerKeepsMoving, CONTROL, id="a peer that goes on without control"),
 ]
