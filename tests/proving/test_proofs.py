@@ -413,6 +413,7 @@ FAULTY = small(
       linear.x -> Speed : expression("round(value)") { precision: 0.001 }
       linear.y -> Turn : scale(-0.05)
       linear.z -> Wide : negate
+      angular.z -> Real { outOfRange: dropField }
     """,
 )
 POLICIES = """
@@ -435,6 +436,8 @@ def test_what_a_bridge_says_of_its_map_counts(faulty):
     found = faulty.field("linear.y", "ROS")
     assert found.limited == 0  # as the policy of the connection says
     assert found.refused == found.sampled > 0
+    left_out = faulty.field("angular.z", "ROS")  # as the assignment says
+    assert left_out.left_out > 0 == left_out.refused
 
 
 # A wrong factor is found between two bridges, by the rule of signs and offsets.
