@@ -10,7 +10,7 @@ import pytest
 from jausml.generation.errors import InternalError, RefusedError, WriteError
 from jausml.generation.manifest import MANIFEST_PATH, PENDING_PATH, find_python
 from jausml.generation.plan import ActionKind
-from jausml.generation.writer import apply
+from jausml.generation.writer import apply, locked
 
 NOBODY = 65534
 
@@ -116,6 +116,12 @@ def test_a_failed_rendering_writes_nothing(workspace, templates, vehicle, rename
         workspace.write([rename(vehicle, doc="Changed.")])
 
     assert workspace.snapshot() == before
+
+
+def test_a_run_that_writes_nothing_leaves_no_folder(tmp_path):
+    with locked(tmp_path / "ws" / "src"):
+        assert (tmp_path / "ws" / "src").is_dir()
+    assert not (tmp_path / "ws").exists()
 
 
 def test_a_file_that_appears_after_the_plan_is_not_overwritten(workspace, vehicle):
