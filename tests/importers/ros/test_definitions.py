@@ -148,6 +148,7 @@ def test_line_ends_and_byte_order_mark(ending):
         ("uint8 ok=1", "JML645", 1, 7, "UPPER_CASE"),
         ('string s "a=b"', "JML645", 1, 8, "a default cannot hold one"),
         ("float64 x abc", "JML646", 1, 11, ""),
+        ("float32 x -1e39", "JML646", 1, 11, ""),
         ("uint8 A=256", "JML646", 1, 9, ""),
         ("uint8 A =  0x100", "JML646", 1, 12, ""),
         ("bool x yes", "JML646", 1, 8, ""),
