@@ -116,6 +116,12 @@ joined {
   )
 }
 
+spread {
+  JAUS ReportSpread ( uint8 [<=9] codes  float32 count ) { code: 0xD1F0 }
+  ROS sensor_msgs/LaserScan
+  JAUS->ROS ( codes, count -> ranges : user(spread) { value -> . } )
+}
+
 bridge listed {
   address: 1.1.2
   connection elements { map: elements onSilence: hold holdReason: "a path stays" topic a {} }
@@ -128,6 +134,7 @@ bridge listed {
   connection strict_out { map: strict_joints direction: rosToJaus topic b {} }
   connection grid { map: grid topic c {} }
   connection grid_out { map: grid direction: rosToJaus topic c {} }
+  connection spread { map: spread topic e {} }
   connection joined {
     map: joined
     direction: rosToJaus
@@ -216,6 +223,20 @@ def test_more_elements_than_the_list_holds_drop_the_message(made):
 def test_empty_lists(made):
     assert made.bridge.translate_elements_out(Path()).element_list == []
     assert made.bridge.translate_joints(made.messages.ReportJointPositions()).name == []
+
+
+def test_single_values_of_jaus_may_stand_beside_a_list(made, monkeypatch):
+    report = made.messages.ReportSpread
+    message = report(codes=[report.CodesRec(1), report.CodesRec(2)], count=1.0)
+
+    def first(items, count):
+        return items[: int(count)]
+
+    monkeypatch.setattr(made.bridge, "convert_spread", first)
+    assert list(made.bridge.translate_spread(message).ranges) == [1.0]
+    message.count = math.nan
+    with pytest.raises(made.error("OutOfRangeError")):
+        made.bridge.translate_spread(message)
 
 
 # ------------------------------------------------------------------ elements by name
