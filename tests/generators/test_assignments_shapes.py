@@ -37,6 +37,17 @@ service_set shapes {
         }
       }
     }
+    outputs: new message_def ReportStates {
+      code: "0xD203"
+      body: new record StatesRec {
+        presenceVector: uint8
+        array States {
+          optional: true
+          element: new bit_field State { subFields: { name: Gear  lowBit: 0  highBit: 3 } }
+          dimensions: 2
+        }
+      }
+    }
     outputs: new message_def ReportRows {
       code: "0xD202"
       body: new list Rows {
@@ -80,6 +91,12 @@ codes {
   )
 }
 
+states {
+  JAUS ReportStates
+  ROS sensor_msgs/Imu
+  ROS->JAUS ( linear_acceleration.x -> States[1].Gear )
+}
+
 rows {
   JAUS ReportRows
   ROS sensor_msgs/MultiEchoLaserScan
@@ -95,6 +112,7 @@ bridge shaped {
   connection polled { map: numbers exchange: query topic a {} }
   connection codes { map: codes topic b {} }
   connection codes_out { map: codes direction: rosToJaus topic b {} }
+  connection states { map: states direction: rosToJaus topic d {} }
   connection rows { map: rows topic c {} }
   connection rows_out { map: rows direction: rosToJaus topic c {} }
 }
@@ -184,6 +202,14 @@ def test_elements_are_made_in_order(made):
     source.linear_acceleration.x, source.linear_acceleration.y = 1.0, 2.0
     target = made.bridge.translate_codes_out(source)
     assert [number.number for number in target.numbers] == [1.0, 2.0]
+
+
+def test_an_array_that_may_be_absent_is_made_whole(made):
+    source = Imu()
+    source.linear_acceleration.x = 2.0
+    target = made.bridge.translate_states(source)
+    assert [state.gear for state in target.states] == [0, 2]
+    assert type(target).decode(target.encode()) == target
 
 
 # ------------------------------------------------------------------ lists in lists

@@ -284,8 +284,10 @@ class _Printer:
             case New(class_name=name, parts=parts, is_spread=is_spread):
                 texts = map(self.text, parts)
                 return call(name, *(f"*{text}" if is_spread else text for text in texts))
-            case values.NewList():
-                return "[]"
+            case values.NewList(element=element, count=count):
+                if isinstance(element, New):
+                    return f"[{self.text(element)} for _ in range({count})]"
+                return f"[{literal(element)}] * {count}" if element is not None else "[]"
             case values.IfKept(kept=kept, made=value):
                 return f"None if {self.text(kept)} is None else {self.text(value)}"
             case values.Translate(method=method, message=message):

@@ -277,6 +277,8 @@ class _Walk:
                 self._containers.append((self._place, NewList()))
         elif not isinstance(at, ArrayValue) or index >= at.count:
             raise PathError(f"{self._message.jaus_name} has no field '{self._path}'")
+        elif self._is_optional:
+            self._containers.append((self._place, NewList(_element_of(at), at.count)))
         self._at, self._place = at.element, self._place.at(index)
         if isinstance(at, ListValue) and self._start.names is not None:
             local = self._start.names(self._place)
@@ -371,6 +373,14 @@ class _Walk:
             "is_float": value.python_type == "float",
             "is_scaled": value.scale is not None,
         }
+
+
+def _element_of(array: ArrayValue) -> Constant | New:
+    """Returns an element of an array in a message as it is made."""
+    element = array.element
+    if isinstance(element, Fixed | Blob) and not isinstance(element, Bits):
+        return default_of(element)
+    return New(element.python_type)
 
 
 def default_of(value: Fixed | Blob) -> Constant:
