@@ -110,7 +110,7 @@ class _Printer:
                 refusal = Raise(call(error, *map(python_string, texts)))
                 self._statements.append(If(self.fails(condition), (refusal,)))
             case Choose(conditions=alternatives, steps=inner):
-                self._choose(" or ".join(map(self._all, alternatives)), inner)
+                self._choose(self._any(alternatives), inner)
             case WhereKept(name=name, steps=inner):
                 self._choose(f"self.{name} is not None", inner)
             case Each():
@@ -207,6 +207,13 @@ class _Printer:
         root = place.root if isinstance(place.root, str) else self._claim(place.root)
         steps = (f"[{step}]" if isinstance(step, int) else f".{step}" for step in place.steps)
         return root + "".join(steps)
+
+    def _any(self, alternatives: Sequence[Sequence[Condition]]) -> str:
+        """Returns the test that all conditions of one alternative hold."""
+        tests = [self._all(conditions) for conditions in alternatives]
+        if len(tests) == 1:
+            return tests[0]
+        return " or ".join(f"({test})" if " and " in test else test for test in tests)
 
     def _all(self, conditions: Sequence[Condition]) -> str:
         """Returns the test that conditions hold."""
