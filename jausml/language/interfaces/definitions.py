@@ -113,9 +113,8 @@ _ARRAY = re.compile(r"\[(?P<bounded><=)?(?P<size>[0-9]{1,10})?\]")
 _BOUND = re.compile(r"<=(?P<size>[0-9]{1,10})")
 _BASE = re.compile(r"(?P<base>[^\[<]*)(?P<bound><[^\[]*)?(?P<array>\[.*)?")
 _TYPE_NAME = re.compile(r"[A-Z][A-Za-z0-9]*")
-FIELD_NAME = re.compile(r"[a-z](?:_?[a-z0-9]+)*")
-CONSTANT_NAME = re.compile(r"[A-Z](?:_?[A-Z0-9]+)*")
-_PACKAGE_NAME = re.compile(r"[a-z](?:_?[a-z0-9]+)*")
+FIELD_NAME = re.compile(r"[a-z][a-z0-9]*(?:_[a-z0-9]+)*")
+CONSTANT_NAME = re.compile(r"[A-Z][A-Z0-9]*(?:_[A-Z0-9]+)*")
 # What C, Python and ROS 1 call types that ROS 2 has under another name.
 _OTHER_NAMES = {
     "boolean": "bool",
@@ -145,7 +144,7 @@ def is_type_name(text: str) -> bool:
 
 def is_package_name(text: str) -> bool:
     """Tells whether a text may name a package of interfaces."""
-    return _PACKAGE_NAME.fullmatch(text) is not None
+    return FIELD_NAME.fullmatch(text) is not None
 
 
 def parse_type(text: str) -> FieldType:

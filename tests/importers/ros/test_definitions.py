@@ -145,6 +145,7 @@ def test_line_ends_and_byte_order_mark(ending):
         ("int8<=4 x", "JML644", 1, 1, "[<=N]"),
         ("float64 frontLeft", "JML645", 1, 9, "lower case"),
         ("float64 a__b", "JML645", 1, 9, "lower case"),
+        (f"float64 {'a' * 99}-", "JML645", 1, 9, "lower case"),
         ("uint8 ok=1", "JML645", 1, 7, "UPPER_CASE"),
         ('string s "a=b"', "JML645", 1, 8, "a default cannot hold one"),
         ("float64 x abc", "JML646", 1, 11, ""),
