@@ -165,8 +165,8 @@ class _Printer(Values):
         if isinstance(value, values.NewList):
             count = [str(value.count)] if value.count else []
             initial = [literal(value.element)] if isinstance(value.element, Constant) else []
-            made = f"{slot.text}.emplace({', '.join([*count, *initial])})"
-            self._lines.append(f"{made if slot.is_optional else f'{slot.text}.clear()'};")
+            how = f"emplace({', '.join([*count, *initial])})" if slot.is_optional else "clear()"
+            self._lines.append(f"{slot.text}.{how};")
             return
         if isinstance(value, New) and not value.parts:
             kind = find(self.classes, value.class_name)
