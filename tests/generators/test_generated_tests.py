@@ -235,6 +235,33 @@ bridge desk_bridge {
     assert "source.yaw = ReportAnalogAction.Yaw" not in tests
 
 
+def test_a_field_is_not_tried_absent_beside_a_value_of_its_own(tmp_path):
+    model = model_in(
+        tmp_path,
+        """\
+import jaus.mobility
+days {
+  JAUS ReportLocalPose
+  ROS std_msgs/Header
+  table words ( 2 <-> "two" )
+  JAUS->ROS (
+    TimeStamp -> stamp : timestamp_to_time
+    TimeStamp.Day -> frame_id : look_up(words)
+  )
+}
+component rover { address: 10.1.2  provides: LocalPoseSensor }
+bridge day_bridge {
+  address: 10.1.1
+  uses: LocalPoseSensor
+  connection days { map: days  peers: rover  topic days {} }
+}
+""",
+    )
+    tests = text_of(model, [TARGET], "_translations.py")
+    assert "source.time_stamp.day = 2" in tests
+    assert "without_time_stamp" not in tests
+
+
 def outcomes_of(package, module, damages):
     """Returns exit code and output of the generated tests by damage; undamaged for None."""
     folder = package.parent
