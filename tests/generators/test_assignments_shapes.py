@@ -73,6 +73,17 @@ numbers {
   )
 }
 
+steps {
+  JAUS ReportNumbers
+  ROS std_msgs/Float64MultiArray
+  JAUS->ROS ( Numbers -> data {
+      Number, /Numbers[1].Number -> . : expression("value1 - value2") {
+        whenAbsent: useDefault
+        defaultValue: 1
+      }
+    } )
+}
+
 codes {
   JAUS ReportNumbers
   ROS sensor_msgs/Imu
@@ -107,6 +118,7 @@ rows {
 bridge shaped {
   address: 1.1.2
   connection numbers { map: numbers topic a {} }
+  connection steps { map: steps topic e {} }
   connection numbers_out { map: numbers direction: rosToJaus topic a {} }
   connection few { map: numbers direction: rosToJaus outOfRange: error topic a {} }
   connection polled { map: numbers exchange: query topic a {} }
@@ -141,6 +153,11 @@ def numbers(made, *values, scale=1.0, codes=(0,) * 9):
 def test_elements_see_the_message_around_them(made):
     target = made.bridge.translate_numbers(numbers(made, 1.0, 2.0, scale=4.0))
     assert list(target.data) == [4.0, 8.0]
+
+
+def test_an_element_of_the_message_that_is_not_there_counts_as_the_default(made):
+    assert list(made.bridge.translate_steps(numbers(made, 5.0, 3.0)).data) == [2.0, 0.0]
+    assert list(made.bridge.translate_steps(numbers(made, 5.0)).data) == [4.0]
 
 
 def test_an_absent_list_leaves_the_target(made):
