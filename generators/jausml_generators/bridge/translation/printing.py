@@ -334,7 +334,8 @@ class _Printer:
             if id(operand) in texts:
                 continue
             text = self.text(operand.value)
-            is_plain = times[id(operand)] == 1 or not operand.is_computed
+            is_formula = isinstance(operand.value, values.Authored)
+            is_plain = not operand.is_computed or (times[id(operand)] == 1 and not is_formula)
             if len(text) > _SHORT or not is_plain:
                 local = self._names.claim(operand.hint)
                 self._statements.append(Assign(local, text))
