@@ -22,6 +22,9 @@ from jausml.generation.artifact import (
 )
 from jausml.language.model.inputs import open_input, read_input
 
+# Unlike pathlib, os.path says no where nothing may be looked at.
+# ruff: noqa: PTH110, PTH113, PTH114
+
 MANIFEST_PATH = ".jausml/manifest.json"
 PENDING_PATH = ".jausml/pending.json"
 """The manifest that a run means to leave, while it writes: what a killed one has begun."""
@@ -256,21 +259,16 @@ def _may_have_header(path: Path) -> bool:
 
 
 def _files(out: Path) -> Iterator[Path]:
+    marks = ("COLCON_IGNORE", MANIFEST_PATH, "pyvenv.cfg")
     for folder, subfolders, names in os.walk(out):
         here = Path(folder)
         subfolders[:] = sorted(
             name
             for name in subfolders
-            if not name.startswith(".")
-            and not (here / name / "COLCON_IGNORE").exists()
-            and not (here / name / MANIFEST_PATH).exists()
-            and not (here / name / "pyvenv.cfg").exists()
+            if not (name.startswith(".") or any(os.path.exists(here / name / m) for m in marks))
         )
-        yield from (
-            here / name
-            for name in sorted(names)
-            if not (here / name).is_symlink() and (here / name).is_file()
-        )
+        paths = (here / name for name in sorted(names))
+        yield from (path for path in paths if os.path.isfile(path) and not os.path.islink(path))
 
 
 def _obstacle(path: str, mode: int, *, is_last: bool) -> str:

@@ -97,13 +97,14 @@ def generate(
     """
     if any(target.needs_system for target in targets):
         system_of(model)
-    if renewed:
-        there = _generated_targets(out, {name_of(model), adopt})
-        again = [target for target in renewed if target.name in there]
-        _check_again(model, again)
-        targets = [*targets, *again]
-    artifacts = render(model, targets, _beside(out, name_of(model), targets, kept))
+    # What is shared depends on what stands beside: no other run writes between the two.
     with locked(out) if write else nullcontext():
+        if renewed:
+            there = _generated_targets(out, {name_of(model), adopt})
+            again = [target for target in renewed if target.name in there]
+            _check_again(model, again)
+            targets = [*targets, *again]
+        artifacts = render(model, targets, _beside(out, name_of(model), targets, kept))
         return _generate(
             model, targets, artifacts, out, kept, adopt, force=force, write=write, fix=fix
         )

@@ -226,13 +226,13 @@ if sys.platform != "win32":
 def locked(out: Path) -> Iterator[None]:
     """Waits until no other run writes into a folder, and keeps others out.
 
-    The folder itself is locked, so that no file is left; it is made when it is missing, and removed
-    when it stays empty. Windows has no such lock.
+    The folder itself is locked, so that no file is left; it is made when it is missing, with those
+    above it, and removed when it stays empty. Windows has no such lock.
     """
     if sys.platform == "win32":
         yield
         return
-    is_new = not out.exists()
+    new = [folder for folder in (out, *out.parents) if not folder.exists()]
     try:
         out.mkdir(parents=True, exist_ok=True)
         descriptor = os.open(out, os.O_RDONLY)
@@ -243,6 +243,6 @@ def locked(out: Path) -> Iterator[None]:
         yield
     finally:
         os.close(descriptor)
-        if is_new:
-            with suppress(OSError):
-                out.rmdir()
+        with suppress(OSError):
+            for folder in new:
+                folder.rmdir()

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from jausml.generation.errors import InternalError, RefusedError, WriteError
-from jausml.generation.manifest import MANIFEST_PATH, PENDING_PATH
+from jausml.generation.manifest import MANIFEST_PATH, PENDING_PATH, find_python
 from jausml.generation.plan import ActionKind
-from jausml.generation.writer import apply
+from jausml.generation.writer import apply, locked
 
 NOBODY = 65534
 
@@ -118,6 +118,12 @@ def test_a_failed_rendering_writes_nothing(workspace, templates, vehicle, rename
     assert workspace.snapshot() == before
 
 
+def test_a_run_that_writes_nothing_leaves_no_folder(tmp_path):
+    with locked(tmp_path / "ws" / "src"):
+        assert (tmp_path / "ws" / "src").is_dir()
+    assert not (tmp_path / "ws").exists()
+
+
 def test_a_file_that_appears_after_the_plan_is_not_overwritten(workspace, vehicle):
     plan = workspace.plan([vehicle])
     workspace.path("vehicle").mkdir(parents=True)
@@ -166,6 +172,20 @@ def test_a_read_only_folder_is_an_error_with_the_files_name(workspace, vehicle, 
         assert left == before
         workspace.path("vehicle").chmod(0o755)
         workspace.path("vehicle/config").chmod(0o755)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="permission bits")
+def test_a_folder_of_others_that_may_not_be_looked_into_holds_nothing():
+    with tempfile.TemporaryDirectory() as name:
+        Path(name).chmod(0o755)
+        for mode in (0o000, 0o444):
+            inner = Path(name, f"closed_{mode}")
+            inner.mkdir()
+            (inner / "x.py").touch()
+            inner.chmod(mode)
+
+        with unprivileged():
+            assert find_python(Path(name)) == []
 
 
 @pytest.mark.skipif(os.name != "posix", reason="permission bits")

@@ -116,6 +116,32 @@ joined {
   )
 }
 
+service Carrier {
+  urn: "urn:acme:jaus:Carrier"
+  outputs: new message_def ReportCarried {
+    code: 0xD1F1
+    body: new record Body {
+      fields: new variable_format_field Data {
+        countType: uint8
+        formats: { index: 0  name: "XML" }, { index: 3  name: "JAUS MESSAGE" }
+      }
+    }
+  }
+}
+
+carried {
+  JAUS ReportCarried
+  ROS nav_msgs/Path
+  JAUS->ROS ( Data -> poses[0] { map: waypoint } )
+  ROS->JAUS ( poses[0] -> Data { map: waypoint } )
+}
+
+spread {
+  JAUS ReportSpread ( uint8 [<=9] codes  float32 count ) { code: 0xD1F0 }
+  ROS sensor_msgs/LaserScan
+  JAUS->ROS ( codes, count -> ranges : user(spread) { value -> . } )
+}
+
 bridge listed {
   address: 1.1.2
   connection elements { map: elements onSilence: hold holdReason: "a path stays" topic a {} }
@@ -128,6 +154,9 @@ bridge listed {
   connection strict_out { map: strict_joints direction: rosToJaus topic b {} }
   connection grid { map: grid topic c {} }
   connection grid_out { map: grid direction: rosToJaus topic c {} }
+  connection carried { map: carried topic f {} }
+  connection carried_out { map: carried direction: rosToJaus topic f {} }
+  connection spread { map: spread topic e {} }
   connection joined {
     map: joined
     direction: rosToJaus
@@ -206,6 +235,15 @@ def test_messages_inside_are_there_once(made):
 # ------------------------------------------------------------------ how many elements there are
 
 
+def test_a_message_has_the_format_that_the_field_has_for_it(made):
+    target = made.bridge.translate_carried_out(route((0.0, 0.0)))
+    assert target.data.format_index == 3
+    assert len(made.bridge.translate_carried(target).poses) == 1
+    target.data.format_index = 0
+    with pytest.raises(made.error("ConversionError"), match="Data carries no JAUS message"):
+        made.bridge.translate_carried(target)
+
+
 def test_more_elements_than_the_list_holds_drop_the_message(made):
     assert len(made.bridge.translate_elements_out(route(*[(0.0, 0.0)] * 255)).element_list) == 255
     with pytest.raises(made.error("OutOfRangeError")) as caught:
@@ -216,6 +254,20 @@ def test_more_elements_than_the_list_holds_drop_the_message(made):
 def test_empty_lists(made):
     assert made.bridge.translate_elements_out(Path()).element_list == []
     assert made.bridge.translate_joints(made.messages.ReportJointPositions()).name == []
+
+
+def test_single_values_of_jaus_may_stand_beside_a_list(made, monkeypatch):
+    report = made.messages.ReportSpread
+    message = report(codes=[report.CodesRec(1), report.CodesRec(2)], count=1.0)
+
+    def first(items, count):
+        return items[: int(count)]
+
+    monkeypatch.setattr(made.bridge, "convert_spread", first)
+    assert list(made.bridge.translate_spread(message).ranges) == [1.0]
+    message.count = math.nan
+    with pytest.raises(made.error("OutOfRangeError")):
+        made.bridge.translate_spread(message)
 
 
 # ------------------------------------------------------------------ elements by name

@@ -37,6 +37,17 @@ service_set shapes {
         }
       }
     }
+    outputs: new message_def ReportStates {
+      code: "0xD203"
+      body: new record StatesRec {
+        presenceVector: uint8
+        array States {
+          optional: true
+          element: new bit_field State { subFields: { name: Gear  lowBit: 0  highBit: 3 } }
+          dimensions: 2
+        }
+      }
+    }
     outputs: new message_def ReportRows {
       code: "0xD202"
       body: new list Rows {
@@ -62,6 +73,17 @@ numbers {
   )
 }
 
+steps {
+  JAUS ReportNumbers
+  ROS std_msgs/Float64MultiArray
+  JAUS->ROS ( Numbers -> data {
+      Number, /Numbers[1].Number -> . : expression("value1 - value2") {
+        whenAbsent: useDefault
+        defaultValue: 1
+      }
+    } )
+}
+
 codes {
   JAUS ReportNumbers
   ROS sensor_msgs/Imu
@@ -80,6 +102,12 @@ codes {
   )
 }
 
+states {
+  JAUS ReportStates
+  ROS sensor_msgs/Imu
+  ROS->JAUS ( linear_acceleration.x -> States[1].Gear )
+}
+
 rows {
   JAUS ReportRows
   ROS sensor_msgs/MultiEchoLaserScan
@@ -90,11 +118,13 @@ rows {
 bridge shaped {
   address: 1.1.2
   connection numbers { map: numbers topic a {} }
+  connection steps { map: steps topic e {} }
   connection numbers_out { map: numbers direction: rosToJaus topic a {} }
   connection few { map: numbers direction: rosToJaus outOfRange: error topic a {} }
   connection polled { map: numbers exchange: query topic a {} }
   connection codes { map: codes topic b {} }
   connection codes_out { map: codes direction: rosToJaus topic b {} }
+  connection states { map: states direction: rosToJaus topic d {} }
   connection rows { map: rows topic c {} }
   connection rows_out { map: rows direction: rosToJaus topic c {} }
 }
@@ -123,6 +153,11 @@ def numbers(made, *values, scale=1.0, codes=(0,) * 9):
 def test_elements_see_the_message_around_them(made):
     target = made.bridge.translate_numbers(numbers(made, 1.0, 2.0, scale=4.0))
     assert list(target.data) == [4.0, 8.0]
+
+
+def test_an_element_of_the_message_that_is_not_there_counts_as_the_default(made):
+    assert list(made.bridge.translate_steps(numbers(made, 5.0, 3.0)).data) == [2.0, 0.0]
+    assert list(made.bridge.translate_steps(numbers(made, 5.0)).data) == [4.0]
 
 
 def test_an_absent_list_leaves_the_target(made):
@@ -184,6 +219,14 @@ def test_elements_are_made_in_order(made):
     source.linear_acceleration.x, source.linear_acceleration.y = 1.0, 2.0
     target = made.bridge.translate_codes_out(source)
     assert [number.number for number in target.numbers] == [1.0, 2.0]
+
+
+def test_an_array_that_may_be_absent_is_made_whole(made):
+    source = Imu()
+    source.linear_acceleration.x = 2.0
+    target = made.bridge.translate_states(source)
+    assert [state.gear for state in target.states] == [0, 2]
+    assert type(target).decode(target.encode()) == target
 
 
 # ------------------------------------------------------------------ lists in lists

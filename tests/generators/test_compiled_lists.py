@@ -134,6 +134,18 @@ cells {
   ROS->JAUS ( data -> cells { ., index -> value : expression("value1 + 0.25 * index") } )
 }
 
+gains {
+  JAUS SetGains ( int16 [3] gains { optional: true } ) { code: 0xD108 }
+  ROS sensor_msgs/ChannelFloat32
+  ROS->JAUS ( values[0] -> gains[1] )
+}
+
+formulas {
+  JAUS SetFormulas ( float64 first ) { code: 0xD109 }
+  ROS sensor_msgs/ChannelFloat32
+  ROS->JAUS ( values[0] -> first : expression("value + 1"), expression("2 * value") )
+}
+
 bridge compiled_lists {
   address: 1.1.2
   connection scan_up { map: scan topic a {} }
@@ -151,6 +163,8 @@ bridge compiled_lists {
   connection beams_up { map: beams topic h {} }
   connection beams_down { map: beams direction: rosToJaus topic h {} }
   connection cells_up { map: cells topic i {} }
+  connection formulas_down { map: formulas direction: rosToJaus topic k {} }
+  connection gains_down { map: gains direction: rosToJaus topic j {} }
   connection cells_down { map: cells direction: rosToJaus topic i {} }
 }
 """
@@ -251,6 +265,15 @@ def test_any_single_precision(made, values, order):
 def test_any_double_precision(made, values, order):
     check(made, "joints_down", joints(order, values, []))
     check(made, "bounds_down", joints(order, [], values))
+
+
+def test_an_array_that_may_be_absent_is_made_for_one_element(made):
+    result = check(made, "gains_down", scan("<", [2.0]))
+    assert result == struct.pack("<HB3h", 0xD108, 1, 0, 2, 0)
+
+
+def test_a_formula_takes_the_whole_result_of_the_one_before(made):
+    assert check(made, "formulas_down", scan("<", [2.0])) == struct.pack("<Hd", 0xD109, 6.0)
 
 
 def test_each_that_does_not_fit_is_counted(made):

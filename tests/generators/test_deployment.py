@@ -243,6 +243,13 @@ def test_containers_run_what_the_units_run_without_privileges(variant, files_of)
             assert dockerfile.removeprefix("rover_deployment/") in files
 
 
+def test_a_process_may_be_called_by_a_word_of_yaml(model_of):
+    text = VARIANTS["one computer"].replace("bridge watcher", "bridge on")
+    files = texts_of(model_of(text), [DEPLOYMENT])
+    composed = yaml.safe_load(files["rover_deployment/hosts/computer/compose.yaml"])
+    assert list(composed["services"]) == ["on"]
+
+
 def test_compose_takes_the_files(workspace):
     files = sorted(map(str, workspace.glob("rover_deployment/hosts/*/compose.yaml")))
     assert len(files) == 2

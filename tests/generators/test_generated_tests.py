@@ -235,6 +235,70 @@ bridge desk_bridge {
     assert "source.yaw = ReportAnalogAction.Yaw" not in tests
 
 
+def test_a_field_is_not_tried_absent_beside_a_value_of_its_own(tmp_path):
+    model = model_in(
+        tmp_path,
+        """\
+import jaus.mobility
+days {
+  JAUS ReportLocalPose
+  ROS std_msgs/Header
+  table words ( 2 <-> "two" )
+  JAUS->ROS (
+    TimeStamp -> stamp : timestamp_to_time
+    TimeStamp.Day -> frame_id : look_up(words)
+  )
+}
+component rover { address: 10.1.2  provides: LocalPoseSensor }
+bridge day_bridge {
+  address: 10.1.1
+  uses: LocalPoseSensor
+  connection days { map: days  peers: rover  topic days {} }
+}
+""",
+    )
+    tests = text_of(model, [TARGET], "_translations.py")
+    assert "source.time_stamp.day = 2" in tests
+    assert "without_time_stamp" not in tests
+
+
+JOINED = """\
+import jaus.mobility
+import `jaus.core-1.1`
+poses {
+  JAUS ReportLocalPose
+  ROS nav_msgs/OccupancyGrid
+  table words ( 1 <-> "one" )
+  report_join near { message: Discovery.ReportServices  freshness: 1.5  whenStale: %s }
+  JAUS->ROS (
+    X -> info.origin.position.x
+    %s
+  )
+}
+component rover { address: 10.1.2  provides: LocalPoseSensor, Discovery }
+bridge pose_bridge {
+  address: 10.1.1
+  uses: LocalPoseSensor
+  connection poses { map: poses  peers: rover  topic poses {} }
+}
+"""
+
+
+@pytest.mark.parametrize(
+    ("stale", "assignment"),
+    [
+        ("dropMessage", "near.NodeList.count -> info.width { whenAbsent: dropMessage }"),
+        ("leave", "near.NodeList[0].NodeRec.NodeID -> info.width { whenAbsent: dropMessage }"),
+        ("dropMessage", "near.NodeList[0].NodeRec.NodeID -> header.frame_id : look_up(words)"),
+    ],
+)
+def test_no_message_is_tried_that_what_is_joined_may_refuse(tmp_path, stale, assignment):
+    model = model_in(tmp_path, JOINED % (stale, assignment))
+    tests = text_of(model, [TARGET], "_translations.py")
+    assert "def test_poses_has_the_same_bytes_in_each_form" in tests
+    assert "def test_poses(" not in tests
+
+
 def outcomes_of(package, module, damages):
     """Returns exit code and output of the generated tests by damage; undamaged for None."""
     folder = package.parent

@@ -138,6 +138,9 @@ strict {
     voltage -> Voltage { whenAbsent: lastValue }
     stamp -> TimeStamp : time_to_timestamp { whenAbsent: receptionTime }
     status -> Status { whenAbsent: useDefault defaultValue: "5" }
+    parts[0].charge, voltage -> Total : expression("charge + voltage") {
+      whenAbsent: useDefault defaultValue: "1"
+    }
   )
   JAUS->ROS (
     Status -> status { whenAbsent: leave }

@@ -3,7 +3,10 @@
 import ast
 import json
 import shutil
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from pathlib import Path
+from threading import Barrier, BrokenBarrierError
 
 import pytest
 from for_each import for_each
@@ -11,6 +14,7 @@ from generated import model_in, model_of
 from workspaces import python_path
 
 from jausml.generation.manifest import MANIFEST_PATH
+from jausml.generation.rendering import render
 from jausml.generation.workspace import Result
 from jausml.generation.workspace import generate as generate_code
 from jausml_generators.bridge.target import TARGET as BRIDGE
@@ -221,6 +225,23 @@ def test_models_of_one_workspace_share_what_both_need(begun, tmp_path):
     starts(tmp_path / "src", "front")
     starts(tmp_path / "src", "talker")
     assert generate(tmp_path, FRONT, "front", write=False).plan.is_up_to_date
+
+
+def test_models_that_are_generated_at_once_share_what_both_need(tmp_path, monkeypatch):
+    both = Barrier(2)
+
+    def rendered_together(*arguments):
+        artifacts = render(*arguments)
+        with suppress(BrokenBarrierError):
+            both.wait(0.3)
+        return artifacts
+
+    monkeypatch.setattr("jausml.generation.workspace.render", rendered_together)
+    models = (FRONT, "front"), (TALKER, "talk")
+    with ThreadPoolExecutor() as runs:
+        list(runs.map(lambda model: generate(tmp_path, *model), models))
+    starts(tmp_path / "src", "front")
+    starts(tmp_path / "src", "talker")
 
 
 def test_the_runtime_alone_is_that_of_the_code_that_is_there(begun, tmp_path):

@@ -85,6 +85,14 @@ def test_arrays_and_lists(texts):
     assert plain.countType.name == "uint16"
 
 
+def test_what_is_said_of_a_list_is_not_said_of_its_elements(texts):
+    members = "dot [2] a { optional: true }"
+    text = f"m {{ JAUS Own ( {members} ) {{ code: 0xD100 }} ROS std_msgs/Float64 }}"
+    model = texts.good(f"struct [ uint8 x ] dot\n{text}")
+    (many,) = model.instances(jaus.List, library=False)
+    assert (many.optional, many.element.optional) == (True, False)
+
+
 def test_listing_a_declared_message_again_is_checked(texts):
     members = "uint8 [4] a  uint8 [] b  struct [ uint8 x ] [2] c  string<=9 d  bool e"
     ros = "ROS std_msgs/Float64"

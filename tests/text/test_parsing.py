@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from jausml.language.text.keywords import KEYWORDS
 from jausml.language.text.reading.parsing import MOST_FAULTS, parse
+from jausml.language.text.reading.scanning import with_line_feeds
 from jausml.language.text.tree import DEEPEST, LONGEST, Direction, Element, Member, Span
 from jausml.language.text.writing.layout import lay_out
 
@@ -264,7 +265,7 @@ def test_marks_and_line_ends_of_other_systems():
 )
 def test_it_never_raises_and_places_each_fault_in_the_text(text):
     parsed = parse(text)
-    lines = text.removeprefix("\ufeff").split("\n")
+    lines = with_line_feeds(text.removeprefix("\ufeff")).split("\n")
     for fault in parsed.faults:
         assert fault.message
         assert 1 <= fault.span.line <= len(lines)

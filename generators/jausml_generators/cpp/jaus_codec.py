@@ -209,7 +209,7 @@ class _Message:
                 if not most:
                     return TEXT if value.is_text else OCTETS
                 if value.is_text:
-                    return Plain(f"jausml::Text<{value.upper}>")
+                    return Plain(f"jausml::Text<{cpp_integer(value.upper)}>")
                 return Elements(Plain(NUMBERS["B"]), most=value.upper)
             case VariantValue():
                 options = tuple(self.structs[option.python_type] for option in value.options)

@@ -87,7 +87,7 @@ def _scale(value: Fixed) -> tuple[str, str]:
 def _ranges(value: Fixed, kind: Type) -> str:
     """The legal ranges, as far as the type goes."""
     # Beyond the type a range cannot be hit, and its literal would not compile.
-    least, most = (0, 2**64 - 1) if kind.cpp == NUMBERS["Q"] else (1 - 2**63, 2**63 - 1)
+    least, most = (0, 2**64 - 1) if kind.cpp == NUMBERS["Q"] else (-(2**63), 2**63 - 1)
     kept = [(max(low, least), min(high, most)) for low, high in value.ranges if low <= most]
     texts = (f"{{{cpp_integer(low)}, {cpp_integer(high)}}}" for low, high in kept)
     return f"{{{', '.join(texts)}}}"

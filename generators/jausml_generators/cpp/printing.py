@@ -163,8 +163,10 @@ class _Printer(Values):
             self._lines.append(f"jausml::set_{value.kind}({target}, {self.text(value)});{comment}")
             return
         if isinstance(value, values.NewList):
-            how = f"{slot.text}.emplace()" if slot.is_optional else f"{slot.text}.clear()"
-            self._lines.append(f"{how};")
+            count = [str(value.count)] if value.count else []
+            initial = [literal(value.element)] if isinstance(value.element, Constant) else []
+            how = f"emplace({', '.join([*count, *initial])})" if slot.is_optional else "clear()"
+            self._lines.append(f"{slot.text}.{how};")
             return
         if isinstance(value, New) and not value.parts:
             kind = find(self.classes, value.class_name)

@@ -119,7 +119,7 @@ class Elements:
         inner = getattr(self.of, "element", "") or self.of.cpp
         inner = f"std::optional<{inner}>" if self.may_lack else inner
         if self.most:
-            return f"jausml::List<{inner}, {self.most}>"
+            return f"jausml::List<{inner}, {cpp_integer(self.most)}>"
         return f"std::array<{inner}, {self.count}>" if self.count else f"std::vector<{inner}>"
 
 

@@ -183,7 +183,10 @@ class Values(Places):
                 pairs = (f"{{{cpp_integer(low)}, {cpp_integer(high)}}}" for low, high in ranges)
                 return f"{{{', '.join(pairs)}}}"
             case values.Authored(expression=expression, operands=operands):
-                names = {name: f"{self._operand(operand.value)}" for name, operand in operands}
+                names = {name: self._operand(operand.value) for name, operand in operands}
+                for name, operand in operands:
+                    if isinstance(operand.value, values.Authored) and operand.is_computed:
+                        names[name] = f"({names[name]})"
                 return number(expression, names)
             case values.Either(conditions=conditions, value=inner, otherwise=otherwise):
                 test = " && ".join(map(self.holds, conditions))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import re
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -114,9 +113,8 @@ _ARRAY = re.compile(r"\[(?P<bounded><=)?(?P<size>[0-9]{1,10})?\]")
 _BOUND = re.compile(r"<=(?P<size>[0-9]{1,10})")
 _BASE = re.compile(r"(?P<base>[^\[<]*)(?P<bound><[^\[]*)?(?P<array>\[.*)?")
 _TYPE_NAME = re.compile(r"[A-Z][A-Za-z0-9]*")
-FIELD_NAME = re.compile(r"[a-z](?:_?[a-z0-9]+)*")
-CONSTANT_NAME = re.compile(r"[A-Z](?:_?[A-Z0-9]+)*")
-_PACKAGE_NAME = re.compile(r"[a-z](?:_?[a-z0-9]+)*")
+FIELD_NAME = re.compile(r"[a-z][a-z0-9]*(?:_[a-z0-9]+)*")
+CONSTANT_NAME = re.compile(r"[A-Z][A-Z0-9]*(?:_[A-Z0-9]+)*")
 # What C, Python and ROS 1 call types that ROS 2 has under another name.
 _OTHER_NAMES = {
     "boolean": "bool",
@@ -146,7 +144,7 @@ def is_type_name(text: str) -> bool:
 
 def is_package_name(text: str) -> bool:
     """Tells whether a text may name a package of interfaces."""
-    return _PACKAGE_NAME.fullmatch(text) is not None
+    return FIELD_NAME.fullmatch(text) is not None
 
 
 def parse_type(text: str) -> FieldType:
@@ -200,6 +198,7 @@ def _with_array(base: FieldType, text: str) -> FieldType:
 
 _TRUTH = {"true": True, "1": True, "false": False, "0": False}
 _LONGEST_NUMBER = 400
+_LARGEST = {"float32": 3.4028234663852886e38, "float64": 1.7976931348623157e308}
 _JSON_NUMBER = re.compile(r"-?(?:0|[1-9][0-9]*)(?:\.[0-9]+)?(?:[eE][+-]?[0-9]+)?")
 _REAL = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 # What ends a line of a definition, or starts a comment.
@@ -285,14 +284,14 @@ def _element(text: str, kind: FieldType) -> Any:
     if len(text) > _LONGEST_NUMBER:
         raise ValueTextError("is too long for a number")
     if kind.name.startswith("float"):
-        return _real(text)
+        return _real(text, kind.name)
     return _integer(text, kind.name)
 
 
-def _real(text: str) -> str:
+def _real(text: str, name: str) -> str:
     if _REAL.fullmatch(text) is None:
         raise ValueTextError("is not a number")
-    if not math.isfinite(float(text)):
+    if abs(float(text)) > _LARGEST[name]:
         raise ValueTextError("is larger than any number of its type")
     return text if _JSON_NUMBER.fullmatch(text) else repr(float(text))
 

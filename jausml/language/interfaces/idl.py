@@ -28,7 +28,7 @@ from jausml.language.interfaces.definitions import (
     ValueTextError,
     parse_value,
 )
-from jausml.language.interfaces.parsing import PARTS, parse_definition
+from jausml.language.interfaces.parsing import NOT_TEXT, PARTS, parse_definition
 from jausml.language.model.diagnostics import ReadFault
 
 SUFFIX = ".idl"
@@ -109,6 +109,10 @@ def _tokens(text: str) -> list[_Token]:
         if match is None:
             raise _SyntaxError(token, f"{text[at]!r} begins nothing in IDL")
         kind, part, at = str(match.lastgroup), match.group(), match.end()
+        wrong = NOT_TEXT.search(_ESCAPE.sub(_character, part) if kind == "text" else part)
+        if wrong is not None:
+            message = f"character U+{ord(wrong[0]):04X} cannot stand in a model"
+            raise _SyntaxError(token, message, rule="JML642")
         if kind == "comment":
             said = _MARKS.sub("", part).strip()
             if tokens and tokens[-1].line == line:
@@ -301,10 +305,9 @@ class _Reader:
             values: dict[str, str] = {}
             if self._accept("("):
                 while not self._accept(")"):
-                    is_named = self._tokens[self._at + 1].text == "="
-                    key = self._take("name").text if is_named else "value"
-                    self._accept("=")
-                    values[key] = self._literal()
+                    word = self._literal()
+                    is_named = self._accept("=")
+                    values[word if is_named else "value"] = self._literal() if is_named else word
                     self._accept(",")
             if name != "verbatim":
                 annotations[name] = values.get("value", "")

@@ -41,7 +41,8 @@ PARTS = {
 
 _SEPARATOR = "---"
 _UNITS = re.compile(r"\[([^,\[\]]+)\]")
-_NOT_TEXT = re.compile("[\0-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
+NOT_TEXT = re.compile("[\0-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
+"""The characters that no model can hold."""
 
 
 def parse_definition(text: str, kind: str) -> Definition:
@@ -227,7 +228,7 @@ class _SectionReader:
             return None
 
     def _check_characters(self, number: int, line: str) -> None:
-        wrong = _NOT_TEXT.search(line)
+        wrong = NOT_TEXT.search(line)
         if wrong is not None:
             message = f"character U+{ord(wrong[0]):04X} cannot stand in a model"
             self._report("JML642", number, wrong.start() + 1, message)

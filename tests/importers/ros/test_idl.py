@@ -136,6 +136,8 @@ WHOLE = "module t_msgs { module msg { %s }; };"
         ("struct Track { long a }", "JML652", 52, "';' is missing before '}'"),
         ("struct Track { long a; ", "JML652", 59, "a name is missing"),
         ("struct Track { long $; };", "JML652", 50, "begins nothing"),
+        ('struct Track { @unit (value="\\x01") long a; };', "JML642", 58, "U+0001"),
+        ("/* \x01 */", "JML642", 30, "U+0001"),
         ("", "JML652", 1, "no structure 'Track'"),
     ],
 )
@@ -143,6 +145,12 @@ def test_what_ros_does_not_have_is_told_with_its_place(text, rule, column, said)
     (fault,) = read(WHOLE % text).faults
     assert (fault.rule, fault.line, fault.column) == (rule, 1, column)
     assert said in fault.message
+
+
+def test_a_file_may_end_anywhere():
+    whole = WHOLE % "struct Track { @unit (value=x) long a; };"
+    for end in range(len(whole)):
+        assert read(whole[:end]).faults
 
 
 def test_services_and_actions_have_a_structure_for_each_part():

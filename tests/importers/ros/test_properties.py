@@ -94,7 +94,9 @@ def default_of(draw, kind):
     single = FieldType(kind.name, "", kind.string_bound)
     pairs = [scalar(draw, single) for _ in range(count)]
     text = ", ".join(literal for literal, _ in pairs)
-    shown = [json.dumps(v, ensure_ascii=False) if kind.name in TEXTS else v for _, v in pairs]
+    # As rosidl has it, blanks at the ends of an element are lost even inside quotes.
+    texts = [json.dumps(v.strip(), ensure_ascii=False) for _, v in pairs]
+    shown = texts if kind.name in TEXTS else [v for _, v in pairs]
     return f"[{text}]", f"[{', '.join(shown)}]"
 
 

@@ -34,7 +34,9 @@ def _without(ends: Ends, sample: Sample) -> Iterator[tuple[str, dict[str, Scalar
     source = ends.source
     if isinstance(source, JausMessage):
         for path in sample.values:
-            if source.field(path).is_optional:
+            # What stands in a field brings it back.
+            is_whole = not any(inner.startswith(f"{path}.") for inner in sample.values)
+            if is_whole and source.field(path).is_optional:
                 yield path, sample.without(path)
         return
     for path in dict.fromkeys(

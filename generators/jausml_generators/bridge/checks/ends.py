@@ -11,6 +11,8 @@ from typing import TypeAlias
 
 from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.semantics.assignments.frames import is_coordinate
+from jausml.language.semantics.conversions import conversion_of
+from jausml.language.semantics.conversions.authored import Expression, LookUp
 from jausml.language.semantics.paths.scopes import place, source_paths, spelled_out, used_maps
 from jausml_generators.bridge.checks.check import NO_STEP, Chain, equals, quantities_of, store
 from jausml_generators.bridge.checks.filling import (
@@ -26,7 +28,9 @@ from jausml_generators.bridge.checks.filling import (
 from jausml_generators.bridge.connections import ConnectionView
 from jausml_generators.bridge.ends import JoinView, ReportJoinView
 from jausml_generators.bridge.translation.expressions import TEXT
+from jausml_generators.bridge.translation.places import PathError
 from jausml_generators.bridge.translation.surroundings import Surroundings
+from jausml_generators.bridge.translation.translation import is_total
 from jausml_generators.python.statements import call
 
 AnyJoin: TypeAlias = "JoinView | ReportJoinView"
@@ -246,10 +250,37 @@ class Ends:
                 assignment.whenAbsent.name == "dropMessage" and isinstance(join, ReportJoinView)
             )
             for path in source_paths(assignment) if is_needed else ():
-                first, _, rest = path.partition(".")
-                if first == join.model_name:
-                    values[rest] = _usual(self.joined_message(join).place(rest))
+                is_joined = path.partition(".")[0] == join.model_name
+                joined_place = self._joined_place(join, path) if is_joined else None
+                if joined_place is not None:
+                    values[joined_place.path] = _usual(joined_place)
         return values
+
+    def lets_pass(self, assignment: bridge.Assignment) -> bool:
+        """Tells whether an assignment is known to take joined messages as tests make them."""
+        paths = source_paths(assignment) if isinstance(assignment, bridge.FieldAssignment) else ()
+        joined = [(join, path) for path in paths if (join := self.join_of(path)) is not None]
+        if not joined or not isinstance(assignment, bridge.FieldAssignment):
+            return True
+        is_refused = assignment.whenAbsent.name == "dropMessage"
+        if not all(self._is_given(join, ()) for join, _ in joined):
+            return not is_refused
+        authored = (
+            conversion
+            for conversion in assignment.conversions
+            if isinstance(conversion_of(conversion), LookUp | Expression)
+        )
+        is_there = all(self._joined_place(join, path) is not None for join, path in joined)
+        return (is_there or not is_refused) and all(map(is_total, authored))
+
+    def _joined_place(self, join: AnyJoin, path: str) -> Place | None:
+        """Returns the place of a path in a joined message; None where tests make none."""
+        message, rest = self.joined_message(join), path.partition(".")[2]
+        try:
+            may_lack = isinstance(message, RosMessage) and message.field(rest).conditions
+            return None if may_lack else message.place(rest)
+        except PathError:
+            return None
 
     @staticmethod
     def _is_given(join: AnyJoin, join_names: Collection[str]) -> bool:

@@ -65,6 +65,8 @@ def sample_of(ends: Ends) -> Sample | None:
     """Returns a source message for a connection; None when none is known to pass."""
     if any(assignment.eClass.name not in _KINDS for assignment in ends.assignments):
         return None
+    if not all(map(ends.lets_pass, ends.assignments)):
+        return None
     try:
         return _Sampler(ends).sample()
     except (_NoSampleError, PathError, filling.ValueTextError):

@@ -215,8 +215,10 @@ class New:
 
 @dataclass(frozen=True)
 class NewList:
-    """A new list without elements."""
+    """A new list, without elements unless it says how many of what."""
 
+    element: Constant | New | None = None
+    count: int = 0
     kind: str = LIST
 
 

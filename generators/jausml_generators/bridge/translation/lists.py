@@ -103,8 +103,8 @@ class _ListSteps:
         """The elements after the conversions of the list as a whole."""
         first = Read(self._many.place, LIST)
         expression: Expression = first
-        # Asked without a policy: the values go to a conversion, which limits nothing.
-        others = (self._outer.source.value(path, NO_POLICY) for path in self._paths[1:])
+        policy = self._body.policies.of_wholes
+        others = (self._outer.source.value(path, policy) for path in self._paths[1:])
         inputs: tuple[Expression, ...] = (first, *(other.expression for other in others))
         for conversion in self._assignment.conversions:
             known = conversion_of(conversion)

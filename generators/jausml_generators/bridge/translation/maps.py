@@ -227,8 +227,8 @@ def _to_ros(translation: Translation, assignment: bridge.MessageAssignment) -> N
         data = field.place
         if field.kind == FORMAT:
             text = f"{field.path} carries no JAUS message"
-            # Format 0 of a variable-format field is a JAUS message; others carry other data.
-            body.add(Require(Equal(data.at("format_index"), 0), "ConversionError", (text,)))
+            is_message = Equal(data.at("format_index"), field.message_format)
+            body.add(Require(is_message, "ConversionError", (text,)))
             data = data.at("data")
         decoded = Decode(message.class_name, Read(data, OCTETS))
         path = assignment.target.strip()

@@ -110,7 +110,7 @@ class _Printer:
                 refusal = Raise(call(error, *map(python_string, texts)))
                 self._statements.append(If(self.fails(condition), (refusal,)))
             case Choose(conditions=alternatives, steps=inner):
-                self._choose(" or ".join(map(self._all, alternatives)), inner)
+                self._choose(self._any(alternatives), inner)
             case WhereKept(name=name, steps=inner):
                 self._choose(f"self.{name} is not None", inner)
             case Each():
@@ -208,6 +208,13 @@ class _Printer:
         steps = (f"[{step}]" if isinstance(step, int) else f".{step}" for step in place.steps)
         return root + "".join(steps)
 
+    def _any(self, alternatives: Sequence[Sequence[Condition]]) -> str:
+        """Returns the test that all conditions of one alternative hold."""
+        tests = [self._all(conditions) for conditions in alternatives]
+        if len(tests) == 1:
+            return tests[0]
+        return " or ".join(f"({test})" if " and " in test else test for test in tests)
+
     def _all(self, conditions: Sequence[Condition]) -> str:
         """Returns the test that conditions hold."""
         are_several = len(conditions) > 1
@@ -284,8 +291,10 @@ class _Printer:
             case New(class_name=name, parts=parts, is_spread=is_spread):
                 texts = map(self.text, parts)
                 return call(name, *(f"*{text}" if is_spread else text for text in texts))
-            case values.NewList():
-                return "[]"
+            case values.NewList(element=element, count=count):
+                if isinstance(element, New):
+                    return f"[{self.text(element)} for _ in range({count})]"
+                return f"[{literal(element)}] * {count}" if element is not None else "[]"
             case values.IfKept(kept=kept, made=value):
                 return f"None if {self.text(kept)} is None else {self.text(value)}"
             case values.Translate(method=method, message=message):
@@ -325,7 +334,8 @@ class _Printer:
             if id(operand) in texts:
                 continue
             text = self.text(operand.value)
-            is_plain = times[id(operand)] == 1 or not operand.is_computed
+            is_formula = isinstance(operand.value, values.Authored)
+            is_plain = not operand.is_computed or (times[id(operand)] == 1 and not is_formula)
             if len(text) > _SHORT or not is_plain:
                 local = self._names.claim(operand.hint)
                 self._statements.append(Assign(local, text))

@@ -88,7 +88,8 @@ class JausSource:
 
     def inlined(self) -> JausSource:
         """Returns the same source, whose values give no names to elements of lists."""
-        return replace(self, start=replace(self.start, names=None))
+        start = replace(self.start, names=None)
+        return replace(self, start=start, top=self.top.inlined() if self.top else None)
 
     def field(self, path: str) -> JausField:
         """Returns the end of a path; one that begins with `/` starts at the message."""

@@ -339,7 +339,7 @@ class JausTarget:
         """Returns an encoded message as a value of the field that carries it."""
         end = self.field(path)
         if end.kind == FORMAT:
-            return New(end.class_name, (number(0), payload))
+            return New(end.class_name, (number(end.message_format), payload))
         if end.kind == OCTETS:
             return policy.limit("octets", payload, end.path, end.limits)
         raise AssignmentError(f"{end.path} carries no message")

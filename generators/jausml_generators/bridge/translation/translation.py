@@ -113,7 +113,7 @@ def _is_marker(requirement: Requirement) -> bool:
     return isinstance(requirement, HasValue)
 
 
-def _is_total(conversion: bridge.Conversion) -> bool:
+def is_total(conversion: bridge.Conversion) -> bool:
     """Whether a conversion has a result for each number."""
     meaning = conversion_of(conversion)
     if isinstance(meaning, AuthoredExpression):
@@ -288,7 +288,7 @@ class Translation(ABC):
             and bool(requirements)
             and all(map(_is_marker, requirements))
         )
-        if not is_element or not all(map(_is_total, assignment.conversions)):
+        if not is_element or not all(map(is_total, assignment.conversions)):
             return None
         marks = [mark for mark in requirements if isinstance(mark, HasValue)]
         asked = dict(operand for mark in marks for operand in mark.operands)

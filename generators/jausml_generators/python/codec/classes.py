@@ -201,11 +201,6 @@ class ContainerClass:
     is_wrapper: bool = False
     formats: tuple[Format, ...] = ()
 
-    @property
-    def is_format(self) -> bool:
-        """Whether it is the index of a format and bytes."""
-        return bool(self.formats)
-
     @cached_property
     def by_jaus_name(self) -> Mapping[str, Member]:
         """The members by their names in the model."""

@@ -14,6 +14,7 @@ from collections.abc import Callable, Container, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from jausml.language.wire import JAUS_MESSAGE
 from jausml_generators.bridge.translation.expressions import (
     BITS,
     FORMAT,
@@ -97,7 +98,7 @@ class JausField:
             of octets or elements of a list; infinite when nothing limits it.
         brought: Least and greatest integer that the wire can bring, legal or not.
         values: Legal ranges of an integer with named values or gaps; empty for others.
-        listed: Names and values of single legal integers.
+        listed: Names and values of single legal integers, names and indices of formats.
         is_float: Whether a number is a float in Python, which integers in variable fields may be.
         is_scaled: Whether a real stands on the wire as an integer, and so is finite.
         is_optional: Whether the end itself may be left out.
@@ -131,6 +132,11 @@ class JausField:
     def is_identifier(self) -> bool:
         """Whether its numbers identify or count: integers without a scale and without a unit."""
         return self.kind == INTEGER and not self.units
+
+    @property
+    def message_format(self) -> int:
+        """Index of the format that is a JAUS message, of a variable format field with such."""
+        return dict(self.listed)[JAUS_MESSAGE]
 
     @property
     def value(self) -> Place:
@@ -207,7 +213,7 @@ class _Walk:
         if isinstance(at, PartValue) and isinstance(at.part, VariableFieldClass):
             return {alternative.jaus_name: alternative for alternative in at.part.alternatives}
         if isinstance(at, PartValue) and isinstance(at.part, ContainerClass):
-            if at.part.is_format:
+            if at.part.formats:
                 return {data_format.jaus_name: data_format for data_format in at.part.formats}
             return at.part.by_jaus_name
         return {}
@@ -271,6 +277,8 @@ class _Walk:
                 self._containers.append((self._place, NewList()))
         elif not isinstance(at, ArrayValue) or index >= at.count:
             raise PathError(f"{self._message.jaus_name} has no field '{self._path}'")
+        elif self._is_optional:
+            self._containers.append((self._place, NewList(_element_of(at), at.count)))
         self._at, self._place = at.element, self._place.at(index)
         if isinstance(at, ListValue) and self._start.names is not None:
             local = self._start.names(self._place)
@@ -341,8 +349,9 @@ class _Walk:
             return {"kind": LIST, "limits": (0, at.upper), "element": at.element}
         if isinstance(at, ArrayValue):
             return {"kind": LIST, "limits": (at.count, at.count), "element": at.element}
-        if isinstance(at, PartValue) and getattr(at.part, "is_format", False):
-            return {"kind": FORMAT, "class_name": at.python_type}
+        if isinstance(at, PartValue) and isinstance(at.part, ContainerClass) and at.part.formats:
+            formats = tuple((known.jaus_name, known.index) for known in at.part.formats)
+            return {"kind": FORMAT, "class_name": at.python_type, "listed": formats}
         return {"kind": OTHER}
 
     def _number(self, value: Fixed) -> dict[str, Any]:
@@ -364,6 +373,14 @@ class _Walk:
             "is_float": value.python_type == "float",
             "is_scaled": value.scale is not None,
         }
+
+
+def _element_of(array: ArrayValue) -> Constant | New:
+    """Returns an element of an array in a message as it is made."""
+    element = array.element
+    if isinstance(element, Fixed | Blob) and not isinstance(element, Bits):
+        return default_of(element)
+    return New(element.python_type)
 
 
 def default_of(value: Fixed | Blob) -> Constant:

@@ -18,7 +18,9 @@ from jausml.language.semantics.jaus.commands import (
 from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
 from jausml.language.semantics.jaus.inheritance import lineage
 from jausml.language.semantics.jaus.services import code, query_name
+from jausml.language.semantics.paths.attributes import PathFault
 from jausml.language.semantics.paths.jaus_paths import JausPlace, message_place
+from jausml.language.semantics.paths.ros_paths import RosPlace, ros_name
 from jausml.language.semantics.paths.scopes import parse_path, spelled_out, target_paths
 from jausml.language.semantics.subject import remembered
 
@@ -69,14 +71,22 @@ def types(connection: bridge.RosServiceConnection) -> tuple[ros.MessageType, ros
     return connection.type.request, connection.type.response
 
 
+def member(owner: ros.MessageType, path: str) -> RosPlace | PathFault | None:
+    """Returns the place of a member that is read by its name, which no element of a list is."""
+    place = RosPlace(owner).follow(path)
+    if isinstance(place, RosPlace) and ("[" in path or place.is_count):
+        return PathFault(f"'{path}' of {ros_name(owner)} is within a list")
+    return place
+
+
 def maps_success(connection: bridge.RosServiceConnection) -> bool:
     """Tells whether the map of the response fills the member that says whether all went well."""
     map_ = connection.response
     if map_ is None or not connection.successMember:
         return False
-    member = parse_path(connection.successMember)
+    success = parse_path(connection.successMember)
     return any(
-        parse_path(path) == member
+        parse_path(path) == success
         for assignment in spelled_out(map_, to_ros=True)
         if not isinstance(assignment, bridge.Ignore)
         for path in target_paths(assignment)

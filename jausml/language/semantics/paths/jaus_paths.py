@@ -265,9 +265,12 @@ def _leaf(part: jaus.Field | jaus.Alternative) -> Attribute:
             return Attribute(TEXT, "text", length=count.upper, encoding="latin-1")
         case wire.Octets():
             return Attribute(OCTETS, "a field of octets", carries=True)
+        case wire.FormattedOctets() as octets:
+            carries = any(map(octets.holds_message, octets.names))
+            return Attribute("", "a variable format field", carries=carries)
     kind = class_name(part)
     name = _NAMES.get(kind, re.sub("(?<=[a-z])(?=[A-Z])", " ", kind).lower())
-    return Attribute("", f"a {name}", carries=isinstance(part, jaus.VariableFormatField))
+    return Attribute("", f"a {name}")
 
 
 def _integer(legal: wire.LegalIntegers, lower: int, upper: int) -> Attribute:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from jausml.language.model.values import show, suggest
 from jausml.language.model.xmi.parsing import Node
@@ -310,7 +310,7 @@ class JausFields(MemberBuilder):
         elif word.word == STRING:
             node = self._string(owner, feature, word.bound, facts, span)
         else:
-            self._named_type(owner, feature, type_, member)
+            self._named_type(owner, feature, type_, replace(member, features=[*facts]))
             return None
         self.nodes.value(node, "name", name, span)
         return node

@@ -46,7 +46,9 @@ def can_document(text: str) -> bool:
     """Tells whether a documentation comment can hold a text to the letter."""
     # Read back, since escapes and line breaks of comments have several pitfalls.
     comment = "\n".join(documentation(text, _ANY_WIDTH))
-    return is_documentation(comment) and documentation_text(comment) == text
+    # A return alone is read as the end of a line.
+    is_read_back = is_documentation(comment) and documentation_text(comment) == text
+    return is_read_back and "\r" not in text
 
 
 def documentation(text: str, room: int) -> list[str]:

@@ -11,6 +11,7 @@ from jausml.language.semantics.connections.calls import (
     DriverMessages,
     driver_messages,
     knows_speed,
+    member,
     takes,
 )
 from jausml.language.semantics.connections.limits import GREATEST_SPEED
@@ -78,12 +79,13 @@ def goal_holds_elements(_: Subject, connection: bridge.RosActionConnection) -> I
 
     Good: `goalMember="poses"` of FollowWaypoints with a map to PoseStamped
     """
-    place = _place(connection.type.goal, connection.goalMember)
+    path = connection.goalMember
+    place = member(connection.type.goal, path) if path else None
     wanted = ros_name(connection.element.type)
     if isinstance(place, PathFault):
         yield Finding(connection, place.message, "goalMember", place.hint)
     elif place is not None and not _holds(place, connection):
-        message = f"'{connection.goalMember}' is no sequence of {wanted}, which the map makes"
+        message = f"'{path}' is no sequence of {wanted}, which the map makes"
         yield Finding(connection, message, "goalMember")
 
 
@@ -112,7 +114,7 @@ def members_fit(_: Subject, connection: bridge.RosActionConnection) -> Iterator[
         ("reasonMember", connection.reasonMember, connection.type.result, "string", ("string",)),
     )
     for feature, path, owner, noun, kinds in parts:
-        place = _place(owner, path) if path else None
+        place = member(owner, path) if path else None
         if isinstance(place, PathFault):
             yield Finding(connection, place.message, feature, place.hint)
         elif place is not None and not _is_of(place, kinds):
@@ -292,10 +294,6 @@ def _taken_twice(
             yield Finding(bridge_connection, text, "map", related=(note,))
 
 
-def _place(owner: ros.MessageType, path: str | None) -> RosPlace | PathFault | None:
-    return RosPlace(type=owner).follow(path) if path else None
-
-
 def _holds(place: RosPlace, connection: bridge.RosActionConnection) -> bool:
     messages = driver_messages(connection.driver)
     is_single = messages is not None and messages.is_single
@@ -312,7 +310,7 @@ def _is_sequence_of(place: RosPlace, element: ros.MessageType) -> bool:
 
 def _has_position(element: ros.MessageType) -> bool:
     paths = ("pose.position.x", "position.x")
-    return any(isinstance(_place(element, path), RosPlace) for path in paths)
+    return any(isinstance(member(element, path), RosPlace) for path in paths)
 
 
 def _is_of(place: RosPlace, kinds: tuple[str, ...]) -> bool:

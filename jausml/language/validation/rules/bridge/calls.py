@@ -16,7 +16,7 @@ from jausml.language.semantics.jaus import fields, services
 from jausml.language.semantics.jaus.commands import is_emergency, is_steering, told_by_command
 from jausml.language.semantics.jaus.core_services import CORE_MESSAGES
 from jausml.language.semantics.paths.attributes import PathFault
-from jausml.language.semantics.paths.ros_paths import RosPlace, ros_name
+from jausml.language.semantics.paths.ros_paths import ros_name
 from jausml.language.semantics.paths.scopes import source_paths, spelled_out
 from jausml.language.semantics.subject import Subject
 from jausml.language.validation.findings import uncontrollable, unprovided
@@ -335,7 +335,7 @@ def _feature(connection: bridge.RosServiceConnection, message: jaus.MessageDef) 
 
 def _member_fault(response: ros.MessageType, path: str, kind: str) -> PathFault | None:
     """Returns why a path leads to no single value of a kind, None when it does."""
-    place = RosPlace(response).follow(path)
+    place = calls.member(response, path)
     if place is None or isinstance(place, PathFault):
         return place
     field = place.field

@@ -8,7 +8,14 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from jausml.language.attributes.expressions import ExpressionError, parse_expression, variables
-from jausml.language.interfaces.definitions import TEXTS, FieldType, ValueTextError, write_value
+from jausml.language.interfaces.definitions import (
+    CONSTANT_NAME,
+    FIELD_NAME,
+    TEXTS,
+    FieldType,
+    ValueTextError,
+    write_value,
+)
 from jausml.language.metamodel.classes import ros
 from jausml.language.model.values import show
 from jausml.language.semantics.names import DEVICES
@@ -29,18 +36,16 @@ from jausml.language.validation.rule import Finding, rule
 
 # The parts of services and actions are named SetBool_Request and the like.
 _TYPE_NAME = re.compile("[A-Z][A-Za-z0-9]*(_Request|_Response|_Goal|_Result|_Feedback)?")
-_LOWER_CASE = re.compile("[a-z](?:_?[a-z0-9]+)*")
 _LOWER_CASE_HINT = "lower case, words joined by one underscore"
-_UPPER_CASE = re.compile("[A-Z](?:_?[A-Z0-9]+)*")
 _TYPE = ("name", "type", "stringBound", "arrayKind", "arraySize")
 _LARGEST_ARRAY = 4 << 20
 _SPELLINGS: tuple[tuple[type[ros.NamedElement], re.Pattern[str], str, str], ...] = (
-    (ros.InterfacePackage, _LOWER_CASE, "package", _LOWER_CASE_HINT),
+    (ros.InterfacePackage, FIELD_NAME, "package", _LOWER_CASE_HINT),
     (ros.MessageType, _TYPE_NAME, "type", "CamelCase"),
     (ros.ServiceType, _TYPE_NAME, "type", "CamelCase"),
     (ros.ActionType, _TYPE_NAME, "type", "CamelCase"),
-    (ros.Field, _LOWER_CASE, "field", _LOWER_CASE_HINT),
-    (ros.Constant, _UPPER_CASE, "constant", "UPPER_CASE"),
+    (ros.Field, FIELD_NAME, "field", _LOWER_CASE_HINT),
+    (ros.Constant, CONSTANT_NAME, "constant", "UPPER_CASE"),
 )
 """How names are spelt: of which elements, by which pattern, what they are called, and a hint."""
 
