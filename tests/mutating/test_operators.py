@@ -27,6 +27,7 @@ IN_MODEL = {
     ("assignment", "toJaus: ResistiveLinearEffortX -> nothing"),
     ("constant", "value: 0 -> 1"),
     ("constant", "value: 1.5 -> 1.625"),
+    ("constant", "value: true -> false"),
     ("order", "conversions: negate, scale -> scale, negate"),
     ("rate", "maxRate: 50.0 -> 25.0"),
     ("rate", "frequency: 20.0 -> 10.0"),
