@@ -15,7 +15,12 @@ from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model.diagnostics import Severity
 from jausml.language.model.names import around
-from jausml.language.semantics.assignments.steps import ChainFault, chain_kinds, expression_names
+from jausml.language.semantics.assignments.steps import (
+    ChainFault,
+    chain_kinds,
+    expression_names,
+    value_of,
+)
 from jausml.language.semantics.assignments.units import (
     Measure,
     UnitFault,
@@ -301,7 +306,7 @@ def quantities(subject: Subject, conversion: bridge.Conversion) -> Iterator[Find
     quantity = conversion.quantity
     if quantity is None or not subject.is_read(quantity, ("value",)):
         return
-    if fault := _quantity_fault(conversion, quantity):
+    if fault := _quantity_fault(conversion, quantity, {}):
         note = Note(quantity, f"'{quantity.name}'", "value")
         yield Finding(conversion, fault, "quantity", related=(note,))
 
@@ -315,10 +320,15 @@ def _quantities_bridge(_: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
         yield from _override_findings(own, used, maps)
 
 
-def _quantity_fault(conversion: bridge.Conversion, quantity: bridge.Quantity) -> str:
+def _quantity_fault(
+    conversion: bridge.Conversion,
+    quantity: bridge.Quantity,
+    overrides: dict[str, bridge.Quantity],
+) -> str:
     """Returns why a conversion cannot take the value of a quantity; empty where it can."""
     known = conversion_of(conversion)
-    fault = _value_fault(known, [quantity.value]) if len(known.numbers) == 1 else ""
+    value = value_of(quantity, overrides)
+    fault = _value_fault(known, [value]) if len(known.numbers) == 1 else ""
     return f"'{quantity.name}' does not fit: {fault}" if fault else ""
 
 
@@ -338,13 +348,15 @@ def _override_findings(
         message = f"'{quantity.name}' is in {own.text}, but the map has it in {other.text}"
         note = Note(original, f"'{original.name}'", "units")
         yield Finding(quantity, message, "units", f"state it in {other.text}", (note,))
-    for element in (element for map_ in maps for element in map_.eAllContents()):
-        if not isinstance(element, bridge.Conversion) or element.quantity is None:
-            continue
-        if element.quantity.name == quantity.name and (fault := _quantity_fault(element, quantity)):
-            note = Note(element, f"'{element.kind.name}'")
-            yield Finding(quantity, fault, "value", related=(note,))
-            return
+    faults = {
+        _quantity_fault(element, element.quantity, {quantity.name: quantity})
+        for map_ in maps
+        for element in map_.eAllContents()
+        if isinstance(element, bridge.Conversion) and element.quantity is not None
+        if element.quantity.name == quantity.name
+    }
+    for fault in sorted(faults - {""}):
+        yield Finding(quantity, fault, "value")
 
 
 def _mismatches(placed: Placed[bridge.FieldAssignment]) -> Iterator[Finding]:
