@@ -41,6 +41,7 @@ service_set core {
           optional: true
           alternative whole { index: 0 type: int64 }
           alternative part { index: 1 type: float64 }
+          alternative much { index: 2 type: uint64 }
         }
       }
     }
@@ -79,8 +80,22 @@ count {
   ROS->JAUS ( data -> Either.whole )
 }
 
+much {
+  JAUS SetCore
+  ROS std_msgs/Float64
+  JAUS->ROS ( Either.much -> data )
+}
+
+most {
+  JAUS SetCore
+  ROS std_msgs/UInt64
+  JAUS->ROS ( 18446744073709551615 -> data )
+}
+
 bridge compiled_core {
   address: 1.1.2
+  connection much { map: much topic c {} }
+  connection most { map: most topic d {} }
   connection count_up { map: count topic b {} }
   connection count_down { map: count direction: rosToJaus topic b {} }
   connection speed_up { map: speed topic a {} }
@@ -164,6 +179,15 @@ def test_integers_beside_reals_keep_their_digits(made):
         message = core_message(made, class_=0.0, either=either(0, whole))
         assert up(message) is None
         assert down(LITTLE + whole.to_bytes(8, "little", signed=True)) is None
+
+
+def test_integers_of_64_bits_are_left_to_python(made):
+    assert not hasattr(made.bridge.translate_most, "compiled")
+    much, either = made.compiled("much"), made.messages.SetCore.Either
+    assert much(core_message(made, class_=0.0, either=either(2, 5))) == LITTLE + struct.pack(
+        "<d", 5
+    )
+    assert much(core_message(made, class_=0.0, either=either(2, 2**64 - 1))) is None
 
 
 def attribute(made: Generated, name: str) -> str:

@@ -95,6 +95,8 @@ def literal(constant: Constant) -> str:
     if isinstance(value, bytes):
         return f"jausml::Octets{{{', '.join(map(str, value))}}}"
     if constant.kind == values.INTEGER:
+        if not -(2**63) <= value < 2**63:
+            raise UnprintableError("an integer of more than 63 bits")
         return f"std::int64_t{{{cpp_integer(int(value))}}}"
     if constant.kind == values.REAL:
         return cpp_number(float(value))
@@ -180,7 +182,9 @@ class Values(Places):
             case Limit():
                 return self._limit(value)
             case values.Ranges(ranges=ranges):
-                pairs = (f"{{{cpp_integer(low)}, {cpp_integer(high)}}}" for low, high in ranges)
+                most = 2**63 - 1
+                kept = [(low, min(high, most)) for low, high in ranges if low <= most]
+                pairs = (f"{{{cpp_integer(low)}, {cpp_integer(high)}}}" for low, high in kept)
                 return f"{{{', '.join(pairs)}}}"
             case values.Authored(expression=expression, operands=operands):
                 names = {name: self._operand(operand.value) for name, operand in operands}
@@ -294,7 +298,10 @@ class Values(Places):
         if value.how in {"text", "octets", "sized"}:
             bounds = [f"{int(_constant(bound))}ULL" for bound in value.bounds]
         else:
-            bounds = [self.text(bound) for bound in value.bounds]
+            bounds = [
+                cpp_number(float(bound.value)) if isinstance(bound, Constant) else self.text(bound)
+                for bound in value.bounds
+            ]
         return f"check.{_CHECKED[value.how]}({', '.join([text, *bounds])})"
 
 
