@@ -37,6 +37,12 @@ service_set core {
         }
         fixed_field check { type: uint8 optional: true }
         fixed_field Target { type: int64 optional: true }
+        variable_field Either {
+          optional: true
+          alternative whole { index: 0 type: int64 }
+          alternative part { index: 1 type: float64 }
+          alternative much { index: 2 type: uint64 }
+        }
       }
     }
   }
@@ -67,12 +73,37 @@ speed {
   )
 }
 
+count {
+  JAUS SetCore
+  ROS std_msgs/Int64
+  JAUS->ROS ( Either.whole -> data )
+  ROS->JAUS ( data -> Either.whole )
+}
+
+much {
+  JAUS SetCore
+  ROS std_msgs/Float64
+  JAUS->ROS ( Either.much -> data )
+}
+
+most {
+  JAUS SetCore
+  ROS std_msgs/UInt64
+  JAUS->ROS ( 18446744073709551615 -> data )
+}
+
 bridge compiled_core {
   address: 1.1.2
+  connection much { map: much topic c {} }
+  connection most { map: most topic d {} }
+  connection count_up { map: count topic b {} }
+  connection count_down { map: count direction: rosToJaus topic b {} }
   connection speed_up { map: speed topic a {} }
   connection speed_down { map: speed direction: rosToJaus topic a {} }
 }
 """
+
+LITTLE = bytes.fromhex("00010000")
 
 pytestmark = pytest.mark.needs("compiler")
 
@@ -135,6 +166,28 @@ def test_both_forms_make_the_same(made):
     for parts in ({}, {"x": 12.5, "y": -3.0, "z": 9.99, "a": 1e-40, "b": 255.4}, {"b": 2.5}):
         data = twist("odom", **parts)
         assert by_python(made, "speed_down", data) == (made.compiled("speed_down")(data), {})
+
+
+def test_integers_beside_reals_keep_their_digits(made):
+    up, down = made.compiled("count_up"), made.compiled("count_down")
+    either = made.messages.SetCore.Either
+    for whole in (0, -(2**52) - 1, 2**52 + 1):
+        message = core_message(made, class_=0.0, either=either(0, whole))
+        assert up(message) == LITTLE + whole.to_bytes(8, "little", signed=True)
+        assert down(up(message))[-8:] == message[-8:]
+    for whole in (-(2**53) - 1, 2**53 + 1, 2**63 - 1):
+        message = core_message(made, class_=0.0, either=either(0, whole))
+        assert up(message) is None
+        assert down(LITTLE + whole.to_bytes(8, "little", signed=True)) is None
+
+
+def test_integers_of_64_bits_are_left_to_python(made):
+    assert not hasattr(made.bridge.translate_most, "compiled")
+    much, either = made.compiled("much"), made.messages.SetCore.Either
+    assert much(core_message(made, class_=0.0, either=either(2, 5))) == LITTLE + struct.pack(
+        "<d", 5
+    )
+    assert much(core_message(made, class_=0.0, either=either(2, 2**64 - 1))) is None
 
 
 def attribute(made: Generated, name: str) -> str:

@@ -58,11 +58,12 @@ def test_a_constant_speed_of_a_map_does_not_fill_its_stop(connection):
     assert stops.stop_text(found) == "zeros"
 
 
-def test_a_stop_that_states_a_speed_drives(connection):
-    found = connection("{ values: { target: twist.angular.z  value: -0.25 } }")
+@pytest.mark.parametrize("value", ["-0.25", "Infinity", "NaN"])
+def test_a_stop_that_states_a_speed_drives(connection, value):
+    found = connection(f"{{ values: {{ target: twist.angular.z  value: {value} }} }}")
     assert sent(found) == ["header.stamp", "header.frame_id", "twist.angular.z"]
-    assert stops.moving_values(found) == [("twist.angular.z", "-0.25")]
-    assert stops.stop_text(found) == "twist.angular.z = -0.25"
+    assert stops.moving_values(found) == [("twist.angular.z", value)]
+    assert stops.stop_text(found) == f"twist.angular.z = {value}"
 
 
 def test_a_stop_that_states_zero_stands(connection):

@@ -2,6 +2,7 @@
 
 import json
 import re
+from dataclasses import replace
 from datetime import date
 from pathlib import Path
 
@@ -101,8 +102,10 @@ def test_it_holds_for_an_element_and_what_it_owns(tmp_path, where):
     assert text.summary(report) == "no problems in 1 file; 1 allowed"
 
 
-def test_it_does_not_hold_beside(tmp_path):
-    report = report_on(tmp_path, said("Reports a velocity.", ALLOW))
+# The map of the connection has its name.
+@pytest.mark.parametrize("where", ["Reports a velocity.", "y left, z up."])
+def test_it_does_not_hold_beside(tmp_path, where):
+    report = report_on(tmp_path, said(where, ALLOW))
     assert sorted(rules(report)) == ["JML426", "JML803"]
 
 
@@ -128,7 +131,7 @@ def test_the_last_day_is_among_those_on_which_it_holds(tmp_path, day, counts):
     result = read_models([_written(tmp_path, model)])
     warning = check(read_models([_written(tmp_path, DOUBTFUL, "other.xmi")])).diagnostics[0]
     place = type(warning.location)(result.model.documents[0].display, 1, 1)
-    moved = type(warning)(warning.rule, warning.severity, place, "m", "", warning.element)
+    moved = replace(warning, location=place)
     standing, aside = settled(result.model, [moved], [], date(2030, 3, day))
     assert (moved in standing, bool(aside)) == (counts, not counts)
 

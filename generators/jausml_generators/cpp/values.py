@@ -95,6 +95,8 @@ def literal(constant: Constant) -> str:
     if isinstance(value, bytes):
         return f"jausml::Octets{{{', '.join(map(str, value))}}}"
     if constant.kind == values.INTEGER:
+        if not -(2**63) <= value < 2**63:
+            raise UnprintableError("an integer of more than 63 bits")
         return f"std::int64_t{{{cpp_integer(int(value))}}}"
     if constant.kind == values.REAL:
         return cpp_number(float(value))
@@ -180,7 +182,9 @@ class Values(Places):
             case Limit():
                 return self._limit(value)
             case values.Ranges(ranges=ranges):
-                pairs = (f"{{{cpp_integer(low)}, {cpp_integer(high)}}}" for low, high in ranges)
+                most = 2**63 - 1
+                kept = [(low, min(high, most)) for low, high in ranges if low <= most]
+                pairs = (f"{{{cpp_integer(low)}, {cpp_integer(high)}}}" for low, high in kept)
                 return f"{{{', '.join(pairs)}}}"
             case values.Authored(expression=expression, operands=operands):
                 names = {name: self._operand(operand.value) for name, operand in operands}
@@ -196,7 +200,13 @@ class Values(Places):
                 return f"jausml::stamped<{struct.cpp}>({self.text(only)})"
             case New(class_name=name, parts=parts):
                 struct = find(self.classes, name)
-                return f"{struct.cpp}{{{', '.join(map(self.text, parts))}}}"
+                members = zip(struct.members.values(), parts, strict=True)
+                # The number of a variable field is a real where another alternative is one.
+                texts = (
+                    self._operand(part) if member.type == REAL else self.text(part)
+                    for member, part in members
+                )
+                return f"{struct.cpp}{{{', '.join(texts)}}}"
             case values.IfKept(made=value):
                 return self.text(value)
             case values.ByName(names=names, keys=keys, items=items):
@@ -282,23 +292,17 @@ class Values(Places):
         elif inner.kind == values.BOOLEAN:
             text = f"static_cast<std::int64_t>({text})"
         if value.how == "integer":
-            bounds = [cpp_integer(int(_constant(bound))) for bound in value.bounds]
-            return f"check.integer({', '.join([text, *_in_64_bits(value.bounds, bounds)])})"
+            # Beyond 64 bits integers go to Python, which has no end of them.
+            ends = (max(-(2**63), min(int(_constant(bound)), 2**63 - 1)) for bound in value.bounds)
+            return f"check.integer({', '.join([text, *map(cpp_integer, ends)])})"
         if value.how in {"text", "octets", "sized"}:
             bounds = [f"{int(_constant(bound))}ULL" for bound in value.bounds]
         else:
-            bounds = [self.text(bound) for bound in value.bounds]
+            bounds = [
+                cpp_number(float(bound.value)) if isinstance(bound, Constant) else self.text(bound)
+                for bound in value.bounds
+            ]
         return f"check.{_CHECKED[value.how]}({', '.join([text, *bounds])})"
-
-
-def _in_64_bits(bounds: Sequence[Expression], texts: Sequence[str]) -> list[str]:
-    """Bounds of integers, as far as 63 bits go."""
-    # Beyond it integers go to Python, which has no end of them.
-    most = 2**63 - 1
-    return [
-        text if abs(int(_constant(bound))) <= most else cpp_integer(most)
-        for bound, text in zip(bounds, texts, strict=True)
-    ]
 
 
 def _constant(value: Expression) -> float:

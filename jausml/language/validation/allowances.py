@@ -31,10 +31,15 @@ _SAID = re.compile(
 
 @dataclass(eq=False, slots=True)
 class _Allowance:
-    """One `@allow`."""
+    """One `@allow`.
+
+    Attributes:
+        covered: Fragments of the element and of what it owns: names may stand for several.
+    """
 
     element: str
     fragment: str
+    covered: frozenset[str]
     location: Location
     rule: str
     until: date
@@ -44,11 +49,10 @@ class _Allowance:
 
     def is_about(self, diagnostic: Diagnostic) -> bool:
         """Tells whether a finding is of the rule, and at the element or a part of it."""
-        path = diagnostic.element
         return (
             diagnostic.rule == self.rule
             and diagnostic.location.path == self.location.path
-            and (path == self.element or path.startswith(f"{self.element}/"))
+            and diagnostic.fragment in self.covered
         )
 
 
@@ -102,7 +106,8 @@ def _read(documents: Iterable[Document], model: Model) -> tuple[list[_Allowance]
                 of = (path, fragment)
                 faults.append(_finding("JML801", location, said.message, said.hint, of))
             else:
-                allowances.append(_Allowance(path, fragment, location, *said))
+                covered = frozenset(map(model.fragment, (element, *element.eAllContents())))
+                allowances.append(_Allowance(path, fragment, covered, location, *said))
     return allowances, faults
 
 

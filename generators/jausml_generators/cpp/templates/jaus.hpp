@@ -38,7 +38,7 @@ enum class Status : std::uint8_t {
     unknown_bit,      // a bit of a presence vector stands for no field
     no_such_option,   // a tag or index chooses nothing
     count_not_legal,  // a list or text has more or fewer elements than the model allows
-    not_legal,        // a number that the model does not allow, or a text with a NUL
+    not_legal,        // a number that model or type do not allow, or a text with a NUL
     no_room,          // the buffer, or a container without heap, is too small
     unusual,          // what the compiled translations of a bridge leave to others
 };
@@ -184,6 +184,9 @@ inline std::int64_t shifted(std::int64_t value, std::int64_t offset) {
                                      static_cast<std::uint64_t>(offset));
 }
 
+// From here on a real number may have been another integer before it was rounded.
+constexpr std::int64_t EXACT = 1LL << 53;
+
 // A real number in the precision of its type. What is beyond that, though rounding might spare it,
 // is refused.
 template <class Number>
@@ -270,10 +273,12 @@ public:
     void integer(Value& into, std::int64_t offset = 0) {
         if constexpr (std::is_same_v<Value, std::uint64_t>) {
             into = static_cast<Value>(raw<Number>()) + static_cast<Value>(offset);
-        } else if constexpr (std::is_floating_point_v<Value>) {
-            into = static_cast<Value>(raw<Number>()) + static_cast<Value>(offset);
         } else {
-            into = static_cast<Value>(shifted(whole<Number>(), offset));
+            const std::int64_t found = shifted(whole<Number>(), offset);
+            if constexpr (std::is_floating_point_v<Value>) {
+                require(found > -EXACT && found < EXACT, Status::not_legal);
+            }
+            into = static_cast<Value>(found);
         }
     }
 
@@ -364,9 +369,9 @@ public:
     // The integer that a real number is.
     template <class Number>
     void whole(double value, Ranges<Wide<Number>> ranges, std::int64_t offset = 0) {
-        constexpr bool is_wide = std::is_same_v<Number, std::uint64_t>;
-        constexpr double low = is_wide ? 0.0 : -0x1p63, high = is_wide ? 0x1p64 : 0x1p63;
-        const bool is_whole = value >= low && value < high && std::nearbyint(value) == value;
+        constexpr double most = static_cast<double>(EXACT);
+        constexpr double low = std::is_same_v<Number, std::uint64_t> ? 0.0 : 1.0 - most;
+        const bool is_whole = value >= low && value < most && std::nearbyint(value) == value;
         require(is_whole);
         integer<Number>(is_whole ? static_cast<Wide<Number>>(value) : 0, ranges, offset);
     }

@@ -10,7 +10,7 @@ from jausml.language.semantics.connections.exchanges import MESSAGE
 from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.jaus import commands
 from jausml.language.semantics.names import words
-from jausml.language.semantics.paths.attributes import NUMBER, Attribute, is_real
+from jausml.language.semantics.paths.attributes import NOT_FINITE, NUMBER, Attribute, is_real
 from jausml.language.semantics.paths.scopes import (
     PathScope,
     Placed,
@@ -164,7 +164,7 @@ def moving_values(connection: bridge.Connection) -> list[tuple[str, str]]:
         values.update(dict.fromkeys(target_paths(assignment), value))
     moving: list[tuple[str, str]] = []
     for path, value in values.items():
-        if not is_real(value) or not float(value):
+        if not (is_real(value) or value in NOT_FINITE) or float(value) == 0:
             continue
         target = attribute_at(scope.find_target(path))
         if isinstance(target, Attribute):

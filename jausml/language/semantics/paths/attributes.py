@@ -125,7 +125,7 @@ def primitive(kind: str) -> Attribute:
 
 
 _INTEGER = re.compile(r"[+-]?(?:0|[1-9][0-9]{0,24})")
-_NOT_FINITE = frozenset({"NaN", "Infinity", "-Infinity"})
+NOT_FINITE = frozenset({"NaN", "Infinity", "-Infinity"})
 _REAL = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 
 
@@ -166,7 +166,7 @@ def _number_fault(text: str, attribute: Attribute) -> str:
     if attribute.integral and not is_integer(text):
         return "is not an integer"
     # Floats of ROS can hold these; numbers of JAUS fields have a range.
-    if text in _NOT_FINITE and attribute.is_ros and not attribute.integral:
+    if text in NOT_FINITE and attribute.is_ros and not attribute.integral:
         return ""
     if not is_real(text):
         return "is not a number"

@@ -100,14 +100,15 @@ def package_collisions(subject: Subject, whole: system.System) -> Iterator[Findi
     holders: dict[str, Named] = {
         package_key(interface.name): interface for interface in interfaces if interface.name
     }
-    if whole.name:
-        for ending in ("bringup", "messages"):
-            holders.setdefault(package_key(f"{whole.name}_{ending}"), whole)
     elements: list[Named] = [*whole.components, *whole.bridges, *whole.nodes]
-    for element in elements:
+    packages: list[tuple[str, Named]] = [
+        *((f"{whole.name}_{ending}", whole) for ending in ("bringup", "messages")),
+        *((element.name or "", element) for element in elements),
+    ]
+    for name, element in packages:
         if not element.name or not is_identifier(element.name):
             continue
-        first = holders.setdefault(package_key(element.name), element)
+        first = holders.setdefault(package_key(name), element)
         if first is not element:
             message = f"{element.eClass.name} '{element.name}' has the package name of"
             yield Finding(

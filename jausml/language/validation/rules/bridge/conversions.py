@@ -15,7 +15,12 @@ from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model.diagnostics import Severity
 from jausml.language.model.names import around
-from jausml.language.semantics.assignments.steps import ChainFault, chain_kinds, expression_names
+from jausml.language.semantics.assignments.steps import (
+    ChainFault,
+    chain_kinds,
+    expression_names,
+    value_of,
+)
 from jausml.language.semantics.assignments.units import (
     Measure,
     UnitFault,
@@ -30,7 +35,6 @@ from jausml.language.semantics.conversions import (
     conversion_of,
 )
 from jausml.language.semantics.conversions.authored import Expression, User
-from jausml.language.semantics.conversions.conversion import MAXIMUM
 from jausml.language.semantics.conversions.numbers import Square, SquareRoot
 from jausml.language.semantics.paths.attributes import LIST, NUMBERS, Attribute
 from jausml.language.semantics.paths.scopes import (
@@ -288,7 +292,7 @@ def unknown_unit(_: Subject, element: WithUnits) -> Iterator[Finding]:
 
 
 @rule("JML445", "quantity used wrongly", kinds=bridge.Conversion)
-def quantities(_: Subject, conversion: bridge.Conversion) -> Iterator[Finding]:
+def quantities(subject: Subject, conversion: bridge.Conversion) -> Iterator[Finding]:
     """A quantity of a bridge gives a value to one of the quantities of its maps.
 
     It has the name and the dimension of the quantity that it overrides, and a legal value for the
@@ -300,30 +304,38 @@ def quantities(_: Subject, conversion: bridge.Conversion) -> Iterator[Finding]:
     Good: a bridge with the quantity `max_speed`
     """
     quantity = conversion.quantity
-    if quantity is None or quantity.value > 0:
+    if quantity is None or not subject.is_read(quantity, ("value",)):
         return
-    if tuple(conversion_of(conversion).arguments) == (MAXIMUM,):
-        message = f"the maximum '{quantity.name}' is {quantity.value:g}, which is not above 0"
+    if fault := _quantity_fault(conversion, quantity, {}):
         note = Note(quantity, f"'{quantity.name}'", "value")
-        yield Finding(conversion, message, "quantity", related=(note,))
+        yield Finding(conversion, fault, "quantity", related=(note,))
 
 
 @quantities.also(bridge.Bridge)
 def _quantities_bridge(_: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
-    used = _used_quantities(owner)
-    for own in owner.quantities:
-        yield from _override_findings(own, used)
-
-
-def _used_quantities(owner: bridge.Bridge) -> dict[str, bridge.Quantity]:
     carried = (used for carrier in carriers_of(owner) for used in maps_of(carrier))
-    return {
-        quantity.name: quantity for used in (*owner.maps, *carried) for quantity in used.quantities
-    }
+    maps = tuple(dict.fromkeys((*owner.maps, *carried)))
+    used = {quantity.name: quantity for map_ in maps for quantity in map_.quantities}
+    for own in owner.quantities:
+        yield from _override_findings(own, used, maps)
+
+
+def _quantity_fault(
+    conversion: bridge.Conversion,
+    quantity: bridge.Quantity,
+    overrides: dict[str, bridge.Quantity],
+) -> str:
+    """Returns why a conversion cannot take the value of a quantity; empty where it can."""
+    known = conversion_of(conversion)
+    value = value_of(quantity, overrides)
+    fault = _value_fault(known, [value]) if len(known.numbers) == 1 else ""
+    return f"'{quantity.name}' does not fit: {fault}" if fault else ""
 
 
 def _override_findings(
-    quantity: bridge.Quantity, used: dict[str, bridge.Quantity]
+    quantity: bridge.Quantity,
+    used: dict[str, bridge.Quantity],
+    maps: Iterable[bridge.AttributeMap],
 ) -> Iterator[Finding]:
     original = used.get(quantity.name)
     if original is None:
@@ -336,6 +348,15 @@ def _override_findings(
         message = f"'{quantity.name}' is in {own.text}, but the map has it in {other.text}"
         note = Note(original, f"'{original.name}'", "units")
         yield Finding(quantity, message, "units", f"state it in {other.text}", (note,))
+    faults = {
+        _quantity_fault(element, element.quantity, {quantity.name: quantity})
+        for map_ in maps
+        for element in map_.eAllContents()
+        if isinstance(element, bridge.Conversion) and element.quantity is not None
+        if element.quantity.name == quantity.name
+    }
+    for fault in sorted(faults - {""}):
+        yield Finding(quantity, fault, "value")
 
 
 def _mismatches(placed: Placed[bridge.FieldAssignment]) -> Iterator[Finding]:

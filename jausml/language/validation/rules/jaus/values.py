@@ -111,10 +111,13 @@ def _range_findings(
         yield Finding(value, message, "lower")
     elif _is_empty(value, integral=limits is not None):
         yield Finding(value, f"a range of '{field.name}' has no legal value", "lower")
-    elif limits is not None and not (limits[0] <= value.lower and value.upper <= limits[1]):
-        message = f"range {value.lower:g}..{value.upper:g} of '{field.name}'"
-        feature = "lower" if value.lower < limits[0] else "upper"
-        yield Finding(value, f"{message} is not in {limits[0]}..{limits[1]}", feature)
+    elif limits is not None:
+        # The ends of a range are reals, which round the largest integers of 64 bits up.
+        lower, upper = map(float, limits)
+        if not lower <= value.lower <= value.upper <= upper:
+            message = f"range {value.lower:g}..{value.upper:g} of '{field.name}'"
+            feature = "lower" if value.lower < lower else "upper"
+            yield Finding(value, f"{message} is not in {limits[0]}..{limits[1]}", feature)
 
 
 def _is_empty(value: jaus.ValueRange, *, integral: bool) -> bool:
