@@ -198,7 +198,7 @@ def _joined(scope: Scope, source: Spot, target: Spot) -> Options:
     ]
     if names[0] == names[1]:
         return Options(refusal=f"both are connected by {names[0]} already")
-    topic = seen_from(target.owner, source.owner, str(getattr(start, named)))
+    topic = seen_from(target.owner, source.owner, str(getattr(start, named) or name_of(start)))
     command = Set(scope.ref(end), named, (topic,))
     label = f"{name_of(end)} on {topic}"
     why = f"both have {ros_name(start.type)}; {name_of(end)} leaves {getattr(end, named)}"
