@@ -84,6 +84,22 @@ def test_what_refers_to_what_goes_is_told_and_goes_too(project):
     assert "@components.0" in text(project, "places.xmi")
 
 
+def test_refs_of_several_commands_are_those_before_all(project):
+    gone = "robot.xmi#//@components.0", "robot.xmi#//@components.1", "robot.xmi#//@nodes.0"
+    last = Rename("robot.xmi#//@nodes.1", "last")
+    project.do([*map(Remove, gone), last], "remove three, and rename what stands behind")
+    model = project.model("robot.xmi").model
+    names = [element.name for element in model.owned(model.documents[0].roots[0])]
+    assert names == ["last"]
+
+
+def test_a_part_of_what_goes_goes_with_it(project):
+    place = "places.xmi#//@placements.0"
+    project.do([Remove("places.xmi#//@hosts.0"), Remove(place)], "remove both")
+    root = project.model("places.xmi").model.documents[0].roots[0]
+    assert (len(root.hosts), len(root.placements)) == (0, 0)
+
+
 def test_an_element_whose_reference_is_required_goes_with_its_target(project):
     seen = project.do([Remove("places.xmi#//@hosts.0")], "remove")
     assert seen.files == ("places.xmi",)

@@ -17,6 +17,7 @@ from jausml.authoring.editing.project import Project
 from jausml.authoring.projects.creating import renewed
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models
+from jausml.language.text.notation import NOTATIONS
 
 
 @pytest.fixture
@@ -115,6 +116,13 @@ def test_again_is_nothing_and_own_files_stay(project, jausml):
 def test_the_name(project, folder, options, name):
     made = project(*options, name=folder)
     assert (made / "models" / f"{name}.xmi").is_file()
+
+
+def test_a_keyword_of_the_notation_is_a_name(project):
+    path = project("--from", "fleet", name="table") / "models" / "table.ros2jaus"
+    read = read_models([path], notations=NOTATIONS)
+    assert not read.diagnostics
+    assert read.model.documents[0].roots[0].name == "table"
 
 
 @pytest.mark.parametrize(

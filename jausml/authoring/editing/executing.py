@@ -1,4 +1,7 @@
-"""Execution of commands in a draft, one after the other, each checked by reading again."""
+"""Execution of commands in a draft, one after the other, each checked by reading again.
+
+Their refs are those before the first of them.
+"""
 
 from __future__ import annotations
 
@@ -16,6 +19,7 @@ from jausml.authoring.editing.commands import (
     ElementCommand,
     Move,
     Place,
+    Remove,
     Rename,
     Set,
     with_created,
@@ -160,6 +164,8 @@ class _Work:
             self.execute(Set(f"{NEW}{number}", name, values))
 
     def _edit(self, command: ElementCommand) -> None:
+        if isinstance(command, Remove) and not command.element:
+            return  # it went with another one
         files = self._concerned(command)
         self._take(files)
         working_copy = self._working_copy
@@ -260,8 +266,10 @@ class _Work:
         return refs.ref_of(obj, model, self._draft.root), model.metamodels.class_of(obj)
 
     def _known(self, ref: Ref) -> Ref:
-        """Returns the elements of `new:0` and `new:0/@maps.1`; any other ref as it is."""
+        """Returns the elements of `new:0` and `new:0/@maps.1`, and where any other one is now."""
         if not ref.startswith(NEW):
+            for shift in self._shifts:
+                ref = shift.get(ref, ref)
             return ref
         number, parting, path = ref.removeprefix(NEW).partition("/")
         if not number.isdecimal() or int(number) >= len(self._created):

@@ -69,11 +69,13 @@ def text_to_begin_with(point: StartingPoint, name: str) -> str:
 
     Decisions that the point leaves to a person are in it as open ones.
     """
+    from jausml.language.text.writing.spelling import word  # noqa: PLC0415 - heavy
+
     path = _source(point)
     is_text = path.is_file()
     text = path.read_text(encoding="utf-8") if is_text else _united(path.with_suffix(".xmi"))
     # Where a text has no such line, its file gives the system its name.
-    return _SYSTEM.sub(f"system {name} {{", text, count=1)
+    return _SYSTEM.sub(f"system {word(name)} {{", text, count=1)
 
 
 def _source(point: StartingPoint) -> Path:

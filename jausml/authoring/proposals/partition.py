@@ -345,16 +345,13 @@ class _Applying:
                 continue
             placed[planned.host].append(self._ref(planned))
             left |= {planned.owner} if planned.owner is not None else set()
-        emptied = []
         for placement in self._whole.placements:
             new = placed.pop(placement.host, [])
             kept = [self._scope.ref(one) for one in placement.components if one not in left]
             if not (new or kept or placement.nodes):
-                emptied.append(placement)
+                yield Remove(self._scope.ref(placement))
             elif new or len(kept) < len(placement.components):
                 yield Set(self._scope.ref(placement), "components", (*kept, *new))
-        # The last one first: those behind one that goes have other positions.
-        yield from (Remove(self._scope.ref(placement)) for placement in reversed(emptied))
         for host, some in placed.items():
             values = {"host": (self._scope.ref(host),), "components": tuple(some)}
             yield Add(self._scope.ref(self._whole), "placements", "system.Placement", values)

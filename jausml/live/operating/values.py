@@ -213,16 +213,20 @@ def _short(text: str) -> str:
 
 
 def decimated(points: Sequence[Point], most: int) -> list[Point]:
-    """Returns at most `most` points: the least and the greatest value of each piece."""
+    """Returns at most `most` points: the least and the greatest value of each piece, and the last.
+
+    `most`: 1 or more.
+    """
     if len(points) <= most:
         return list(points)
-    pieces = max(1, most // 2)
+    *before, last = points
+    pieces = (most - 1) // 2
     extremes: list[Point] = []
     for index in range(pieces):
-        piece = points[index * len(points) // pieces : (index + 1) * len(points) // pieces]
+        piece = before[index * len(before) // pieces : (index + 1) * len(before) // pieces]
         ends = {min(piece, key=lambda point: point[1]), max(piece, key=lambda point: point[1])}
         extremes.extend(sorted(ends))
-    return extremes
+    return [*extremes, last]
 
 
 def picture_url(data: bytes) -> str:

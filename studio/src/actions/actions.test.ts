@@ -430,3 +430,20 @@ test("a box that is dragged into a host runs there, in one edit with its place",
   await actions.placeOn("", ["ocu"], { "key:ocu": [5, 6] });
   expect(server.params("edit").at(-1)).toMatchObject({ label: "Move a box", commands: [placed] });
 });
+
+test("what is chosen while a cut is copied does not go", async () => {
+  const server = serveGraph();
+  const [one, other] = state().graph?.nodes ?? [];
+  if (!one || !other) throw new Error("there are no two boxes");
+  server.answer("copy", () => {
+    actions.select([nodeKey(other.id)]);
+    return { text: "copied" };
+  });
+  actions.select([nodeKey(one.id)]);
+  await actions.cutSelected();
+  expect(server.params("copy")).toEqual([{ elements: [one.element] }]);
+  expect(server.params("edit")).toEqual([]);
+  server.answer("copy", () => ({ text: "copied" }));
+  await actions.cutSelected();
+  expect(server.params("edit")[0]).toMatchObject({ commands: [{ element: other.element }] });
+});

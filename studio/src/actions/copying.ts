@@ -32,7 +32,9 @@ async function takenBySystem(text: string): Promise<boolean> {
 }
 
 export async function cutSelected(): Promise<void> {
-  if (await copySelected()) await removeSelected();
+  const { choice } = state();
+  // What was chosen while the browser asked for its clipboard was not copied.
+  if ((await copySelected()) && state().choice === choice) await removeSelected();
 }
 
 /**

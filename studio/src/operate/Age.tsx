@@ -1,5 +1,8 @@
 import { useUnit } from "./unit";
 
+/** Seconds without a report after which its values are told to be old. */
+export const OLD_S = 3;
+
 interface Props {
   /** Seconds as the unit said them with its last word; null for what was never heard. */
   seconds: number | null;

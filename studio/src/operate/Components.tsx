@@ -72,7 +72,8 @@ function Control({ component }: { component: string }) {
   const [reason, setReason] = useState("");
   if (!mayCommand) return null;
   const number = Number(authority);
-  const isGood = authority !== "" && Number.isInteger(number) && number >= 0 && number <= 255;
+  const isGood =
+    authority.trim() !== "" && Number.isInteger(number) && number >= 0 && number <= 255;
   const isFree = !held && (commander === null || isOurs);
   const why = held
     ? ""

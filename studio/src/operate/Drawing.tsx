@@ -86,7 +86,9 @@ function Waypoints({ component, driver }: Of) {
       tell("The browser does not keep what is drawn: it has no room.", true);
     }
   }, [component, driver, drawing]);
-  const set = (drafts: Draft[]) => put({ waypoints: drafts });
+  // Where nothing is drawn any more, a plan may begin at another place.
+  const set = (drafts: Draft[]) =>
+    put({ waypoints: drafts, ...(drafts.length === 0 && { origin: null }) });
   const change = (at: number, draft: Draft) => set(waypoints.with(at, draft));
   const move = (at: number, place: Place) =>
     change(at, movedTo(waypoints[at] ?? {}, fields, frame, place));
@@ -229,7 +231,9 @@ function Sending(props: SendingProps) {
   const { component, driver, drawing, values, faults, progress, onDrawing } = props;
   const { frame, isList, execution } = driver;
   const [speed, setSpeed] = useState("");
-  const [first, setFirst] = useState(1);
+  const [chosenFirst, setFirst] = useState(1);
+  // Of waypoints that were taken away none is the first.
+  const first = chosenFirst <= values.length ? chosenFirst : 1;
   const [isBusy, setBusy] = useState(false);
   const isOurs = useUnit(commands);
   const isHeld = useUnit((unit) => unit.state?.holds.some((hold) => hold.component === component));

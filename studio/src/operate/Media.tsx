@@ -1,5 +1,6 @@
 import { useState } from "react";
 import { Copyable, Quiet } from "../panels/base/parts";
+import { Age, OLD_S } from "./Age";
 import { endpointOf } from "./endpoints";
 import type { Values } from "./protocol";
 import { useAnswer } from "./unit";
@@ -35,7 +36,7 @@ function Picture({ values, path }: { values: Values; path: string }) {
     <figure className="picture">
       {url && <img src={url} alt={`${path} of ${component}`} onError={() => setUnread(url)} />}
       <figcaption>
-        {path} of {component}, picture {count}, {age} s old
+        {path} of {component}, picture {count}, <Age seconds={age} limit={OLD_S} />
       </figcaption>
     </figure>
   );

@@ -47,7 +47,7 @@ function Who() {
   const mayCommand = useUnit((unit) => unit.mayCommand);
   const canCommand = useUnit((unit) => unit.canCommand);
   const noRight = useUnit((unit) => unit.noRight);
-  const isStale = useUnit((unit) => unit.isStale);
+  const isKnown = useUnit((unit) => unit.state !== null && !unit.isStale);
   const [name, setName] = useState(ownName);
   const who =
     commander === null
@@ -58,7 +58,7 @@ function Who() {
   return (
     <>
       {own && <span className="badge">JAUS id {own}</span>}
-      <strong>{isStale ? "Who commands is not known" : who}</strong>
+      <strong>{isKnown ? who : "Who commands is not known"}</strong>
       {mayCommand ? (
         <label>
           Your name
@@ -73,9 +73,10 @@ function Who() {
       ) : (
         <span className="quiet">
           {noRight ||
-            (canCommand
-              ? "This page may look, and not command."
-              : "This unit only watches: it was started without --stop-all.")}
+            (isKnown &&
+              (canCommand
+                ? "This page may look, and not command."
+                : "This unit only watches: it was started without --stop-all."))}
         </span>
       )}
     </>
@@ -91,12 +92,12 @@ function Notice() {
   const fault = useUnit((unit) => unit.state?.fault ?? "");
   const unread = useUnit((unit) => unit.state?.unread ?? "");
   const unguarded = useUnit((unit) => unit.state?.unguarded ?? "");
-  const lost = refusal || (link === "open" ? "" : "There is no connection to the unit. ");
+  const lost = refusal || (link === "lost" && "There is no connection to the unit.");
   const old = `✝ No word from the unit for ${silence.toFixed(1)} s: nothing here is current.`;
   const known = [fault, unread && `Models: ${unread}`, unguarded && `The guardian ${unguarded}`];
   return (
     <span className="notice" role="alert">
-      {isStale ? `${lost}${link === "refused" ? "" : old}` : known.filter(Boolean).join(" · ")}
+      {[lost, ...(isStale ? [!refusal && old] : known)].filter(Boolean).join(" · ")}
     </span>
   );
 }

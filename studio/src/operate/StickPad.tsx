@@ -140,6 +140,8 @@ function Pad({ command, component, fields, draft, isAllowed, axes }: Props & { a
     setPlace(({ x, y }) => ({ x: within(x + step.x), y: within(y + step.y) }));
   }
 
+  // One number cannot follow both ways.
+  const besides = (way: Way) => axes.filter((axis) => axis !== axisOf(axes, way));
   const { stop, timeout, source } = command.stick as Exclude<Command["stick"], { refusal: string }>;
   const dock = document.getElementById(DOCK);
   const pad = (
@@ -191,11 +193,17 @@ function Pad({ command, component, fields, draft, isAllowed, axes }: Props & { a
         Released, hidden or silent for {timeout} s, it is followed by its stop: {stop} ({source}).
         Its zero is where you press; half the width of the pad is full.
       </p>
-      <WayInput label="Up and down" way={up} axes={axes} fault={faults.get("up")} onWay={setUp} />
+      <WayInput
+        label="Up and down"
+        way={up}
+        axes={besides(right)}
+        fault={faults.get("up")}
+        onWay={setUp}
+      />
       <WayInput
         label="Right and left"
         way={right}
-        axes={axes}
+        axes={besides(up)}
         fault={faults.get("right")}
         onWay={setRight}
       />

@@ -1,7 +1,7 @@
 import { lazy, Suspense, useState } from "react";
 import { usePolled } from "../answers";
 import { CHOOSE, Quiet, Select } from "../panels/base/parts";
-import { Age } from "./Age";
+import { Age, OLD_S } from "./Age";
 import { Plan } from "./Plan";
 import { Plot, type Series } from "./Plot";
 import type { Values } from "./protocol";
@@ -14,8 +14,6 @@ const LOOK_MS = 500;
 const PICTURE = "StillImageData";
 const ENDPOINTS = "ReportDigitalResourceEndpoint";
 const RATES = ["1", "2", "5", "10", "25"];
-/** Seconds without a report after which its values are told to be old. */
-const OLD_S = 3;
 const SPANS: [number, string][] = [
   [60, "1 minute"],
   [300, "5 minutes"],
@@ -110,7 +108,7 @@ function Watch({ component }: { component: string }) {
       )}
       <button
         type="button"
-        disabled={report === ""}
+        disabled={report === "" || (report === PICTURE && sensor.trim() === "")}
         onClick={() =>
           void tried("watch", {
             component,

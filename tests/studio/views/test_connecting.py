@@ -275,3 +275,31 @@ def test_ids_of_the_map_view_name_members():
     assert not end_of(scope, used, f"{identifier}!ros", "twist.twist").is_jaus
     with pytest.raises(AnswerError, match="no end"):
         end_of(scope, used, "bridge", "x")
+
+
+def test_both_ends_mean_one_name_where_their_namespaces_differ(tmp_path):
+    text = (MODELS / "examples/catvehicle/catvehicle.ros2jaus").read_text(encoding="utf-8")
+    for owner, space in (("bridge bridge", "car"), ("node logger", "arm")):
+        text = text.replace(f"    {owner} {{\n", f"    {owner} {{\n        namespace: {space}\n")
+    reset = "        service_server reset { service: reset  type: std_srvs/Trigger }\n"
+    untyped = "        service_server untyped { service: untyped }\n"
+    nameless = "        publisher pose { type: geometry_msgs/PoseStamped }\n"
+    text = text.replace("namespace: arm\n", f"namespace: arm\n{reset}{untyped}")
+    text = text.replace("node steering_controller {\n", f"node steering_controller {{\n{nameless}")
+    path = tmp_path / "car.ros2jaus"
+    path.write_text(text, encoding="utf-8")
+    project = Project(path)
+    car = Ends(Scope(project.model(path.name).model, project.root))
+    new = car.connect("vehicle/ReportStatus", "logger").options[0].commands[-1]
+    assert new.values["topic"] == ("/car/report_status",)
+    assert new.values["name"] == ("report_status",)
+    new = car.connect("bridge/odometry", "logger").options[0].commands[-1]
+    assert new.values["topic"] == ("/car/odometry",)
+    logger = car.owners["logger"]
+    ends_by_name = {end.name: Spot(logger, end) for end in logger.serviceServers}
+    vehicle = car("vehicle")
+    [call] = connect(car.scope, vehicle, ends_by_name["reset"]).options
+    assert call.commands[0].values["service"] == ("/arm/reset",)
+    assert "has no type" in connect(car.scope, vehicle, ends_by_name["untyped"]).refusal
+    [joined] = car.connect("steering_controller/pose", "logger/pose").options
+    assert joined.commands[0].values == ("/pose",)

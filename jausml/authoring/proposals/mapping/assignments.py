@@ -62,8 +62,7 @@ def filling(
         for assignment in getattr(owner, feature)
         if any(parse_path(path) in filled for path in target_paths(assignment))
     ]
-    # What is added stands behind what goes, whose places so stay until it goes.
-    return (*adds, *(Remove(scope.ref(assignment)) for assignment in reversed(gone)))
+    return (*adds, *(Remove(scope.ref(assignment)) for assignment in gone))
 
 
 def _list_of(

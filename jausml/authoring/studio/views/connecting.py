@@ -198,7 +198,7 @@ def _joined(scope: Scope, source: Spot, target: Spot) -> Options:
     ]
     if names[0] == names[1]:
         return Options(refusal=f"both are connected by {names[0]} already")
-    topic = seen_from(target.owner, source.owner, str(getattr(start, named)))
+    topic = seen_from(target.owner, source.owner, str(getattr(start, named) or name_of(start)))
     command = Set(scope.ref(end), named, (topic,))
     label = f"{name_of(end)} on {topic}"
     why = f"both have {ros_name(start.type)}; {name_of(end)} leaves {getattr(end, named)}"
@@ -248,14 +248,13 @@ def _placed(
     own = next(
         (host_placement for host_placement in whole.placements if host_placement.host is host), None
     )
-    emptied = []
     for placement in whole.placements:
         left = {name: _without(getattr(placement, name), elements) for name in _FEATURES}
         if placement is own:
             for name in _FEATURES:
                 left[name] += [element for element in elements if _feature(element) == name]
         if not any(left.values()):
-            emptied.append(placement)
+            yield Remove(scope.ref(placement))
             continue
         for name, values in left.items():
             if values != list(getattr(placement, name)):
@@ -269,9 +268,6 @@ def _placed(
         }
         placement_values = {"host": (scope.ref(host),), **placed}
         yield Add(scope.ref(whole), "placements", "system.Placement", placement_values)
-    # The last one first: those behind one that goes have other positions.
-    for empty_placement in reversed(emptied):
-        yield Remove(scope.ref(empty_placement))
 
 
 def _feature(element: EObject) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 from jausml.authoring.editing.commands import Add, Command, Set
 from jausml.authoring.proposals.bridging import (
@@ -44,7 +45,7 @@ def bridged(scope: Scope, at_jaus: Spot, at_ros: Spot, direction: str) -> Option
     if refusal:
         return Options(refusal=refusal)
     if isinstance(at_ros.element, ros.ServiceEndpoint):
-        return _call(scope, at_jaus, at_ros.element, owners[0], direction)
+        return _call(scope, at_jaus, at_ros, owners[0], direction)
     component = at_jaus.owner
     if not isinstance(component, jaus.Component):
         return Options(refusal="only components speak JAUS")
@@ -106,7 +107,8 @@ def through(
     if end is None:
         topic = name_of(connection.topics[0]) if connection.topics else name_of(connection)
         own = profile_of(scope, connection.topics[0]) if connection.topics else {}
-        add = _new_end(scope, at_ros.owner, kind, topic, to_ros=direction == TO_ROS, qos=own)
+        to_ros = direction == TO_ROS
+        add = _new_end(scope, owner, at_ros.owner, kind, topic, to_ros=to_ros, qos=own)
         noun = "subscription" if direction == TO_ROS else "publisher"
         label = f"new {noun} of {topic}"
         return Options((Option(label, f"{name} carries it", (add,)),))
@@ -314,7 +316,7 @@ def _crossing(
     draft = Draft(offer, component, kind, map_, topic, name, qos)
     commands = draft.commands(scope, owner)
     if not isinstance(end, ros.TopicEndpoint):
-        commands.append(_new_end(scope, at_ros.owner, kind, topic, to_ros=offer.to_ros))
+        commands.append(_new_end(scope, owner, at_ros.owner, kind, topic, to_ros=offer.to_ros))
     return _option(owner, component, draft, commands, at_ros.owner)
 
 
@@ -401,6 +403,7 @@ def seen_from(node: EObject, other: EObject, name: str) -> str:
 
 def _new_end(
     scope: Scope,
+    owner: EObject,
     node: EObject,
     kind: ros.MessageType,
     topic: str,
@@ -408,27 +411,30 @@ def _new_end(
     to_ros: bool,
     qos: Mapping[str, str] | None = None,
 ) -> Add:
+    """Returns the command that gives a node the end of a topic, which its bridge names so."""
     feature, cls = (
         ("subscriptions", "ros.Subscription") if to_ros else ("publishers", "ros.Publisher")
     )
-    name = name_among(topic, getattr(node, feature))
-    values = {"name": (name,), "topic": (topic,), "type": (scope.ref(kind),)}
+    name = name_among(topic.rpartition("/")[2], getattr(node, feature))
+    own = seen_from(node, owner, topic)
+    values = {"name": (name,), "topic": (own,), "type": (scope.ref(kind),)}
     return Add(scope.ref(node), feature, cls, values, qos_of(qos or {}))
 
 
-def _call(
-    scope: Scope, at_jaus: Spot, end: ros.ServiceEndpoint, owner: EObject, direction: str
-) -> Options:
+def _call(scope: Scope, at_jaus: Spot, at_ros: Spot, owner: EObject, direction: str) -> Options:
     """A ROS service whose calls a bridge makes JAUS messages of, or the other way round."""
+    end: Any = at_ros.element
     serves = isinstance(end, ros.ServiceServer)
     if serves is not (direction == TO_ROS):
         verb = "serves calls" if serves else "calls"
         return Options(refusal=f"{name_of(end)} {verb}; draw the line the other way round")
     if not isinstance(owner, bridge.Bridge):
         return Options(refusal="a ROS service needs a bridge; add one first")
+    if end.type is None:
+        return Options(refusal=f"{name_of(end)} has no type yet; choose one in its form")
     values = {
         "name": (name_among(name_of(end), owner.serviceConnections),),
-        "service": (str(end.service or name_of(end)),),
+        "service": (seen_from(owner, at_ros.owner, str(end.service or name_of(end))),),
         "type": (scope.ref(end.type),),
         "direction": (direction,),
     }
