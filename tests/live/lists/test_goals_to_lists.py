@@ -1,5 +1,6 @@
 """Goals of ROS actions become lists of JAUS: real processes, a real client of rclpy."""
 
+from contextlib import suppress
 from functools import partial
 
 import needs
@@ -83,6 +84,27 @@ class Client:
         name = "station/navigate_through_poses"
         self.handle = ActionClient(peer.node, NavigateThroughPoses, name)
         wait_for(self.handle.server_is_ready, "the action", PATIENCE)
+        self._be_known()
+
+    def _be_known(self):
+        """Asks for the end of a goal that is none, until that is answered.
+
+        Fast DDS loses an answer to a client that the server has not met yet. What takes answers to
+        goals was announced before what takes this one.
+        """
+        from rclpy.action.client import ClientGoalHandle
+        from unique_identifier_msgs.msg import UUID
+
+        response = self.type.Impl.SendGoalService.Response()
+        none = ClientGoalHandle(self.handle, UUID(uuid=[1] * 16), response)
+
+        def answered():
+            answer = self.peer.on_executor(partial(self.handle._cancel_goal_async, none))
+            with suppress(AssertionError):
+                wait_for(answer.done, "answer", 1)
+            return answer.done()
+
+        wait_for(answered, "answer of the action", PATIENCE)
 
     def send(self, *xs):
         """Sends a goal with these x; returns it when it was answered."""
