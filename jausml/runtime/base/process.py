@@ -75,7 +75,7 @@ class StopRequest:
             self.request(signal.Signals(number).name)
 
         atexit.register(ignore_signals)
-        former = {number: signal.signal(number, handle) for number in _end_signals()}
+        former = {number: signal.signal(number, handle) for number in end_signals()}
         try:
             yield
         finally:
@@ -85,13 +85,16 @@ class StopRequest:
 
 def ignore_signals() -> None:
     """Ignores further signals to end, so that a process at its end is not interrupted."""
-    for number in _end_signals():
+    for number in end_signals():
         signal.signal(number, signal.SIG_IGN)
 
 
-def _end_signals() -> Iterator[int]:
-    """Yields the signals that ask a process to end."""
+def end_signals() -> Iterator[int]:
+    """Yields the signals that ask a process to end: SIGINT, SIGTERM and SIGHUP of a lost terminal.
+
+    The last one is none where it is ignored, as `nohup` has it.
+    """
     yield from (signal.SIGINT, signal.SIGTERM)
     hang_up = getattr(signal, "SIGHUP", None)  # Windows has none
-    if hang_up is not None and signal.getsignal(hang_up) != signal.SIG_IGN:  # as of nohup
+    if hang_up is not None and signal.getsignal(hang_up) != signal.SIG_IGN:
         yield hang_up
