@@ -78,16 +78,16 @@ class Robot(Node):
             handle.publish_feedback(self.feedback(at, xs))
             order = self.order(handle)
             if order == "cancel":
+                say(kind="canceled", at=at)  # Before the client is told, who sends the next one.
                 handle.canceled()
-                say(kind="canceled", at=at)
                 return self.kind.Result(error_msg="canceled")
             if order == "abort":
-                handle.abort()
                 say(kind="aborted", at=at)
+                handle.abort()
                 return self.kind.Result(error_code=601, error_msg="the wheels came off")
             say(kind="reached", x=round(pose.pose.position.x, 2))
-        handle.succeed()
         say(kind="done")
+        handle.succeed()
         return self.kind.Result()
 
     def feedback(self, at: int, xs: list[float]):
