@@ -4,8 +4,9 @@ import os
 import struct
 
 import pytest
+from keeping_peer import KeepingPeer
 
-from jausml.live.peers.makes.junior import REPORT_STATUS, STANDBY, JtsComponent, JuniorPeer
+from jausml.live.peers.makes.junior import REPORT_STATUS, STANDBY, JtsComponent
 from jausml.live.peers.makes.vehicle import Place
 from jausml.runtime import ComponentSettings, JausComponent, ServiceIdentity
 from jausml.runtime.base.address import BROADCAST, JausAddress
@@ -24,7 +25,7 @@ QUERY_STATUS = b"\x02\x20"
 @pytest.fixture
 def junior(free_port):
     """A component on Junior, on the same port of another host."""
-    with JuniorPeer(PEER, Place(port=free_port)) as made:
+    with KeepingPeer(PEER, Place(port=free_port)) as made:
         made.transmissions = 50
         yield made
 

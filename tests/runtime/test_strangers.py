@@ -3,9 +3,9 @@
 import socket
 
 import pytest
+from keeping_peer import KeepingPeer
 from stranger import ROBOT, Stranger, event
 
-from jausml.live.peers.makes.junior import JuniorPeer
 from jausml.live.peers.makes.vehicle import Place
 from jausml.runtime import JausComponent
 from jausml.runtime.base.address import JausAddress
@@ -109,7 +109,7 @@ class TestProof:
 
     def test_junior_proves_itself_by_what_it_does_anyway(self, station, free_port, wait_until):
         here = station(port=free_port).attach(ROBOT)
-        with JuniorPeer(STRANGER, Place(port=free_port)) as junior:
+        with KeepingPeer(STRANGER, Place(port=free_port)) as junior:
             assert junior.send(ROBOT, QueryStatus().encode(), acknowledge=True)
             wait_until(lambda: here.transport.is_proved(STRANGER))
             here.transport.send(ROBOT, STRANGER, QueryStatus().encode())

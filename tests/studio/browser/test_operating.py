@@ -10,7 +10,8 @@ from contextlib import contextmanager, suppress
 
 import pytest
 from appearance import broken, misplaced
-from playwright.sync_api import TimeoutError, expect
+from playwright.sync_api import TimeoutError as PlaywrightTimeoutError
+from playwright.sync_api import expect
 from ports import free_port
 from simulated_vehicle import VEHICLE, Vehicle, until
 from sweeps import sweep
@@ -71,7 +72,7 @@ def control(page, component=VEHICLE):
     def is_taken():
         """Nobody is given control while what the page before commanded is being stopped."""
         if not resume.is_enabled() and take.is_enabled():
-            with suppress(TimeoutError):  # The click before has just taken it.
+            with suppress(PlaywrightTimeoutError):  # The click before has just taken it.
                 take.click(timeout=2_000)
             page.wait_for_timeout(500)
         return resume.is_enabled()

@@ -84,7 +84,6 @@ class JuniorPeer:
         """Starts the component, and the node manager of its host."""
         self.address = address
         self.endpoint = place.endpoint
-        self.received: list[tuple[JausAddress, bytes]] = []
         self.transmissions = TRANSMISSIONS
         self._group = place.group
         self._book: dict[int, tuple[str, int]] = {}
@@ -100,11 +99,6 @@ class JuniorPeer:
 
     def __exit__(self, *_: object) -> None:
         self.close()
-
-    @property
-    def payloads(self) -> list[bytes]:
-        """The payloads that the application received, without their sources."""
-        return [payload for _, payload in list(self.received)]
 
     def close(self) -> None:
         """Ends the component and its node manager."""
@@ -182,7 +176,7 @@ class JuniorPeer:
         if acknowledgement >= NAK or self._is_known(packet):
             return
         if packet.place == SINGLE:
-            self._deliver(packet.source, packet.payload)
+            self.on_message(address_of(packet.source), packet.payload)
             return
         self._loose.append(packet)
         self._assemble()
@@ -210,13 +204,9 @@ class JuniorPeer:
                 parts.append(following)
             else:
                 self._loose = [packet for packet in self._loose if packet not in parts]
-                self._deliver(first.source, b"".join(part.payload for part in parts))
+                payload = b"".join(part.payload for part in parts)
+                self.on_message(address_of(first.source), payload)
                 return
-
-    def _deliver(self, source: int, payload: bytes) -> None:
-        address = address_of(source)
-        self.received.append((address, payload))
-        self.on_message(address, payload)
 
     # ---- the node manager -------------------------------------------------------------------
 
