@@ -1,9 +1,11 @@
 """Listening to multicast on loopback, without taking part."""
 
 import socket
+import sys
 
 import pytest
 from capture_files import QUERY_STATUS
+from network_hosts import NetworkHost
 from ports import free_port
 
 from jausml.live.traffic.captures import TrafficError
@@ -48,6 +50,48 @@ def test_it_ends_after_the_duration(settings):
     with MulticastListener(settings) as listener:
         assert list(listener.datagrams(duration=0.01)) == []
         assert list(listener.datagrams(duration=0)) == []
+
+
+REPLUGGED = """
+import socket, subprocess, sys, threading
+from jausml.live.traffic.listening import MulticastListener
+from jausml.runtime.base.settings import TransportSettings
+
+def ip(words):
+    subprocess.run(["ip", *words.split()], check=True)
+
+def plug():
+    ip("link add wire type veth peer name other")
+    ip("address add 192.0.2.1/24 dev wire")
+    for name in ("wire", "other"):
+        ip(f"link set {name} up")
+
+def speak():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
+        interface = socket.inet_aton(settings.interface)
+        sock.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, interface)
+        while not heard.wait(0.2):
+            sock.sendto(b"hello", (settings.multicast_group, settings.port))
+
+settings, heard = TransportSettings(interface="192.0.2.1"), threading.Event()
+plug()
+with MulticastListener(settings) as listener:
+    ip("link delete wire")
+    plug()
+    threading.Thread(target=speak).start()
+    datagram = next(listener.datagrams(duration=60), None)
+    heard.set()
+sys.exit(datagram is None)
+"""
+
+
+@pytest.mark.needs("namespaces of networks")
+def test_an_interface_that_is_removed_and_comes_back_is_heard_again():
+    host = NetworkHost("192.0.2.1")
+    try:
+        host.run(sys.executable, "-c", REPLUGGED)
+    finally:
+        host.close()
 
 
 def test_an_interface_that_is_not_there(settings):

@@ -9,16 +9,13 @@ import ctypes
 import errno
 import socket
 import struct
-import sys
 import time
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 from jausml.live.traffic.captures import RAW_IP, CapturedFrame, TrafficError
 from jausml.live.traffic.frames import Datagram, Endpoint
-
-if TYPE_CHECKING:
-    from jausml.runtime.base.settings import TransportSettings
+from jausml.runtime.base.settings import TransportSettings
+from jausml.runtime.transports.ports import group_socket, join_again, who_holds
 
 _ALL_PROTOCOLS, _IPV4, _IPV6 = 0x0003, 0x0800, 0x86DD
 _OUTGOING, _LOOPBACK = 4, 772  # PACKET_OUTGOING, ARPHRD_LOOPBACK
@@ -32,8 +29,7 @@ _EVERYWHERE = "0.0.0.0"  # noqa: S104 - the option for all interfaces
 _NANO = 10**9
 
 _LARGEST_DATAGRAM = 65535
-_LONGEST_WAIT = 3600.0  # seconds; a socket does not take any number
-_IP_MULTICAST_ALL = 49  # Linux; the socket module does not name it
+_CHECK = 1.0  # seconds without a datagram after which an interface may have been removed
 # A filter of the kernel for UDP over IPv4, and IPv6, whose headers `frames` reads.
 _FILTER = (
     (0x30, 0, 0, 0),  # the first byte
@@ -163,28 +159,14 @@ class MulticastListener:
     """
 
     def __init__(self, settings: TransportSettings) -> None:
+        self._settings = settings
         self._group = Endpoint(settings.multicast_group, settings.port)
-        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         try:
-            self._join(settings)
+            self._socket = group_socket(settings)
         except OSError as error:
-            self._socket.close()
             where = f"{self._group} on interface {settings.interface}"
             reason = f"cannot listen to {where}: {error.strerror}{_remedy(error, settings)}"
             raise TrafficError(reason) from error
-
-    def _join(self, settings: TransportSettings) -> None:
-        sock = self._socket
-        sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        if sys.platform == "darwin":
-            sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
-        sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, settings.receive_buffer)
-        sock.bind(self._group)
-        membership = socket.inet_aton(self._group.host) + socket.inet_aton(settings.interface)
-        sock.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, membership)
-        if sys.platform == "linux":
-            # Hear the group on our interface only, whatever other processes joined.
-            sock.setsockopt(socket.IPPROTO_IP, _IP_MULTICAST_ALL, 0)
 
     def __enter__(self) -> MulticastListener:
         """Returns the listener, which is closed at the end of the block."""
@@ -202,10 +184,11 @@ class MulticastListener:
             left = None if end is None else end - time.monotonic()
             if left is not None and left <= 0:
                 return
-            self._socket.settimeout(None if left is None else min(left, _LONGEST_WAIT))
+            self._socket.settimeout(_CHECK if left is None else min(left, _CHECK))
             try:
                 data, sender = self._socket.recvfrom(_LARGEST_DATAGRAM)
             except TimeoutError:
+                join_again(self._socket, self._settings)
                 continue
             number += 1
             now = time.time_ns()
@@ -216,8 +199,6 @@ def _remedy(error: OSError, settings: TransportSettings) -> str:
     """Returns, for a port in use, its holder and the command of a capture; else empty."""
     if error.errno != errno.EADDRINUSE:
         return ""
-    from jausml.runtime.transports.ports import who_holds  # noqa: PLC0415 - for errors alone
-
     return (
         f" and not shared; {who_holds('udp', settings)}. A capture shows its traffic: "
         f"tcpdump -i any -w - udp | jausml decode --port {settings.port} --pcap -"

@@ -160,7 +160,7 @@ class SharedPort:
     def open(self) -> None:
         """Joins the group and takes the unicast port, or another if it is taken; raises OSError."""
         try:
-            self.multicast = self._multicast_socket()
+            self.multicast = group_socket(self._settings)
             self._take(self._well_known_or_any_socket())
         except OSError as error:
             self.close()
@@ -188,15 +188,10 @@ class SharedPort:
         multicast, unicast = self.multicast, self.unicast
         if multicast is None or unicast is None:
             return False
-        try:
-            self._change_membership(multicast, socket.IP_ADD_MEMBERSHIP)
-            self._send_by_interface(unicast)
-        except OSError as error:
-            if error.errno != errno.EADDRINUSE:  # it is no member: the interface is not there
-                # The kernel keeps the membership, and allows few.
-                with suppress(OSError):
-                    self._change_membership(multicast, socket.IP_DROP_MEMBERSHIP)
+        if not join_again(multicast, self._settings):
             return False
+        with suppress(OSError):  # gone again: it is joined anew when it is back
+            self._send_by_interface(unicast)
         return True
 
     def close(self) -> None:
@@ -263,28 +258,44 @@ class SharedPort:
         interface = socket.inet_aton(self._settings.interface)
         sock.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, interface)
 
-    def _change_membership(self, sock: socket.socket, option: int) -> None:
-        ends = (self._settings.multicast_group, self._settings.interface)
-        sock.setsockopt(socket.IPPROTO_IP, option, b"".join(map(socket.inet_aton, ends)))
 
-    def _multicast_socket(self) -> socket.socket:
-        sock = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        try:
-            sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-            if hasattr(socket, "SO_REUSEPORT"):
-                # To share the port with a node manager that allows it (fkie).
-                sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
-            sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, self._settings.receive_buffer)
-            sock.settimeout(0)
-            sock.bind(self.group)
-            self._change_membership(sock, socket.IP_ADD_MEMBERSHIP)
-            if sys.platform == "linux":
-                # Only the group on our interface, whatever other processes have joined.
-                sock.setsockopt(socket.IPPROTO_IP, _IP_MULTICAST_ALL, 0)
-        except OSError:
-            sock.close()
-            raise
-        return sock
+def group_socket(settings: TransportSettings) -> socket.socket:
+    """Returns a socket that hears the multicast group on an interface; raises OSError."""
+    sock = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    try:
+        sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        if hasattr(socket, "SO_REUSEPORT"):
+            # To share the port with a node manager that allows it (fkie).
+            sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
+        sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, settings.receive_buffer)
+        sock.settimeout(0)
+        sock.bind((settings.multicast_group, settings.port))
+        _change_membership(sock, settings, socket.IP_ADD_MEMBERSHIP)
+        if sys.platform == "linux":
+            # Only the group on our interface, whatever other processes have joined.
+            sock.setsockopt(socket.IPPROTO_IP, _IP_MULTICAST_ALL, 0)
+    except OSError:
+        sock.close()
+        raise
+    return sock
+
+
+def join_again(sock: socket.socket, settings: TransportSettings) -> bool:
+    """Joins the group anew if the interface was removed and is back; returns whether it did."""
+    try:
+        _change_membership(sock, settings, socket.IP_ADD_MEMBERSHIP)
+    except OSError as error:
+        if error.errno != errno.EADDRINUSE:  # it is no member: the interface is not there
+            # The kernel keeps the membership, and allows few.
+            with suppress(OSError):
+                _change_membership(sock, settings, socket.IP_DROP_MEMBERSHIP)
+        return False
+    return True
+
+
+def _change_membership(sock: socket.socket, settings: TransportSettings, option: int) -> None:
+    ends = (settings.multicast_group, settings.interface)
+    sock.setsockopt(socket.IPPROTO_IP, option, b"".join(map(socket.inet_aton, ends)))
 
 
 def _discard_waiting(sock: socket.socket) -> int:
