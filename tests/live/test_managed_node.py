@@ -39,8 +39,9 @@ def test_an_operator_activates_and_deactivates_a_node(ros, tmp_path):
         return ocu("query", "100.1.40", "PlatformState").stdout
 
     def command(name):
-        done = ocu("command", "100.1.40", "SetPlatformState", f"PlatformState={name}")
-        assert done.returncode == 0, done.stderr
+        """Commands anew where a bridge that stood still has thrown away what came meanwhile."""
+        line = "command", "100.1.40", "SetPlatformState", f"PlatformState={name}"
+        wait_for(lambda: ocu(*line).returncode == 0, f"the command {name}")
 
     def mode():
         return driver.get_parameter("platform_mode").value

@@ -66,6 +66,8 @@ def controlling(system, bridge):
         yield made
         if system.lasts:
             made.rest()
+            # Else the next test takes the end of this one's goal for its own.
+            wait_for(lambda: not system.open_goals(), "end of the goals", PATIENCE)
         made.stop()
 
 

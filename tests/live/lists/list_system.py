@@ -175,6 +175,10 @@ class System:
         said, _ = self._before.get(process, (0, 0))
         return [fact for fact in process.facts[said:] if fact["kind"] in kinds]
 
+    def open_goals(self):
+        """How many goals of this test its robot still follows."""
+        return len(self.facts("goal")) - len(self.facts("canceled", "aborted", "done"))
+
     def close(self):
         for process in self.processes.values():
             process.close()
