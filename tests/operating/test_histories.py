@@ -1,5 +1,7 @@
 """The values of numbers over time that plots and plans are drawn from."""
 
+import time
+
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -14,3 +16,10 @@ def test_peaks_and_the_last_value_are_kept(values, most):
     assert kept == sorted(kept)
     assert kept[-1] == points[-1]
     assert {min(values), max(values)} <= {value for _, value in kept}
+
+
+def test_a_history_says_when_it_was_asked_by_the_clock_of_its_times(operated):
+    with operated.page() as page:
+        asked = {"component": "1.1.1", "report": "ReportLocalPose", "path": ""}
+        history = page.ask("history", **asked, seconds=60, points=100)
+    assert time.time() - 60 < history["now"] <= time.time()

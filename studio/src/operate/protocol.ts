@@ -117,7 +117,8 @@ export interface OperateMethods {
   values: [Record<string, never>, { values: Values[] }];
   history: [
     Of & { report: string; path: string; seconds: number; points: number },
-    { times: number[]; values: number[] },
+    /** `now`: when it was asked, by the clock of `times`. */
+    { times: number[]; values: number[]; now: number },
   ];
   picture: [Of & { report: string; path: string }, { url: string }];
   renew: [Record<string, never>, unknown];
