@@ -58,9 +58,9 @@ def spot(scope: Scope, node: str, port: str) -> Spot:
 
 def element_of(scope: Scope, identifier: str) -> EObject:
     """Returns the element of an id in a graph: a fragment, behind its file unless the first."""
-    name, mark, fragment = identifier.rpartition("#")
+    file, mark, fragment = identifier.rpartition("#")
     for document in scope.model.documents:
-        if not mark or document.path.name == name:
+        if refs.file_mark(document, scope.model) == file + mark:
             return scope.find_in(document, fragment)
     raise AnswerError(f"there is no element {identifier!r} any more")
 
