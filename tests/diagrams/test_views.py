@@ -70,6 +70,25 @@ def test_components_of_files_of_one_name_are_boxes_of_their_own(tmp_path):
     assert not any(str(tmp_path) in node.id + node.key for node in graph.nodes)
 
 
+def test_maps_of_one_name_in_two_bridges_have_views_of_their_own(tmp_path):
+    bridges = (
+        f"""bridge {name} {{ address: 100.1.{number} speed {{
+            JAUS ReportVelocityState
+            ROS geometry_msgs/Twist
+            JAUS->ROS ( Velocity_{axis} -> linear.x )
+        }} }}"""
+        for number, (name, axis) in enumerate([("front", "X"), ("back", "Y")], start=1)
+    )
+    path = tmp_path / "robot.ros2jaus"
+    imports = "import jaus.mobility\nimport ros.geometry_msgs\n"
+    path.write_text(imports + "\n".join(bridges), encoding="utf-8")
+    model = read(path).model
+    views = [name for name in view_names(model, library=False) if name.startswith("map:")]
+    assert views == ["map:speed", "map:back.speed"]
+    edges = [graph_of(model, view).edges[0].source.port for view in views]
+    assert edges == ["Velocity_X", "Velocity_Y"]
+
+
 def test_every_view_of_the_library_that_is_used():
     for graph in graphs(read(CAR), library=True):
         look_at(graph)

@@ -22,6 +22,7 @@ from jausml.language.model.xmi.parsing import Node
 from jausml.language.text.reading.document import TextDocument
 from jausml.views.diagrams.views import graph_of
 from jausml.views.diagrams.views.connections import PROVIDES, USES
+from jausml.views.diagrams.views.maps import names_of
 
 _MARK = "!"
 
@@ -102,9 +103,9 @@ def element_shown(scope: Scope, view: str) -> EObject | None:
 
 
 def map_named(scope: Scope, name: str) -> bridge.AttributeMap:
-    """Returns the map of a name."""
+    """Returns the map of a name, as its view has it."""
     for attribute_map in scope.model.instances(bridge.AttributeMap):
-        if attribute_map.name == name:
+        if name in names_of(attribute_map):
             return attribute_map
     raise AnswerError(f"there is no map {name!r} any more")
 
