@@ -3,7 +3,7 @@ import type { EditResult, Graph, Notifications } from "../protocol";
 import { edgeKey, nodeKey, portKey } from "../selection";
 import { state, update } from "../store";
 import { PROJECT, serve } from "../testing/fakeServer";
-import { edge, node, smallGraph } from "../testing/graphs";
+import { edge, node, port, smallGraph } from "../testing/graphs";
 import * as actions from "./index";
 
 const VIEWS = [{ name: "system", kind: "system" as const, title: "", library: false }];
@@ -384,6 +384,27 @@ test("a line that is no element is taken away as the server says", async () => {
   actions.select([edgeKey("S!inherits")]);
   await actions.removeSelected();
   expect(state().said.text).toBe("it follows from its ends");
+});
+
+test("of selected uses of services each goes, and the services stay", async () => {
+  const server = serveGraph();
+  const rows = ["ocu!provides!S 1.0", "ocu!uses!T 1.0"];
+  const graph = smallGraph();
+  graph.nodes[0]!.ports = rows.map((row) => port(row, 30, { element: `robot.xmi#${row}` }));
+  update({ graph });
+  server.answer("unlink", ({ line }) => {
+    const command = { kind: "set" as const, element: "robot.xmi#ocu", feature: line, values: [] };
+    const option = { label: line, why: "", preview: "", commands: [command], is_best: true };
+    return { options: [option], refusal: "" };
+  });
+  actions.select([portKey("ocu", rows[0]!), portKey("ocu", rows[1]!), nodeKey("base")]);
+  await actions.removeSelected();
+  expect(server.params("unlink").map(({ line }) => line)).toEqual(rows);
+  const removed = server.params("edit").flatMap(({ commands }) => commands);
+  expect(removed.filter(({ kind }) => kind === "remove")).toMatchObject([
+    { element: "robot.xmi#base" },
+    { element: "robot.xmi#base" },
+  ]);
 });
 
 const ITEM = {
