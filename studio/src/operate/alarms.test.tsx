@@ -37,6 +37,7 @@ test("times are local, as those of plots", async () => {
   vi.stubEnv("TZ", "Asia/Kolkata");
   await tell({ alarms: [alarm(1, "gps", 9)] });
   render(<Alarms />);
+  vi.unstubAllEnvs();
   expect(causes()).toEqual([expect.stringMatching("05:30:01 lost 1.*back again 05:30:09")]);
 });
 
