@@ -164,6 +164,16 @@ def test_a_large_system_has_a_frame_for_each_bridge():
     assert picture.count('class="box') == 66
 
 
+def test_a_loop_of_a_large_system_is_counted_once():
+    found = large()
+    loop = Edge("loop", End("c1", "p"), End("c1", "p"), "message", "again")
+    shown = bundled(replace(found, edges=(*found.edges, loop)))
+    (row,) = (
+        port for port in shown.by_id["c1"].ports if port.label.endswith(found.by_id["c1"].title)
+    )
+    assert row.note == "1 connection"
+
+
 def test_bundles_have_no_labels_and_their_boxes_say_what_is_wrong():
     found = large()
     wrong = (Finding("warning", "R", "is wrong"),)
