@@ -127,7 +127,10 @@ export interface OperateMethods {
   resume: [Of, unknown];
   standby: [Of, unknown];
   send: [Of & { message: string; fields: object }, { answer: string }];
-  stop: [{ components: string[] }, { stopped: { component: string; outcome: string }[] }];
+  stop: [
+    { components: string[] },
+    { stopped: { component: string; outcome: string; confirmed: boolean }[] },
+  ];
   clear: [Of, unknown];
   silence: [{ numbers: number[]; reason: string }, unknown];
   handoff: [Of & { authority: number; reason: string }, unknown];
