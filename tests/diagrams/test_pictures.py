@@ -83,7 +83,7 @@ def test_texts_are_data(text):
     # Graphviz reads what is written for it, with as many things.
     (read_back,) = graphviz._run(render_dot(found))
     boxes = [node for node in read_back["objects"] if "nodes" not in node]
-    assert (len(boxes), len(read_back["edges"])) == (3, 2)
+    assert (len(boxes), len(read_back["edges"])) == (3 + len(found.findings), 2)
 
 
 @pytest.mark.parametrize(
@@ -188,6 +188,18 @@ def test_bundles_have_no_labels_and_their_boxes_say_what_is_wrong():
     picture = svg.render(marked)
     assert 'class="label"' not in picture
     assert picture.count(">! warning: is wrong</text>") == 60
+
+
+@pytest.mark.parametrize("render", [render_mermaid, render_dot])
+def test_text_tells_what_is_wrong_with_lines_and_files_too(render):
+    wrong, unread = Finding("warning", "R", "is odd"), Finding("error", "R", "is no text")
+    found = large(connections=3)
+    first, *others = found.edges
+    shown = render(
+        replace(found, edges=(replace(first, findings=(wrong,)), *others), findings=(unread,))
+    )
+    assert f"warning<br/>{first.title}" in shown
+    assert "error: is no text" in shown
 
 
 def test_a_small_system_stays_as_it_is():
