@@ -208,7 +208,8 @@ def summary(outcomes: Sequence[Outcome]) -> str:
 def _lines(outcome: Outcome, model: Model) -> Iterator[str]:
     subject = outcome.subject
     size = f"{outcome.states} states, {outcome.transitions} transitions"
-    verdict = "holds" if not outcome.found else f"{len(outcome.found)} found"
+    sound = "holds" if outcome.is_complete else "no finding in what was searched"
+    verdict = f"{len(outcome.found)} found" if outcome.found else sound
     yield f"{subject.name}: {verdict} ({size}; {_promise(outcome)})"
     for counter_example in outcome.found:
         location = model.location(subject.element, None, 0)

@@ -140,7 +140,7 @@ export const BEGINNING = {
   /** Edits that were not done since others have changed the same. */
   kept: [] as KeptEdit[],
   drafts: [] as Draft[],
-  /** When the live state came, in milliseconds since 1970. */
+  /** When the live state came: milliseconds of a clock that nobody sets. */
   liveAt: 0,
   said: { text: "", isError: false },
   /** What was copied, where the clipboard of the system does not take it. */

@@ -83,7 +83,7 @@ def test_texts_are_data(text):
     # Graphviz reads what is written for it, with as many things.
     (read_back,) = graphviz._run(render_dot(found))
     boxes = [node for node in read_back["objects"] if "nodes" not in node]
-    assert (len(boxes), len(read_back["edges"])) == (3, 2)
+    assert (len(boxes), len(read_back["edges"])) == (3 + len(found.findings), 2)
 
 
 @pytest.mark.parametrize(
@@ -164,6 +164,16 @@ def test_a_large_system_has_a_frame_for_each_bridge():
     assert picture.count('class="box') == 66
 
 
+def test_a_loop_of_a_large_system_is_counted_once():
+    found = large()
+    loop = Edge("loop", End("c1", "p"), End("c1", "p"), "message", "again")
+    shown = bundled(replace(found, edges=(*found.edges, loop)))
+    (row,) = (
+        port for port in shown.by_id["c1"].ports if port.label.endswith(found.by_id["c1"].title)
+    )
+    assert row.note == "1 connection"
+
+
 def test_bundles_have_no_labels_and_their_boxes_say_what_is_wrong():
     found = large()
     wrong = (Finding("warning", "R", "is wrong"),)
@@ -178,6 +188,18 @@ def test_bundles_have_no_labels_and_their_boxes_say_what_is_wrong():
     picture = svg.render(marked)
     assert 'class="label"' not in picture
     assert picture.count(">! warning: is wrong</text>") == 60
+
+
+@pytest.mark.parametrize("render", [render_mermaid, render_dot])
+def test_text_tells_what_is_wrong_with_lines_and_files_too(render):
+    wrong, unread = Finding("warning", "R", "is odd"), Finding("error", "R", "is no text")
+    found = large(connections=3)
+    first, *others = found.edges
+    shown = render(
+        replace(found, edges=(replace(first, findings=(wrong,)), *others), findings=(unread,))
+    )
+    assert f"warning<br/>{first.title}" in shown
+    assert "error: is no text" in shown
 
 
 def test_a_small_system_stays_as_it_is():

@@ -47,6 +47,48 @@ def test_every_view_of_what_is_shipped(path):
         assert not severity(graph.findings)
 
 
+def test_components_of_files_of_one_name_are_boxes_of_their_own(tmp_path):
+    for folder, name, address in (("a", "first", "100.1.1"), ("b", "second", "100.2.1")):
+        (tmp_path / folder).mkdir()
+        text = f"component {name} {{ address: {address} provides: VelocityStateSensor }}\n"
+        (tmp_path / folder / "robot.ros2jaus").write_text(text, encoding="utf-8")
+    main = tmp_path / "systems" / "main.ros2jaus"
+    main.parent.mkdir()
+    (tmp_path / ".git").mkdir()  # the root of what files may refer to
+    main.write_text(
+        """import "../a/robot.ros2jaus"
+        import "../b/robot.ros2jaus"
+        bridge front { address: 100.1.2 uses: VelocityStateSensor controls: first, second }""",
+        encoding="utf-8",
+    )
+    graph = graph_of(read(main).model, "system")
+    assert {node.title for node in graph.nodes} == {"front", "first", "second"}
+    assert (
+        len({edge.source.node for edge in graph.edges} | {e.target.node for e in graph.edges}) == 3
+    )
+    # Layouts are kept by key, for all who have the files.
+    assert not any(str(tmp_path) in node.id + node.key for node in graph.nodes)
+
+
+def test_maps_of_one_name_in_two_bridges_have_views_of_their_own(tmp_path):
+    bridges = (
+        f"""bridge {name} {{ address: 100.1.{number} speed {{
+            JAUS ReportVelocityState
+            ROS geometry_msgs/Twist
+            JAUS->ROS ( Velocity_{axis} -> linear.x )
+        }} }}"""
+        for number, (name, axis) in enumerate([("front", "X"), ("back", "Y")], start=1)
+    )
+    path = tmp_path / "robot.ros2jaus"
+    imports = "import jaus.mobility\nimport ros.geometry_msgs\n"
+    path.write_text(imports + "\n".join(bridges), encoding="utf-8")
+    model = read(path).model
+    views = [name for name in view_names(model, library=False) if name.startswith("map:")]
+    assert views == ["map:speed", "map:back.speed"]
+    edges = [graph_of(model, view).edges[0].source.port for view in views]
+    assert edges == ["Velocity_X", "Velocity_Y"]
+
+
 def test_every_view_of_the_library_that_is_used():
     for graph in graphs(read(CAR), library=True):
         look_at(graph)

@@ -84,6 +84,14 @@ def test_what_refers_to_what_goes_is_told_and_goes_too(project):
     assert "@components.0" in text(project, "places.xmi")
 
 
+@pytest.mark.parametrize("gone", ["robot.xmi#//@components.0", "places.xmi#//@placements.0"])
+def test_what_refers_to_several_that_go_is_told_as_it_is_before(project, gone):
+    seen = project.preview([Remove(gone), Remove("robot.xmi#//@components.1")])
+    assert [(referrer.element, referrer.feature) for referrer in seen.referrers] == [
+        ("places.xmi#//@placements.1", "components")
+    ]
+
+
 def test_refs_of_several_commands_are_those_before_all(project):
     gone = "robot.xmi#//@components.0", "robot.xmi#//@components.1", "robot.xmi#//@nodes.0"
     last = Rename("robot.xmi#//@nodes.1", "last")

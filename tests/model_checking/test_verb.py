@@ -115,6 +115,7 @@ def test_a_bound_that_is_allowed_is_met_all_the_same(tmp_path):
     (product,) = json.loads(told)["products"]
     assert [allowed["rule"] for allowed in product["allowed"]] == ["JML935"]
     assert not product["complete"]
+    assert ": no finding in what was searched (" in run(model, "--states", "10", status=0).stdout
 
 
 def test_a_warning_can_be_allowed_with_a_reason(tmp_path):

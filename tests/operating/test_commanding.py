@@ -211,12 +211,16 @@ def test_a_second_page_does_not_command_and_sees_who_does(server, holding):
                 second.ask(method, **COMMANDS[method])
             assert refused.value.code == REFUSED
         # Everybody with the right may stop.
-        assert second.ask("stop")["stopped"] == [{"component": VEHICLE, "outcome": "STANDBY"}]
+        assert second.ask("stop")["stopped"] == [
+            {"component": VEHICLE, "outcome": "STANDBY", "confirmed": True}
+        ]
     holding.ask("renew")
 
 
 def test_stop_brings_what_is_controlled_to_standby(holding, vehicle):
-    assert holding.ask("stop")["stopped"] == [{"component": VEHICLE, "outcome": "STANDBY"}]
+    assert holding.ask("stop")["stopped"] == [
+        {"component": VEHICLE, "outcome": "STANDBY", "confirmed": True}
+    ]
     assert vehicle.status == "STANDBY"
 
 
@@ -350,7 +354,7 @@ def test_an_emergency_stops_what_is_not_controlled_until_it_is_cleared_and_what_
     with operating(folder, built, *options) as server, server.page() as page:
         page.ask("claim", right=server.right, name="")
         stopped = page.ask("stop", components=[VEHICLE])["stopped"]
-        assert stopped == [{"component": VEHICLE, "outcome": "EMERGENCY"}]
+        assert stopped == [{"component": VEHICLE, "outcome": "EMERGENCY", "confirmed": True}]
         assert vehicle.status == "EMERGENCY"
         page.ask("clear", component=VEHICLE)
         assert vehicle.status != "EMERGENCY"
@@ -372,6 +376,7 @@ def test_a_stop_that_nobody_acknowledges_is_sent_again(tmp_path, port):
         try:
             [stopped] = unit.stop_all("page", [address])
             assert stopped["outcome"] == "its state is not told"
+            assert not stopped["confirmed"]
         finally:
             unit.stop()
         with suppress(BlockingIOError):
@@ -394,7 +399,9 @@ def test_a_terminal_that_takes_nothing_does_not_hold_up_the_stop(folder, built, 
             for _ in range(room // 50):  # each is noted
                 with pytest.raises(RefusedError):
                     other.ask("claim", right="wrong", name="")
-            assert page.ask("stop")["stopped"] == [{"component": VEHICLE, "outcome": "STANDBY"}]
+            assert page.ask("stop")["stopped"] == [
+                {"component": VEHICLE, "outcome": "STANDBY", "confirmed": True}
+            ]
     assert vehicle.status == "STANDBY"
 
 

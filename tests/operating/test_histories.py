@@ -1,9 +1,17 @@
 """The values of numbers over time that plots and plans are drawn from."""
 
+import time
+from types import SimpleNamespace
+
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jausml.live.operating.values import decimated
+from jausml.live.messages import load_catalogue
+from jausml.live.operating.values import RATE, Values, decimated
+from jausml.runtime.base.address import JausAddress
+
+BASE = JausAddress(100, 1, 1)
 
 
 @given(st.lists(st.floats(-9, 9), min_size=1, max_size=60), st.integers(3, 20))
@@ -14,3 +22,32 @@ def test_peaks_and_the_last_value_are_kept(values, most):
     assert kept == sorted(kept)
     assert kept[-1] == points[-1]
     assert {min(values), max(values)} <= {value for _, value in kept}
+
+
+def test_a_history_says_when_it_was_asked_by_the_clock_of_its_times(operated):
+    with operated.page() as page:
+        asked = {"component": "1.1.1", "report": "ReportLocalPose", "path": ""}
+        history = page.ask("history", **asked, seconds=60, points=100)
+    assert time.time() - 60 < history["now"] <= time.time()
+
+
+def test_values_are_as_old_as_they_are_whatever_the_clock_of_the_computer_does(monkeypatch):
+    values, said = Values(), {}
+    operator = SimpleNamespace(
+        exchange=lambda *_: (None, SimpleNamespace(name="ReportStatus")),
+        watch=lambda *arguments: said.update(take=arguments[3]),
+    )
+    values.watch(operator, BASE, "ReportStatus", 1.0, page=1)
+    entry = load_catalogue().message("ReportStatus")
+    fields = entry.decode(entry.encode({"ReportStatusRec": {"Status": 1, "Reserved": 0}}))
+    clock, wall = iter(range(100, 200)), 1_000_000
+    monkeypatch.setattr(time, "monotonic", lambda: float(next(clock)))
+    monkeypatch.setattr(time, "time", lambda: float(wall))
+    said["take"](entry, fields)
+    wall -= 3600  # somebody has set the clock
+    said["take"](entry, fields)
+    (report,) = values.last()
+    assert report["age"] == pytest.approx(1)
+    ((at, hertz),) = values.history(str(BASE), "ReportStatus", RATE, 60, 100)
+    assert hertz == pytest.approx(1)
+    assert wall - 10 < at <= wall

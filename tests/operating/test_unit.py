@@ -96,7 +96,7 @@ def test_what_does_not_answer_any_more_is_stopped_all_the_same(unit, port):
         hold = take_in(unit)
     until(lambda: hold.session and hold.session.state is ControlState.SEEKING)
     assert guarded(unit) == [ADDRESS]
-    stopped = {"component": VEHICLE, "outcome": "its state is not told"}
+    stopped = {"component": VEHICLE, "outcome": "its state is not told", "confirmed": False}
     assert unit.stop_all("anna", ()) == [stopped]
 
 

@@ -33,9 +33,11 @@ def project(tmp_path, jausml):
 
 
 @pytest.mark.parametrize("notation", ["xmi", "text"])
-@pytest.mark.parametrize("origin", ["example", "empty"])
-def test_it_validates(project, notation, origin, jausml):
-    folder = project("--notation", notation, "--from", origin)
+@pytest.mark.parametrize(
+    ("origin", "name"), [("example", "rover"), ("example", "sensor"), ("empty", "rover")]
+)
+def test_it_validates_also_under_the_name_of_an_element(project, notation, origin, name, jausml):
+    folder = project("--notation", notation, "--from", origin, name=name)
     done = jausml("validate", folder / "models", "--strict")
     assert done.output == "no problems in 1 file\n"
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from jausml.language.attributes.units import parse_unit
 from jausml.live.workers.pool import PoolError, Work
 from jausml.live.workers.worker import BridgeCode, Worker, WorkerError
 
@@ -23,6 +24,11 @@ def test_results_are_those_of_their_pieces():
 def test_what_a_worker_raises_is_raised():
     with pytest.raises(IndexError):
         list(Work(operator.itemgetter, 1).results([(1, 2), ()], jobs=1))
+
+
+def test_an_error_that_cannot_be_made_of_its_text_is_told_by_it():
+    with pytest.raises(RuntimeError, match="UnitError: 'parsec'"):
+        list(Work(functools.partial, parse_unit).results(["parsec"], jobs=1))
 
 
 def test_a_process_that_ends_is_told():

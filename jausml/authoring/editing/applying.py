@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any, TypeVar, cast
 
 from jausml.authoring.editing.commands import (
@@ -48,7 +48,6 @@ class Applying:
 
     Attributes:
         steps: The command, and what follows from it: all of the state before it.
-        removed: What goes, the owners alone.
     """
 
     def __init__(
@@ -61,7 +60,6 @@ class Applying:
         self._find = find
         self._metamodels = metamodels
         self.steps: list[ElementCommand] = []
-        self.removed: list[ElementCopy] = []
         self.changed: dict[ElementCopy, dict[str, None]] = {}
         self.created: list[ElementCopy] = []
 
@@ -200,26 +198,15 @@ class Applying:
     def _remove(self, copy: ElementCopy) -> None:
         if copy.owner is None and len(self._working_copy.roots[copy.file]) == 1:
             raise EditError(f"{copy.label} is all of {copy.file}: delete the file")
-        going: set[ElementCopy] = set()
-        pending = [copy]
-        # What cannot be without something that goes, goes too, and so on.
-        while pending:
-            element = pending.pop()
-            if element in going:
-                continue
-            gone = set(element.everything())
-            going |= gone
-            self.removed.append(element)
-            pending += self._orphaned(gone, going)
-        # What stands in something else that goes needs no mention.
-        inner = {
-            part for removed in self.removed for part in removed.everything() if part is not removed
-        }
-        self.removed = [removed_copy for removed_copy in self.removed if removed_copy not in inner]
-        self._unlink(going)
+        owners, going = leaving([copy], self._working_copy)
+        for referrer, name in list(left_by(going, self._working_copy)):
+            left = [target for target in referrer.references[name] if target not in going]
+            _put(referrer.references, name, left)
+            self._note(referrer, referrer.table.features[name])
         # Refs are those before the command, so all are taken before anything is dropped.
         fragments = self._working_copy.fragments()
-        for element in self.removed:
+        # What stands in something else that goes needs no mention.
+        for element in owners:
             self.steps.append(Remove(self._working_copy.ref(element, fragments)))
         for element, names in self.changed.items():
             for name in names:
@@ -227,29 +214,54 @@ class Applying:
                 self.steps.append(
                     Set(self._working_copy.ref(element, fragments), name, tuple(values))
                 )
-        for element in self.removed:
+        for element in owners:
             self._drop(element)
-
-    def _orphaned(self, gone: set[ElementCopy], going: set[ElementCopy]) -> Sequence[ElementCopy]:
-        """Returns the elements that need another one which goes."""
-        orphans = []
-        for copy, name in self._working_copy.referrers(gone):
-            feature = copy.table.features[name]
-            is_needed = feature.lower > 0 and not feature.many
-            if copy not in going and is_needed and copy.owner is not None:
-                orphans.append(_whole(copy))
-        lost = orphaned_transitions(going, self._working_copy)
-        return [*orphans, *(transition for transition in lost if transition not in going)]
-
-    def _unlink(self, going: set[ElementCopy]) -> None:
-        for copy, name in list(self._working_copy.referrers(going)):
-            if copy not in going:
-                left = [target for target in copy.references[name] if target not in going]
-                _put(copy.references, name, left)
-                self._note(copy, copy.table.features[name])
 
     def _as_ref(self, target: ElementCopy | Ref, fragments: Mapping[ElementCopy, str]) -> Ref:
         return target if isinstance(target, str) else self._working_copy.ref(target, fragments)
+
+
+def leaving(
+    copies: Iterable[ElementCopy], working_copy: WorkingCopy
+) -> tuple[list[ElementCopy], set[ElementCopy]]:
+    """Returns what goes when some elements do, the owners alone, and all of it with its parts.
+
+    What cannot be without something that goes, goes too, and so on.
+    """
+    going: set[ElementCopy] = set()
+    removed: list[ElementCopy] = []
+    pending = [*copies]
+    while pending:
+        element = pending.pop()
+        if element in going:
+            continue
+        gone = set(element.everything())
+        going |= gone
+        removed.append(element)
+        pending += _orphaned(gone, going, working_copy)
+    inner = {part for copy in removed for part in copy.everything() if part is not copy}
+    return [copy for copy in removed if copy not in inner], going
+
+
+def left_by(
+    going: set[ElementCopy], working_copy: WorkingCopy
+) -> Iterator[tuple[ElementCopy, str]]:
+    """Yields the elements that stay and refer to some that go, with the name of the feature."""
+    return (pair for pair in working_copy.referrers(going) if pair[0] not in going)
+
+
+def _orphaned(
+    gone: set[ElementCopy], going: set[ElementCopy], working_copy: WorkingCopy
+) -> Sequence[ElementCopy]:
+    """Returns the elements that need another one which goes."""
+    orphans = []
+    for copy, name in working_copy.referrers(gone):
+        feature = copy.table.features[name]
+        is_needed = feature.lower > 0 and not feature.many
+        if copy not in going and is_needed and copy.owner is not None:
+            orphans.append(_whole(copy))
+    lost = orphaned_transitions(going, working_copy)
+    return [*orphans, *(transition for transition in lost if transition not in going)]
 
 
 def _whole(copy: ElementCopy) -> ElementCopy:

@@ -6,10 +6,10 @@ Their refs are those before the first of them.
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
-from jausml.authoring.editing.applying import Applying
+from jausml.authoring.editing.applying import Applying, leaving, left_by
 from jausml.authoring.editing.commands import (
     NEW,
     Add,
@@ -60,7 +60,6 @@ class Outcome:
     """
 
     created: tuple[Ref, ...]
-    referrers: tuple[Referrer, ...]
     working_copy: WorkingCopy
     shifts: tuple[Mapping[Ref, Ref], ...]
     formatted: tuple[str, ...] = ()
@@ -99,6 +98,29 @@ def referrers(ref: Ref, draft: Draft) -> tuple[Referrer, ...]:
     )
 
 
+def concerned(commands: Sequence[Command], draft: Draft) -> tuple[Referrer, ...]:
+    """Returns what goes with elements that commands remove, and what loses a reference to them.
+
+    Nothing of what they name themselves; the refs are those before the commands.
+    """
+    named = [
+        command.element
+        for command in commands
+        if isinstance(command, Remove) and not command.element.startswith(NEW)
+    ]
+    files = dict.fromkeys(file for ref in named for file in draft.referring(draft.editable(ref)))
+    models = {file: draft.read(file).model for file in files}
+    working_copy = WorkingCopy.of(models, draft.root)
+    copies = [copy_of(ref, working_copy) for ref in named]
+    owners, going = leaving(copies, working_copy)
+    losses = [(copy, "") for copy in owners if copy not in copies]
+    fragments = working_copy.fragments()
+    return tuple(
+        Referrer(working_copy.ref(copy, fragments), copy.label, name)
+        for copy, name in [*losses, *left_by(going, working_copy)]
+    )
+
+
 def copy_of(ref: Ref, working_copy: WorkingCopy) -> ElementCopy:
     """Returns the copy of a ref of one of the files of a working copy."""
     copy = working_copy.find(ref)
@@ -124,7 +146,6 @@ class _Work:
             known if known is not None and is_current else WorkingCopy({}, draft.root)
         )
         self._created: list[ElementCopy] = []
-        self._referrers: list[Referrer] = []
         self._shifts: list[Mapping[Ref, Ref]] = []
         self._formatted: list[str] = []
 
@@ -132,8 +153,7 @@ class _Work:
         fragments = self._working_copy.fragments() if self._created else {}
         created = [self._working_copy.ref(copy, fragments) for copy in self._created]
         shifts, formatted = tuple(self._shifts), tuple(self._formatted)
-        referrers = tuple(self._referrers)
-        return Outcome(tuple(created), referrers, self._working_copy, shifts, formatted)
+        return Outcome(tuple(created), self._working_copy, shifts, formatted)
 
     def execute(self, command: Command) -> None:
         """Plans a command, makes the changes in the draft, and checks them."""
@@ -182,7 +202,6 @@ class _Work:
         odd = [context.file for context in contexts if not self._is_laid_out(context)]
         applying = Applying(working_copy, self._find, contexts[0].model.metamodels)
         applying.apply(command)
-        self._referrers += _referrers_of(applying, paths)
         try:
             printed = {
                 context.file: (print_text if is_text(context.file) else print_xmi)(
@@ -281,16 +300,6 @@ def _shift(before: Mapping[ElementCopy, Ref], after: Mapping[ElementCopy, Ref]) 
     """Returns the new refs of copies by the old ones where they differ, empty for what is gone."""
     pairs = ((ref, after.get(copy, "")) for copy, ref in before.items())
     return {old: new for old, new in pairs if old != new}
-
-
-def _referrers_of(applying: Applying, paths: Mapping[ElementCopy, str]) -> Iterable[Referrer]:
-    """Yields the elements that go with a removed one, and those that lose a reference to it."""
-    # The first is the element that the command itself names.
-    for copy in applying.removed[1:]:
-        yield Referrer(f"{copy.file}#{paths[copy]}", copy.label, "")
-    for copy, names in applying.changed.items() if applying.removed else ():
-        for name in names:
-            yield Referrer(f"{copy.file}#{paths[copy]}", copy.label, name)
 
 
 def renewed(

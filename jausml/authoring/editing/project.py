@@ -13,7 +13,7 @@ from jausml.authoring.editing.clips import Clip, clip_text, read_clip
 from jausml.authoring.editing.commands import Add, Command, EditError, LayoutKey, Set
 from jausml.authoring.editing.describing import pasted
 from jausml.authoring.editing.drafts import Draft, check_new_file
-from jausml.authoring.editing.executing import execute, referrers
+from jausml.authoring.editing.executing import concerned, execute, referrers
 from jausml.authoring.editing.layout import SUFFIXES, is_layout, layout_file, read_layout
 from jausml.authoring.editing.reading import Disk, Reader, encoded, is_library, is_text, stored
 from jausml.authoring.editing.rebasing import OutsideChange, Rebasing
@@ -170,7 +170,8 @@ class Project:
                 unified_diff(file, self._data(file) or b"", new_file.data if new_file else b"")
                 for file, new_file in new.items()
             )
-            return records.Preview(changes, outcome.created, outcome.referrers, diff)
+            referrers = concerned(commands, self._draft())
+            return records.Preview(changes, outcome.created, referrers, diff)
 
     def do(
         self,

@@ -18,6 +18,7 @@ from jausml.language.model.library import SUFFIXES
 from jausml.language.model.project import InputError, project_folder
 from jausml.language.model.xmi.writer import replace_file
 from jausml.language.project import index_around
+from jausml.language.semantics.names import system_name
 from jausml.language.text.notation import SUFFIX
 
 RootT = TypeVar("RootT", system.System, jaus.ServiceSet)
@@ -123,7 +124,7 @@ def opened(place: Place, *, is_of_services: bool = False) -> Opened:
     """
     if place.path.exists():
         return Opened(place, Project(place.root))
-    name = place.path.name.partition(".")[0]
+    name = system_name(place.path)
     beside = "" if place.is_text else metamodels_for(place.path, place.root)
     text = empty_services(name, beside) if is_of_services else empty_xmi(name, beside)
     text = text_of(text, name) if place.is_text else text

@@ -66,5 +66,9 @@ def text_of(xmi: str, name: str) -> str:
 
 def _named(xmi: str, name: str) -> str:
     own = f'xmi:id="{_EXAMPLE}" name="{_EXAMPLE}"'
-    text = attribute_text(name)
-    return xmi.replace(own, f'xmi:id="{text}" name="{text}"', 1)
+    text = identifier = attribute_text(name)
+    before, _, behind = xmi.partition(own)
+    # The example may have an element of this name.
+    while f'xmi:id="{identifier}"' in behind:
+        identifier += "_system"
+    return f'{before}xmi:id="{identifier}" name="{text}"{behind}'

@@ -154,6 +154,20 @@ def _file_of(path: Path, root: Path, *, is_library: bool) -> str:
     return path.as_posix()
 
 
+def file_mark(document: Document | None, model: Model) -> str:
+    """Returns what stands before names of elements of a file, empty for the first of a model.
+
+    It is the same on each machine that has the files side by side.
+    """
+    first = model.documents[0] if model.documents else None
+    if document is None or first is None or document is first:
+        return ""
+    folder = first.path.parent
+    if document.is_library:
+        return f"{file_of(document, folder)}#"
+    return f"{Path(os.path.relpath(document.path, folder)).as_posix()}#"
+
+
 def ref_of(obj: EObject | None, model: Model, root: Path) -> Ref:
     """Returns the ref of an element, empty for one that was not read."""
     document = model.document_of(obj)
@@ -223,12 +237,7 @@ class Keys:
         if not steps or (document is not None and len(document.root_nodes) > 1):
             steps.append(_escaped(getattr(ancestor, "name", None) or ""))
         names = "/".join(reversed(steps))
-        return f"{self._file(document)}{_kind(element)}:{names}"
-
-    def _file(self, document: Document | None) -> str:
-        if document is None or document is self._model.documents[0]:
-            return ""
-        return f"{file_of(document, self._model.documents[0].path.parent)}#"
+        return f"{file_mark(document, self._model)}{_kind(element)}:{names}"
 
     def _name(self, owner: EObject) -> None:
         """Finds the keys of the parts of an element, and the texts before the keys of their parts.

@@ -182,7 +182,11 @@ class Seat:
         within = min(max(seconds, 0.0), LONGEST_HISTORY)
         most = min(max(points, 2), MOST_POINTS)
         history = self._unit.values.history(component, report, path, within, most)
-        return {"times": [time for time, _ in history], "values": [value for _, value in history]}
+        return {
+            "times": [at for at, _ in history],
+            "values": [value for _, value in history],
+            "now": time.time(),
+        }
 
     def _picture(self, component: str, report: str, path: str) -> dict[str, Any]:
         return {"url": self._unit.values.picture(component, report, path)}

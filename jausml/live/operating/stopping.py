@@ -69,7 +69,7 @@ class Stopping:
         self._system, self._journal = system, journal
         self._running: dict[JausAddress, Event] = {}
 
-    def stop(self, name: str, kind: str, targets: Sequence[JausAddress]) -> list[dict[str, str]]:
+    def stop(self, name: str, kind: str, targets: Sequence[JausAddress]) -> list[dict[str, object]]:
         """Stops all components at the same time, and returns the outcome of each as JSON values.
 
         Args:
@@ -79,7 +79,7 @@ class Stopping:
         operator = self._system.operator
         for target in targets:
             self._system.act(target)
-        outcomes = {str(target): "" for target in targets}
+        outcomes = {str(target): ("", False) for target in targets}
         threads = [
             Thread(target=self._stop_one, args=(operator, target, kind, outcomes))
             for target in targets
@@ -90,24 +90,30 @@ class Stopping:
         self._journal.note(name, f"STOP ({kind}) of {shown}")
         for thread in threads:
             thread.join()
-        for component, outcome in outcomes.items():
+        for component, (outcome, _) in outcomes.items():
             self._journal.note("unit", f"after STOP, {self._system.name_of(component)}: {outcome}")
         return [
-            {"component": target, "outcome": outcome_text}
-            for target, outcome_text in outcomes.items()
+            {"component": target, "outcome": outcome_text, "confirmed": is_confirmed}
+            for target, (outcome_text, is_confirmed) in outcomes.items()
         ]
 
     def _stop_one(
-        self, operator: Operator, target: JausAddress, kind: str, outcomes: dict[str, str]
+        self,
+        operator: Operator,
+        target: JausAddress,
+        kind: str,
+        outcomes: dict[str, tuple[str, bool]],
     ) -> None:
         try:
             state = self._send_stop(operator, target, kind)
         except (NoAnswer, Refused) as error:
-            outcomes[str(target)] = str(error)
+            outcomes[str(target)] = str(error), False
             self._journal.alarm(self._system.name_of(target), f"the stop is not confirmed: {error}")
             return
-        outcomes[str(target)] = state.name if state is not None else "its state is not told"
-        if state is None:
+        if state is not None:
+            outcomes[str(target)] = state.name, True
+        else:
+            outcomes[str(target)] = "its state is not told", False
             self._journal.alarm(self._system.name_of(target), "the stop is not confirmed")
 
     def _send_stop(self, operator: Operator, target: JausAddress, kind: str) -> Status | None:

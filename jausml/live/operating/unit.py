@@ -334,7 +334,7 @@ class OperatorUnit:
 
     # ---- stops ------------------------------------------------------------------------------
 
-    def stop_all(self, name: str, targets: Iterable[JausAddress]) -> list[dict[str, str]]:
+    def stop_all(self, name: str, targets: Iterable[JausAddress]) -> list[dict[str, object]]:
         """Stops the controlled components and `targets`, by the kind of stop of the powers.
 
         All stops are sent at once; then it waits for the answers. Returns the outcome of each.

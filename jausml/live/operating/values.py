@@ -35,7 +35,7 @@ _JPEG = b"\xff\xd8\xff"
 _HEADERS = 2**18  # bytes at the beginning of a JPEG that must have its size
 _FRAMES = {*range(0xC0, 0xD0)} - {0xC4, 0xC8, 0xCC}  # JPEG markers with the size (ITU-T T.81, B.1)
 
-Point = tuple[float, float]  # a time in seconds since 1970, and a value
+Point = tuple[float, float]  # a time in seconds, and a value
 
 
 @dataclass
@@ -43,7 +43,7 @@ class Watched:
     """A report of a component that is watched.
 
     Attributes:
-        last_heard: Seconds since 1970; 0 before the first report.
+        last_heard: Seconds of a clock that nobody sets, as in its history; 0 before any report.
         texts: Paths and values of fields in words.
         pictures: Hexadecimal bytes by their paths.
         urls: Addresses of streams and files (IOP, Digital Resource Discovery).
@@ -132,7 +132,7 @@ class Values:
 
     def last(self) -> list[dict[str, Any]]:
         """Returns the last values of each report, as JSON values."""
-        now = time.time()
+        now = time.monotonic()
         with self._lock:
             return [
                 {
@@ -158,16 +158,20 @@ class Values:
     def history(
         self, component: str, report: str, path: str, seconds: float, most: int
     ) -> list[Point]:
-        """Returns the values of a number in the last `seconds`, decimated to `most` points."""
-        begin = time.time() - seconds
+        """Returns the values of a number in the last `seconds`, decimated to `most` points.
+
+        Their times are seconds since 1970 by the clock of the computer as it goes now.
+        """
+        now = time.monotonic()
+        begin, epoch = now - seconds, time.time() - now
         with self._lock:
             known = self._watched.get((component, report))
             kept = known.history.get(path, ()) if known is not None else ()
             points = [point for point in kept if point[0] >= begin]
-        return decimated(points, most)
+        return [(epoch + at, value) for at, value in decimated(points, most)]
 
     def _take(self, key: tuple[str, str], entry: MessageEntry, fields: dict[str, Any]) -> None:
-        now = time.time()
+        now = time.monotonic()
         texts = [(path, _short(text)) for path, text in field_texts(entry.record, fields)]
         values = list(leaves(entry.record, fields))
         numbers_by_path = dict(_numbers(values))

@@ -36,9 +36,19 @@ def _serve() -> None:
                 worker = worker or make(shared)
                 answer = pickle.dumps((True, worker(piece)))
             except Exception as error:
-                answer = pickle.dumps((False, error))
+                answer = _failure(error)
             answers.write(answer)
             answers.flush()
+
+
+def _failure(error: Exception) -> bytes:
+    """Returns the answer with an error, or with its text where the other side cannot make it."""
+    try:
+        answer = pickle.dumps((False, error))
+        pickle.loads(answer)  # noqa: S301 - made here
+    except Exception:
+        return pickle.dumps((False, RuntimeError(f"{type(error).__name__}: {error}")))
+    return answer
 
 
 if __name__ == "__main__":

@@ -28,13 +28,12 @@ def bundled(graph: Graph) -> Graph:
     across: dict[str, Counter[str]] = defaultdict(Counter)
     for edge in graph.edges:
         source, target = edge.source.node, edge.target.node
-        if frames[source] and frames[source] == frames[target]:
+        is_inside = bool(frames[source]) and frames[source] == frames[target]
+        if is_inside:
             inside[source, target, edge.kind].append(edge)
-            within[source][target] += 1
-            within[target][source] += 1
-        else:
-            across[source][target] += 1
-            across[target][source] += 1
+        # A loop is one line of its box.
+        for one, other in {(source, target), (target, source)}:
+            (within if is_inside else across)[one][other] += 1
     nodes = graph.by_id
     hosts = {group.id: group.title for group in graph.groups}
     return replace(

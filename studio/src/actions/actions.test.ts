@@ -3,7 +3,7 @@ import type { EditResult, Graph, Notifications } from "../protocol";
 import { edgeKey, nodeKey, portKey } from "../selection";
 import { state, update } from "../store";
 import { PROJECT, serve } from "../testing/fakeServer";
-import { edge, node, smallGraph } from "../testing/graphs";
+import { edge, node, port, smallGraph } from "../testing/graphs";
 import * as actions from "./index";
 
 const VIEWS = [{ name: "system", kind: "system" as const, title: "", library: false }];
@@ -193,7 +193,10 @@ test("what was copied is pasted into what is chosen", async () => {
   await actions.paste("");
   expect(state().said.text).toBe("Nothing was copied.");
   actions.select([nodeKey("bridge")]);
+  // Tests of other files may leave a clipboard behind.
+  vi.stubGlobal("navigator", {});
   await actions.copySelected();
+  vi.unstubAllGlobals();
   expect(state().said.text).toBe("Copied bridge, for this page alone.");
   await actions.paste("");
   expect(server.params("paste")).toEqual([{ owner: "robot.xmi#bridge", text: "bridge nav { }" }]);
@@ -384,6 +387,27 @@ test("a line that is no element is taken away as the server says", async () => {
   actions.select([edgeKey("S!inherits")]);
   await actions.removeSelected();
   expect(state().said.text).toBe("it follows from its ends");
+});
+
+test("of selected uses of services each goes, and the services stay", async () => {
+  const server = serveGraph();
+  const rows = ["ocu!provides!S 1.0", "ocu!uses!T 1.0"];
+  const graph = smallGraph();
+  graph.nodes[0]!.ports = rows.map((row) => port(row, 30, { element: `robot.xmi#${row}` }));
+  update({ graph });
+  server.answer("unlink", ({ line }) => {
+    const command = { kind: "set" as const, element: "robot.xmi#ocu", feature: line, values: [] };
+    const option = { label: line, why: "", preview: "", commands: [command], is_best: true };
+    return { options: [option], refusal: "" };
+  });
+  actions.select([portKey("ocu", rows[0]!), portKey("ocu", rows[1]!), nodeKey("base")]);
+  await actions.removeSelected();
+  expect(server.params("unlink").map(({ line }) => line)).toEqual(rows);
+  const removed = server.params("edit").flatMap(({ commands }) => commands);
+  expect(removed.filter(({ kind }) => kind === "remove")).toMatchObject([
+    { element: "robot.xmi#base" },
+    { element: "robot.xmi#base" },
+  ]);
 });
 
 const ITEM = {

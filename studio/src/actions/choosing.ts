@@ -47,11 +47,11 @@ export async function reveal(element: Ref, file: string): Promise<void> {
   choose(element);
 }
 
-/** The elements that are selected, and how to call them. */
-export function selected(): { elements: Ref[]; what: string } {
-  const { graph, selection } = state();
+/** The elements that are selected, or those of some parts, and how to call them. */
+export function selected(keys = state().selection): { elements: Ref[]; what: string } {
+  const { graph } = state();
   if (!graph) return { elements: [], what: "" };
-  const known = selection.filter((key) => elementOf(graph, key));
+  const known = keys.filter((key) => elementOf(graph, key));
   const elements = [...new Set(known.map((key) => elementOf(graph, key)))];
   const name = known[0] ? nameOf(graph, known[0]) : "";
   return { elements, what: elements.length === 1 ? name : `${elements.length} elements` };

@@ -45,7 +45,7 @@ const TAKING: { [N in Notification]: (params: Notifications[N]) => void } = {
     noteOutside({ ...params, isConflict: false });
   },
   live(params) {
-    if (!state().recorded) update({ live: params.state, liveAt: Date.now() });
+    if (!state().recorded) update({ live: params.state, liveAt: performance.now() });
   },
   kept({ edits }) {
     update({ kept: edits });

@@ -7,11 +7,14 @@ import { ask, tried } from "./asking";
 import { edit } from "./changing";
 import { fitAll, takePicture } from "./showing";
 
-/** Keeps boxes of the view where the user put them. */
-export function place(positions: Record<LayoutKey, Point>): Promise<EditResult | null> {
+/** Keeps boxes of a view, by default of that which is shown, where the user put them. */
+export function place(
+  positions: Record<LayoutKey, Point>,
+  { file, view }: { file: string; view: string } = state(),
+): Promise<EditResult | null> {
   const count = Object.keys(positions).length;
   const label = count === 1 ? "Move a box" : `Move ${count} boxes`;
-  return edit([{ kind: "place", file: state().file, view: state().view, positions }], label);
+  return edit([{ kind: "place", file, view, positions }], label);
 }
 
 /**
@@ -30,7 +33,7 @@ export async function placeOn(
   const placed: Command[] = Object.keys(positions).length
     ? [{ kind: "place", file, view, positions }]
     : [];
-  if (!option.commands.length) return placed.length ? place(positions) : null;
+  if (!option.commands.length) return placed.length ? place(positions, { file, view }) : null;
   return edit([...option.commands, ...placed], option.label, option.revision);
 }
 
@@ -47,7 +50,7 @@ export function offerHosts(): void {
 export async function arrange(): Promise<void> {
   const { file, view, opened } = state();
   const answer = await tried(ask("arrange", { file, view, opened }));
-  if (!answer || state().view !== view) return;
+  if (!answer || state().file !== file || state().view !== view) return;
   takePicture(answer);
   fitAll();
   say("Arranged.");

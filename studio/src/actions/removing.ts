@@ -7,12 +7,19 @@ import { ask, openFor, tried } from "./asking";
 import { edit } from "./changing";
 import { selected } from "./choosing";
 
-/** Removes elements; asks first where others refer to them. */
-export async function remove(elements: Ref[], what: string): Promise<void> {
+/**
+ * Removes elements; asks first where others refer to them.
+ *
+ * @param base Revision of which their refs are.
+ */
+export async function remove(
+  elements: Ref[],
+  what: string,
+  base = revisionOf(state()),
+): Promise<void> {
   const commands: Command[] = elements.map((element) => ({ kind: "remove", element }));
   if (!commands.length) return;
   const label = `Remove ${what}`;
-  const base = revisionOf(state());
   const dialog = { kind: "delete" as const, commands, label, referrers: null, diff: "", base };
   let isDone = false;
   await openFor(dialog, ask("edit", { commands, label, dry: true, base }), (dry) => {
@@ -25,13 +32,18 @@ export async function remove(elements: Ref[], what: string): Promise<void> {
 /** A row that says that a component provides or uses a service, which stands elsewhere. */
 const IS_USE = /!(provides|uses)!/;
 
-/** Removes what is selected. */
+/** Removes what is selected: of a use that alone, and not the service. */
 export async function removeSelected(): Promise<void> {
-  const { elements, what } = selected();
+  const { selection } = state();
   const key = active(state());
   const part = key ? partOf(key) : null;
-  if (part?.of === "port" && IS_USE.test(part.id)) return unlink(part.id);
-  if (elements.length) return remove(elements, what);
+  const uses = selection.filter((key) => key.startsWith("port") && IS_USE.test(partOf(key).id));
+  const { elements, what } = selected(selection.filter((key) => !uses.includes(key)));
+  // Those of now, as rows that go give the choice to their boxes.
+  const base = revisionOf(state());
+  for (const use of uses) await unlink(partOf(use).id);
+  if (elements.length) return remove(elements, what, base);
+  if (uses.length) return;
   if (part?.of === "edge") return unlink(part.id);
   say("Nothing is selected that could be removed.");
 }

@@ -96,6 +96,15 @@ test("Alt and arrows move boxes; what is moved in a row is one edit", async () =
   ]);
 });
 
+test("what was moved by keys stays moved in its view, also where another one is opened at once", async () => {
+  render(<Canvas />);
+  act(() => select([nodeKey("bridge")]));
+  await press("{Alt>}{ArrowRight}{/Alt}");
+  act(() => update({ view: "map:velocity" }));
+  await waitFor(() => expect(server.params("edit")).toHaveLength(1));
+  expect(server.params("edit")[0]?.commands).toMatchObject([{ kind: "place", view: "system" }]);
+});
+
 test("F2 renames in place, Escape leaves it, Enter keeps it", async () => {
   const field = { feature: "name", values: ["ocu"], changeable: true };
   server.answer("form", () => ({ readonly: false, fields: [field] }) as never);

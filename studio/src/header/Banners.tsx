@@ -98,7 +98,8 @@ function Typed({ draft: { element, field, what, text, why } }: { draft: Draft })
   return (
     <p className="banner bar error" role="status">
       × {text ? "Typed, and not taken" : "Not taken"}: {what}
-      {text && `: “${text}”`}. {why && `${why}.`}
+      {text && `: “${text.length > MOST_TOLD ? `${text.slice(0, MOST_TOLD)}…` : text}”`}.{" "}
+      {why && `${why}.`}
       {element && (
         <button type="button" onClick={() => choose(element)}>
           Go there
@@ -147,3 +148,5 @@ function Outside({ changes }: { changes: Change[] }) {
 }
 
 const MOST_NAMED = 3;
+/** Characters of what was typed. */
+const MOST_TOLD = 200;

@@ -85,6 +85,8 @@ function toRow(at: number): void {
 /** Moves the selected boxes; what is moved in a row is one edit. */
 function useNudge(graph: Graph, setMoved: SetMoved) {
   const waiting = useRef(new Map<string, XYPosition>());
+  // Another view may be shown before they are told.
+  const shown = useRef(state());
   const timer = useRef<ReturnType<typeof setTimeout>>(undefined);
   const keep = useCallback(() => {
     clearTimeout(timer.current);
@@ -95,7 +97,7 @@ function useNudge(graph: Graph, setMoved: SetMoved) {
     }
     waiting.current = new Map();
     if (Object.keys(positions).length) {
-      void place(positions).then((result) => {
+      void place(positions, shown.current).then((result) => {
         if (!result) setMoved(() => new Map());
       });
     }
@@ -106,6 +108,7 @@ function useNudge(graph: Graph, setMoved: SetMoved) {
       const [dx, dy] = { left: [-far, 0], right: [far, 0], up: [0, -far], down: [0, far] }[
         direction
       ] as Point;
+      if (waiting.current.size === 0) shown.current = state();
       for (const id of boxesOf(graph, state().selection)) {
         const node = indexOf(graph).nodes.get(id);
         const at = waiting.current.get(id) ?? node;

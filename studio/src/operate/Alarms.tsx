@@ -1,9 +1,9 @@
 import { useState } from "react";
+import { clock } from "../panels/base/parts";
 import type { Alarm, HandoffRequest } from "./protocol";
 import { useStill } from "./still";
 import { commands, tried, useUnit } from "./unit";
 
-const timeOf = (seconds: number) => new Date(seconds * 1000).toISOString().slice(11, 19);
 const NO_ALARMS: Alarm[] = [];
 const NO_REQUESTS: HandoffRequest[] = [];
 
@@ -62,9 +62,9 @@ export function Alarms() {
             <strong>{cause}</strong>
             {alarms.map((alarm) => (
               <p key={alarm.number} className={isGone(alarm) ? "gone" : ""}>
-                <time>{timeOf(alarm.time)}</time> {alarm.subject !== cause && `${alarm.subject}: `}
+                <time>{clock(alarm.time)}</time> {alarm.subject !== cause && `${alarm.subject}: `}
                 {alarm.text}
-                {alarm.back > 0 && <strong> · back again {timeOf(alarm.back)}</strong>}
+                {alarm.back > 0 && <strong> · back again {clock(alarm.back)}</strong>}
               </p>
             ))}
           </li>

@@ -64,7 +64,7 @@ function Waypoints({ component, driver }: Of) {
   const [drawing, setDrawing] = useState(() => load(localStorage, component, driver));
   const [chosen, setChosen] = useState(-1);
   const [isTried, setTried] = useState(false);
-  const { track, reports } = useReports(component, driver);
+  const { track, age, reports } = useReports(component, driver);
   const { waypoints } = drawing;
   const { values, faults } = readWaypoints(fields, waypoints);
   const places = waypoints.map((waypoint) => placeIn(waypoint, fields, frame));
@@ -127,6 +127,7 @@ function Waypoints({ component, driver }: Of) {
           origin={origin}
           places={places}
           track={track}
+          age={age}
           progress={progress}
           chosen={chosen}
           onChoose={setChosen}
@@ -208,10 +209,10 @@ function useReports(component: string, { frame, isList }: Driver) {
   }, [component, frame, isList]);
   const look = useCallback(async () => {
     const asked = { component, report: ACTIVE, path: "ElementUID", seconds: 3600, points: 2000 };
-    const track = (await trackOf(frame, component)).values;
-    return { track, reports: isList ? await ask("history", asked) : NO_REPORTS };
+    const { values: track, age } = await trackOf(frame, component);
+    return { track, age, reports: isList ? await ask("history", asked) : NO_REPORTS };
   }, [component, frame, isList]);
-  return usePolled(look, LOOK_MS) ?? { track: [], reports: NO_REPORTS };
+  return usePolled(look, LOOK_MS) ?? { track: [], age: 0, reports: NO_REPORTS };
 }
 
 const ACTIVE = "ReportActiveElement";

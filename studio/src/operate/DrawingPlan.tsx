@@ -1,6 +1,7 @@
 import { type KeyboardEvent, type PointerEvent, useRef, useState } from "react";
 import { Quiet } from "../panels/base/parts";
 import type { Progress } from "./drawing";
+import { oldOf } from "./Plan";
 import { around, barOf, type Frame, type Place, type Point, placeOf } from "./plan";
 import { tell } from "./unit";
 
@@ -22,6 +23,8 @@ interface Props {
   /** Where the waypoints are, undefined for those that are nowhere yet. */
   places: (Place | undefined)[];
   track: Place[];
+  /** Seconds since the last place of the track. */
+  age: number;
   progress: Progress | undefined;
   chosen: number;
   onChoose(at: number): void;
@@ -105,6 +108,7 @@ export function DrawingPlan(props: Props) {
     <figure className="plan" aria-label="Plan of waypoints">
       <figcaption>
         {frame.title}; a square is {grid} m
+        {here && oldOf(props.age) && `; the dot is ${oldOf(props.age)}`}
       </figcaption>
       <div
         className="drawn"

@@ -1,3 +1,4 @@
+import { clock } from "../panels/base/parts";
 import { useUnit } from "./unit";
 
 const MOST_SHOWN = 100;
@@ -15,8 +16,7 @@ export function Journal() {
           .reverse()
           .map((entry) => (
             <li key={entry.number}>
-              <time>{new Date(entry.time * 1000).toISOString().slice(11, 19)}</time>{" "}
-              <strong>{entry.who}</strong> {entry.text}
+              <time>{clock(entry.time)}</time> <strong>{entry.who}</strong> {entry.text}
             </li>
           ))}
       </ol>

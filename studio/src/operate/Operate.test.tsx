@@ -8,7 +8,7 @@ import Media from "./Media";
 import { Operate } from "./Operate";
 import type { Field, UnitState } from "./protocol";
 import { StickPad } from "./StickPad";
-import { setCaller, useUnit } from "./unit";
+import { setCaller, stop, unit, useUnit } from "./unit";
 
 const asked: [string, unknown][] = [];
 const COMPONENT = "1.1.1";
@@ -60,6 +60,18 @@ test("nothing is said of the unit before its first word but why there is none", 
   const refusal = "The server does not know this page.";
   await act(() => useUnit.setState({ link: "refused", refusal }));
   expect(header).toHaveTextContent(refusal);
+});
+
+test("a stop says when it was, and that it worked only where that is confirmed", async () => {
+  const outcome = (confirmed: boolean) => ({ component: "1.1.1", outcome: "READY", confirmed });
+  for (const [stopped, said] of [
+    [[outcome(true)], /^\d\d:\d\d:\d\d Stopped. 1.1.1: READY/],
+    [[outcome(true), outcome(false)], /^\d\d:\d\d:\d\d ✖ Not all is known to stand. 1.1.1/],
+  ] as const) {
+    setCaller({ call: async () => ({ stopped }) });
+    await stop();
+    expect(unit().stopping?.outcome).toMatch(said);
+  }
 });
 
 test("a blank is no authority", async () => {

@@ -58,6 +58,7 @@ function Who() {
   return (
     <>
       {own && <span className="badge">JAUS id {own}</span>}
+      {isKnown && <span className="badge">times in {new Date().toTimeString().slice(9, 17)}</span>}
       <strong>{isKnown ? who : "Who commands is not known"}</strong>
       {mayCommand ? (
         <label>

@@ -1,5 +1,6 @@
 import { useCallback } from "react";
 import { usePolled } from "../answers";
+import { OLD_S } from "./Age";
 import { around, barOf, FRAMES, type Frame, type Place, paired } from "./plan";
 import type { Values } from "./protocol";
 import { ask } from "./unit";
@@ -12,7 +13,12 @@ const LEAST_M = 10;
 interface Track {
   component: string;
   values: Place[];
+  /** Seconds since the last of them. */
+  age: number;
 }
+
+/** How long ago a component told where it is, where that is too long. */
+export const oldOf = (age: number): string => (age > OLD_S ? `✝ ${Math.round(age)} s old` : "");
 
 /** Where the components are whose poses are watched, and where they were. */
 export function Plan({ values }: { values: Values[] }) {
@@ -34,8 +40,9 @@ function FramePlan({ frame, components }: { frame: Frame; components: string[] }
   const tracks = (usePolled(look, LOOK_MS) ?? []).filter((track) => track.values.length > 0);
   const origin = tracks[0]?.values[0];
   if (!origin) return null;
-  const placed = tracks.map(({ component, values }) => ({
+  const placed = tracks.map(({ component, values, age }) => ({
     component,
+    text: [component, oldOf(age)].join(" ").trim(),
     points: values.map(([first, second]) => frame.pointOf(first, second, origin)),
   }));
   const [left, top, size] = around(
@@ -54,7 +61,7 @@ function FramePlan({ frame, components }: { frame: Frame; components: string[] }
           strokeWidth={size / 100}
           d={`M${left + size / 20} ${top + size * 0.95}h${bar}`}
         />
-        {placed.map(({ component, points }) => {
+        {placed.map(({ component, text, points }) => {
           const last = points.at(-1);
           return (
             <g key={component}>
@@ -64,7 +71,7 @@ function FramePlan({ frame, components }: { frame: Frame; components: string[] }
               />
               <circle cx={last?.right} cy={-(last?.up ?? 0)} r={size / 60} />
               <text x={(last?.right ?? 0) + size / 40} y={-(last?.up ?? 0)} fontSize={size / 25}>
-                {component}
+                {text}
               </text>
             </g>
           );
@@ -80,14 +87,15 @@ export async function trackOf({ report, paths }: Frame, component: string): Prom
   const [first, second] = await Promise.all(
     paths.map((path) => ask("history", { ...asked, path })),
   );
-  return { component, values: first && second ? paired(first, second) : [] };
+  const values = first && second ? paired(first, second) : [];
+  return { component, values, age: (first?.now ?? 0) - (first?.times.at(-1) ?? 0) };
 }
 
 /** The same in words. */
-function textOf(placed: { component: string; points: { up: number; right: number }[] }[]): string {
-  const texts = placed.map(({ component, points }) => {
+function textOf(placed: { text: string; points: { up: number; right: number }[] }[]): string {
+  const texts = placed.map(({ text, points }) => {
     const last = points.at(-1);
-    return `${component}: ${last?.up.toFixed(1)} m up, ${last?.right.toFixed(1)} m right`;
+    return `${text}: ${last?.up.toFixed(1)} m up, ${last?.right.toFixed(1)} m right`;
   });
   return texts.join("; ");
 }

@@ -2,6 +2,7 @@ import { useEffect, useRef, useState } from "react";
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { messageOf } from "../connection";
+import { clock } from "../panels/base/parts";
 import { ask, nameOf } from "./unit";
 
 export interface Series {
@@ -34,17 +35,19 @@ export function Plot({ series: { component, report, path }, seconds }: Props) {
     // Asked at each drawing: the page may have turned dark since.
     const colour = (name: string) => () => style.getPropertyValue(name) || "#888";
     const axis = { stroke: colour("--ink"), grid: { stroke: colour("--faint") } };
-    const clock: uPlot.Axis = {
-      values: (_, times) => times.map((at) => new Date(1000 * at).toTimeString().slice(0, 8)),
+    const times: uPlot.Axis = {
+      values: (_, times) => times.map(clock),
     };
-    const range = (): [number, number] => [Date.now() / 1000 - seconds, Date.now() / 1000];
+    // The clock of the server, of which the times are: that of the browser may be another.
+    let now = 0;
+    const range = (): [number, number] => [now - seconds, now];
     const plot = new uPlot(
       {
         ...size(),
         legend: { show: false },
         series: [{}, { stroke: colour("--chosen"), width: 1.5 }],
         axes: [
-          { ...axis, ...clock },
+          { ...axis, ...times },
           { ...axis, size: 60 },
         ],
         scales: { x: { time: true, range } },
@@ -58,6 +61,7 @@ export function Plot({ series: { component, report, path }, seconds }: Props) {
         const points = size().width * POINTS;
         const history = await ask("history", { component, report, path, seconds, points });
         if (!isWanted) return;
+        now = history.now;
         plot.setData([history.times, history.values]);
         const value = history.values.at(-1);
         setLast(value === undefined ? "no values" : `last ${value.toPrecision(4)}`);

@@ -1,5 +1,7 @@
 import { render, screen, waitFor } from "@testing-library/preact";
 import { expect, test } from "vitest";
+import { Plan } from "./Plan";
+import type { Values } from "./protocol";
 import { setCaller, useUnit } from "./unit";
 import { ValuesPanel } from "./Values";
 
@@ -15,4 +17,10 @@ test("reports that the unit learns later are offered without choosing the compon
   reports.push({ name: "ReportVelocityState", service: "VelocityStateSensor" });
   useUnit.setState({ learnt: 1 });
   await waitFor(() => expect(screen.getByText("ReportVelocityState")).toBeInTheDocument());
+});
+
+test("a place that was told long ago is told to be old", async () => {
+  setCaller({ call: async () => ({ times: [10, 20], values: [1, 2], now: 80 }) });
+  render(<Plan values={[{ component: "1.1.1", report: "ReportLocalPose" } as Values]} />);
+  expect(await screen.findByText("1.1.1 ✝ 60 s old")).toBeInTheDocument();
 });

@@ -1,6 +1,6 @@
 import { act, fireEvent, render, screen } from "@testing-library/preact";
 import userEvent from "@testing-library/user-event";
-import { beforeEach, expect, test } from "vitest";
+import { beforeEach, expect, test, vi } from "vitest";
 import { Alarms, Requests } from "./Alarms";
 import type { Alarm, HandoffRequest, UnitState } from "./protocol";
 import { setCaller, useUnit } from "./unit";
@@ -33,12 +33,20 @@ const alarm = (number: number, cause: string, back = 0): Alarm => ({
 const causes = () => screen.queryAllByRole("listitem").map((item) => item.textContent);
 const silencing = (cause: string) => screen.getByRole("button", { name: `Silence ${cause}` });
 
+test("times are local, as those of plots", async () => {
+  vi.stubEnv("TZ", "Asia/Kolkata");
+  await tell({ alarms: [alarm(1, "gps", 9)] });
+  render(<Alarms />);
+  vi.unstubAllEnvs();
+  expect(causes()).toEqual([expect.stringMatching("05:30:01 lost 1.*back again 05:30:09")]);
+});
+
 test("alarms of one cause stand together, the newest cause first", async () => {
   await tell({ alarms: [alarm(3, "gps"), alarm(2, "base", 9), alarm(1, "gps")] });
   render(<Alarms />);
   expect(causes()).toEqual([
     expect.stringMatching("gps.*lost 3.*lost 1"),
-    expect.stringMatching("base.*lost 2.*back again 00:00:09"),
+    expect.stringMatching("base.*lost 2.*back again"),
   ]);
 });
 

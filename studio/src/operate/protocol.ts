@@ -117,7 +117,8 @@ export interface OperateMethods {
   values: [Record<string, never>, { values: Values[] }];
   history: [
     Of & { report: string; path: string; seconds: number; points: number },
-    { times: number[]; values: number[] },
+    /** `now`: when it was asked, by the clock of `times`. */
+    { times: number[]; values: number[]; now: number },
   ];
   picture: [Of & { report: string; path: string }, { url: string }];
   renew: [Record<string, never>, unknown];
@@ -126,7 +127,10 @@ export interface OperateMethods {
   resume: [Of, unknown];
   standby: [Of, unknown];
   send: [Of & { message: string; fields: object }, { answer: string }];
-  stop: [{ components: string[] }, { stopped: { component: string; outcome: string }[] }];
+  stop: [
+    { components: string[] },
+    { stopped: { component: string; outcome: string; confirmed: boolean }[] },
+  ];
   clear: [Of, unknown];
   silence: [{ numbers: number[]; reason: string }, unknown];
   handoff: [Of & { authority: number; reason: string }, unknown];

@@ -12,6 +12,7 @@ import {
   socketAddress,
   TOKEN_KEY,
 } from "../connection";
+import { clock } from "../panels/base/parts";
 import type {
   Component,
   JournalEntry,
@@ -232,13 +233,18 @@ export async function stop(): Promise<void> {
   const components = chosen && isForAll ? [chosen] : [];
   const pressed = { since: performance.now(), outcome: "" };
   put({ stopping: pressed });
+  // It stands there until the next one: what it tells of may be otherwise since.
   const become = (outcome: string) => {
-    if (unit().stopping === pressed) put({ stopping: { ...pressed, outcome } });
+    const told = `${clock(Date.now() / 1000)} ${outcome}`;
+    if (unit().stopping === pressed) put({ stopping: { ...pressed, outcome: told } });
   };
   try {
     const { stopped } = await ask("stop", { components });
     const outcomes = stopped.map((target) => `${nameOf(target.component)}: ${target.outcome}`);
-    become(outcomes.length ? `Stopped. ${outcomes.join("; ")}` : "Nothing is controlled.");
+    const all = stopped.every((target) => target.confirmed)
+      ? "Stopped."
+      : "✖ Not all is known to stand.";
+    become(outcomes.length ? `${all} ${outcomes.join("; ")}` : "Nothing is controlled.");
   } catch (error) {
     const lease = state?.commander?.page === unit().page ? ` ${state?.lease} s` : "";
     const rest = lease && ` What this page commands is stopped after${lease} of silence.`;

@@ -63,6 +63,13 @@ def test_the_inputs_are_the_members_that_assignments_read():
     assert "pose.pose.orientation.w" in back
 
 
+def test_what_the_inputs_begin_with_can_be_tried_where_a_map_counts_elements(trials):
+    ranges = MODELS / "library" / "mappings" / "range_sensor.ros2jaus"
+    scan = map_of(scope_of(ranges), "laser_scan")
+    values = {member.path: member.default for member in inputs(scan, to_ros=True)}
+    assert not run(trials, "laser_scan", values, to_ros=True, file=ranges).error
+
+
 def test_values_become_those_of_ros_with_units_and_bytes(trials):
     found = run(trials, "velocity_state", {"Velocity_X": "1.5", "YawRate": "0.25"}, to_ros=True)
     values = shown(found)

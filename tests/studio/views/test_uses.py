@@ -6,6 +6,7 @@ from jausml.authoring.editing.project import Project
 from jausml.authoring.proposals.elements import AnswerError, Scope
 from jausml.authoring.studio.views.service_lines import cut
 from jausml.language.metamodel.classes import jaus
+from jausml.language.model.library import LIBRARY_URI
 from jausml.views.diagrams.views import graph_of
 
 FILE = "robot.ros2jaus"
@@ -20,6 +21,27 @@ system robot {
     }
 }
 """
+
+
+def test_of_two_versions_of_a_service_the_one_of_the_row_goes(tmp_path):
+    provided = (
+        f'<provides href="{LIBRARY_URI}jaus/manipulator-{version}.xmi#PrimitiveManipulator"/>'
+        for version in ("1.0", "2.0")
+    )
+    (tmp_path / "robot.xmi").write_text(
+        '<system:System xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI" '
+        'xmlns:system="http://www.jausml.org/system/1.0" name="robot">'
+        f'<components name="arm" address="100.1.1">{"".join(provided)}</components></system:System>'
+    )
+    project = Project(tmp_path)
+    scope = Scope(project.model("robot.xmi").model, project.root)
+    (node,) = graph_of(scope.model, "system", root=project.root).nodes
+    old, new = (dict(port.details)["version"] for port in node.ports)
+    assert (old, new) == ("1.0", "2.0")
+    [option] = cut(scope, node.ports[0].id).options
+    project.do(option.commands, option.label)
+    (left,) = project.model("robot.xmi").model.instances(jaus.Component, library=False)[0].provides
+    assert left.version == "2.0"
 
 
 @pytest.mark.parametrize(

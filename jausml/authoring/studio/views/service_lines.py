@@ -88,9 +88,9 @@ def heritage(scope: Scope, box: str) -> Iterator[Choice]:
 def cut(scope: Scope, line: str) -> Options:
     """Returns the changes that remove a line or row of no element: an inheritance, or a use."""
     for way in (PROVIDES, USES):
-        owner, mark, name = line.partition(f"!{way}!")
+        owner, mark, service = line.partition(f"!{way}!")
         if mark:
-            return _dropped(scope, owner, way, name)
+            return _dropped(scope, owner, way, service)
     if not line.endswith(_INHERITS):
         return Options(refusal="this line follows from what it joins: delete one of its ends")
     heir = _element_of(scope, line.removesuffix(_INHERITS))
@@ -101,11 +101,14 @@ def cut(scope: Scope, line: str) -> Options:
     return Options((Option(label, "", (command,), is_best=True),))
 
 
-def _dropped(scope: Scope, owner: str, way: str, name: str) -> Options:
-    """A component that provides or uses a service no more; the service itself stays."""
-    own = _element_of(scope, owner)
+def _dropped(scope: Scope, owner: str, way: str, which: str) -> Options:
+    """A component that provides or uses a service no more; the service itself stays.
+
+    `which`: its name and version.
+    """
+    own, name = _element_of(scope, owner), which.rpartition(" ")[0]
     services = list(getattr(own, way, ()))
-    kept = [service for service in services if name_of(service) != name]
+    kept = [service for service in services if f"{name_of(service)} {service.version}" != which]
     if len(kept) == len(services):
         raise AnswerError("there is no such row any more")
     label = f"{name_of(own)} no longer {way} {name}; the service stays"

@@ -22,6 +22,7 @@ from jausml.language.model.xmi.parsing import Node
 from jausml.language.text.reading.document import TextDocument
 from jausml.views.diagrams.views import graph_of
 from jausml.views.diagrams.views.connections import PROVIDES, USES
+from jausml.views.diagrams.views.maps import names_of
 
 _MARK = "!"
 
@@ -58,9 +59,9 @@ def spot(scope: Scope, node: str, port: str) -> Spot:
 
 def element_of(scope: Scope, identifier: str) -> EObject:
     """Returns the element of an id in a graph: a fragment, behind its file unless the first."""
-    name, mark, fragment = identifier.rpartition("#")
+    file, mark, fragment = identifier.rpartition("#")
     for document in scope.model.documents:
-        if not mark or document.path.name == name:
+        if refs.file_mark(document, scope.model) == file + mark:
             return scope.find_in(document, fragment)
     raise AnswerError(f"there is no element {identifier!r} any more")
 
@@ -102,9 +103,9 @@ def element_shown(scope: Scope, view: str) -> EObject | None:
 
 
 def map_named(scope: Scope, name: str) -> bridge.AttributeMap:
-    """Returns the map of a name."""
+    """Returns the map of a name, as its view has it."""
     for attribute_map in scope.model.instances(bridge.AttributeMap):
-        if attribute_map.name == name:
+        if name in names_of(attribute_map):
             return attribute_map
     raise AnswerError(f"there is no map {name!r} any more")
 

@@ -86,7 +86,8 @@ def inputs(map_: bridge.AttributeMap, *, to_ros: bool) -> list[Input]:
     inputs_by_path: dict[str, Input] = {}
     for path in _paths(map_, to_ros=to_ros):
         place = scope.find_source(path)
-        if isinstance(place, JausPlace | RosPlace):
+        # How many elements a list has follows from those that are given.
+        if isinstance(place, JausPlace | RosPlace) and not place.is_count:
             for map_input in _inputs(path, place):
                 inputs_by_path.setdefault(map_input.path, map_input)
     return list(inputs_by_path.values())

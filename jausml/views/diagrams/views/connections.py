@@ -85,11 +85,11 @@ def add_idle_services(builder: Builder, owner: jaus.Component) -> None:
             builder.put(
                 own,
                 Port(
-                    f"{own}!{way}!{name_of(service)}",
+                    f"{own}!{way}!{name_of(service)} {service.version}",
                     name_of(service),
                     way,
                     IDLE,
-                    details=details(service),
+                    details=details(service, version=service.version),
                     element=context.reference(service),
                 ),
             )

@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model.diagnostics import Diagnostic
 from jausml.language.model.model import Model
-from jausml.language.model.refs import Keys, ref_of
+from jausml.language.model.refs import Keys, file_mark, ref_of
 from jausml.views.diagrams.graph import Details, Edge, End, Finding, Graph, Group, Node, Port
 
 PartT = TypeVar("PartT", Node, Port, Group, Edge)
@@ -46,10 +46,8 @@ class Context:
         known = self._ids.get(element)
         if known is not None:
             return known
-        document = self.model.document_of(element)
-        identifier = self.model.fragment(element)
-        if document is not None and document is not self.model.documents[0]:
-            identifier = f"{document.path.name}#{identifier}"
+        mark = file_mark(self.model.document_of(element), self.model)
+        identifier = f"{mark}{self.model.fragment(element)}"
         self._elements[identifier] = element
         self._ids[element] = identifier
         return identifier

@@ -40,7 +40,14 @@ def offered(
     """Yields the views of maps: names, and what makes the graphs."""
     for attribute_map in model.instances(bridge.AttributeMap, library=library):
         if attribute_map.name:
-            yield (f"map:{attribute_map.name}",), partial(graph, attribute_map=attribute_map)
+            names = tuple(f"map:{name}" for name in names_of(attribute_map))
+            yield names, partial(graph, attribute_map=attribute_map)
+
+
+def names_of(attribute_map: bridge.AttributeMap) -> tuple[str, ...]:
+    """Returns the names of a map in views: its own, and behind that of its bridge."""
+    own, owner = name_of(attribute_map), attribute_map.eContainer()
+    return (own, f"{owner.name}.{own}") if isinstance(owner, bridge.Bridge) else (own,)
 
 
 class _Side:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from html import escape
 
-from jausml.views.diagrams.graph import Edge, End, Graph, Node, Port, severity
+from jausml.views.diagrams.graph import Edge, End, Finding, Graph, Node, Port, severity
 from jausml.views.diagrams.writers.shapes import SIDES, outline
 
 _SHAPES = {"bridge": ("[[", "]]"), "node": ("(", ")"), "type": ("(", ")"), "state": ("(", ")")}
@@ -33,6 +33,8 @@ def _mermaid_lines(graph: Graph) -> Iterator[str]:
                 yield f"{indent}end"
     for edge in graph.edges:
         yield f"  {_mermaid_edge(edge, names)}"
+    for number, finding in enumerate(graph.findings):
+        yield f'  w{number}["{as_data(_sentence(finding))}"]'
     classes: dict[str, list[str]] = {}
     for node in graph.nodes:
         classes.setdefault(_class(node), []).append(names[node.id])
@@ -52,7 +54,7 @@ def _mermaid_node(node: Node, names: dict[str, str]) -> str:
         lines.append("\N{NO-BREAK SPACE}" * 2 * port.depth + as_data(_words(port, " ")))
     if len(node.ports) > _MOST_ROWS:
         lines.append(f"and {len(node.ports) - _MOST_ROWS} more")
-    lines += [as_data(f"{finding.severity}: {finding.message}") for finding in node.findings]
+    lines += [as_data(_sentence(finding)) for finding in node.findings]
     return f'{names[node.id]}{before}"{"<br/>".join(lines)}"{after}'
 
 
@@ -63,9 +65,14 @@ def _words(port: Port, gap: str) -> str:
     return f"{wrong}: {words}" if wrong else words
 
 
+def _sentence(finding: Finding) -> str:
+    return f"{finding.severity}: {finding.message}"
+
+
 def _labels(edge: Edge) -> list[str]:
+    """Returns the lines of a label, first its severity."""
     first = () if edge.title in edge.labels else (edge.title,)
-    return [label for label in (*first, *edge.labels) if label]
+    return [label for label in (severity(edge.findings), *first, *edge.labels) if label]
 
 
 def _mermaid_edge(edge: Edge, names: dict[str, str]) -> str:
@@ -116,6 +123,8 @@ def _dot_lines(graph: Graph) -> Iterator[str]:
                 yield f"{indent}}}"
     for edge in graph.edges:
         yield f"  {_dot_edge(edge, names, ports)}"
+    for number, finding in enumerate(graph.findings):
+        yield f"  w{number} [label=<{_text(_sentence(finding))}>]"
     yield "}"
 
 
@@ -126,8 +135,7 @@ def _dot_node(node: Node, names: dict[str, str]) -> str:
         rows.append(f"<tr><td>{_text(node.subtitle)}</td></tr>")
     rows += [_dot_row(index, port) for index, port in enumerate(node.ports)]
     rows += [
-        f'<tr><td align="left">{_text(f"{finding.severity}: {finding.message}")}</td></tr>'
-        for finding in node.findings
+        f'<tr><td align="left">{_text(_sentence(finding))}</td></tr>' for finding in node.findings
     ]
     table = f'<table border="2" cellborder="0" cellspacing="0" color="{colour}">'
     return f"{names[node.id]} [label=<{table}{''.join(rows)}</table>>]"

@@ -177,6 +177,10 @@ export function Fault({ children }: { children: string }) {
   );
 }
 
+/** The local time of day of seconds since 1970. */
+export const clock = (seconds: number): string =>
+  new Date(1000 * seconds).toTimeString().slice(0, 8);
+
 /** Numbers as people read them: three figures that count. */
 export function figure(value: number | null | undefined, unit = ""): string {
   if (value === null || value === undefined) return "–";

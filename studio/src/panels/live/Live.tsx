@@ -30,7 +30,7 @@ export function Live() {
     await attempt(async () => {
       await (isOn ? ask("live.start", { file }) : ask("live.stop", {}));
       // The first state comes a moment later.
-      const begun = { live: state().live ?? { edges: {}, boxes: {} }, liveAt: Date.now() };
+      const begun = { live: state().live ?? { edges: {}, boxes: {} }, liveAt: performance.now() };
       update(isOn ? begun : { live: null, liveAt: 0 });
     });
     setStarting(false);
@@ -100,9 +100,9 @@ const nameOf = ({ bridge, connection }: LiveConnection) => `${bridge}/${connecti
 function Old() {
   const at = useStudio((state) => state.liveAt);
   const isLost = useStudio((state) => state.link !== "open");
-  const [now, setNow] = useState(Date.now);
+  const [now, setNow] = useState(() => performance.now());
   useEffect(() => {
-    const timer = setInterval(() => setNow(Date.now()), LOOK_MS);
+    const timer = setInterval(() => setNow(performance.now()), LOOK_MS);
     return () => clearInterval(timer);
   }, []);
   const seconds = Math.floor((now - at) / 1000);

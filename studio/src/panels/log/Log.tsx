@@ -1,7 +1,7 @@
 import { useState } from "react";
 import { redo, undo } from "../../actions";
 import { useRevision } from "../../store";
-import { Fault, Quiet } from "../base/parts";
+import { clock, Fault, Quiet } from "../base/parts";
 import { useAnswer } from "../base/useAnswer";
 
 /** What was done, and how far it is undone: go back to any point of it. */
@@ -80,7 +80,7 @@ function Faults({ revision }: { revision: number }) {
       {value.faults.map((fault) => (
         <details key={`${fault.time} ${fault.text}`}>
           <summary>
-            {new Date(1000 * fault.time).toTimeString().slice(0, 8)} {fault.level}: {fault.text}
+            {clock(fault.time)} {fault.level}: {fault.text}
           </summary>
           {fault.details && <pre>{fault.details}</pre>}
         </details>

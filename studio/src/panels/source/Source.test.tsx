@@ -1,4 +1,4 @@
-import { render, screen, waitFor } from "@testing-library/preact";
+import { cleanup, render, screen, waitFor } from "@testing-library/preact";
 import userEvent from "@testing-library/user-event";
 import { beforeEach, expect, it, vi } from "vitest";
 import { state, update } from "../../store";
@@ -85,6 +85,25 @@ it("writes what is typed before it undoes, by the one history of the project", a
     text: `x${TEXT}`,
     base: 1,
   });
+});
+
+it("keeps what was typed and is not in the file, until it is decided what holds", async () => {
+  const server = show(TEXT, true);
+  server.answer("write", () => {
+    throw new Error("the disk is full");
+  });
+  const { EditorView } = await import("@codemirror/view");
+  const view = EditorView.findFromDOM(await content());
+  view?.dispatch({ changes: { from: 0, insert: "x" }, userEvent: "input.type" });
+  cleanup();
+  await waitFor(() => expect(state().drafts).toMatchObject([{ text: `x${TEXT}` }]));
+  server.answer("write", () => ({ revision: 2 }));
+  render(<Source />);
+  expect(await screen.findByText("Keep what is here")).toBeVisible();
+  expect((await content()).textContent).toContain("x// why");
+  expect(state().drafts).toEqual([]);
+  await userEvent.click(screen.getByText("Keep what is here"));
+  await waitFor(() => expect(server.params("write").at(-1)).toMatchObject({ text: `x${TEXT}` }));
 });
 
 it("chooses the element where the cursor is set", async () => {

@@ -1,9 +1,10 @@
 import { Prec } from "@codemirror/state";
 import { EditorView, keymap } from "@codemirror/view";
 import { useEffect, useRef, useState } from "react";
-import { ask, messageOf, redo, undo } from "../../actions";
+import { ask, draftOf, dropDraft, keepDraft, messageOf, redo, undo } from "../../actions";
 import { socketAddress, TOKEN_KEY } from "../../connection";
 import type { FileText } from "../../protocol";
+import { useStudio } from "../../store";
 import { Fault } from "../base/parts";
 import { fileOf, fileUri, LanguageClient, type WorkspaceEdit } from "./languageClient";
 import { edited, languageSupport, showDiagnostics } from "./languageSupport";
@@ -35,6 +36,7 @@ export function TextEditor(props: Props) {
   const [state, setState] = useState<SyncState>(IN_STEP);
   const [fault, setFault] = useState("");
   const [isOpen, setOpen] = useState(false);
+  const isLinked = useStudio((studio) => studio.link === "open");
 
   useEffect(() => {
     let isWanted = true;
@@ -63,8 +65,8 @@ export function TextEditor(props: Props) {
 
   // biome-ignore lint/correctness/useExhaustiveDependencies: each revision may have changed the file
   useEffect(() => {
-    opened.current?.sync.pull();
-  }, [revision]);
+    if (isLinked) opened.current?.sync.pull();
+  }, [revision, isLinked]);
 
   useEffect(() => {
     if (isOpen) opened.current?.show(span);
@@ -140,7 +142,8 @@ function open(host: HTMLElement, opening: Opening, onCursor: (offset: number) =>
   const step = (way: () => Promise<unknown>) => () => {
     sync
       .flush()
-      .then(way)
+      // What is not in the file is not in the history: another edit would be undone.
+      .then(() => (sync.left === null ? way() : undefined))
       .catch((error: unknown) => opening.onFault(messageOf(error)));
     return true;
   };
@@ -167,7 +170,20 @@ function open(host: HTMLElement, opening: Opening, onCursor: (offset: number) =>
     start,
     opening.onState,
   );
-  client?.openText(fileUri(root, file), text, (diagnostics) => showDiagnostics(view, diagnostics));
+  const place = [`${file}#/`, "text"] as const;
+  const kept = draftOf(...place);
+  dropDraft(...place); // it is in the editor now
+  if (kept && kept.text !== text) sync.resume(kept.text);
+  function keep(left: string | null) {
+    const [element, field] = place;
+    const why = "It is not in the file";
+    if (left !== null) keepDraft({ element, field, what: `text of ${file}`, text: left, why });
+  }
+  const leave = () => keep(sync.left);
+  window.addEventListener("pagehide", leave);
+  client?.openText(fileUri(root, file), view.state.doc.toString(), (diagnostics) =>
+    showDiagnostics(view, diagnostics),
+  );
 
   /** Makes the edits of a rename: here by typing them, in other files at once. */
   async function rename({ changes = {} }: WorkspaceEdit) {
@@ -206,7 +222,8 @@ function open(host: HTMLElement, opening: Opening, onCursor: (offset: number) =>
     },
     close() {
       clearTimeout(cursor);
-      const last = sync.close();
+      window.removeEventListener("pagehide", leave);
+      const last = sync.close().then(keep);
       client?.close();
       last.finally(() => view.destroy());
     },

@@ -149,6 +149,8 @@ function hovering(client: LanguageClient): Extension {
 interface Renaming {
   at: Position;
   name: string;
+  /** The text of which `at` is. */
+  text: Text;
 }
 
 const askName = StateEffect.define<Renaming | null>();
@@ -175,7 +177,7 @@ function renaming(client: LanguageClient, onRename: (edit: WorkspaceEdit) => voi
       .then((range) => {
         if (!range) return;
         const name = text.sliceString(offsetOf(text, range.start), offsetOf(text, range.end));
-        view.dispatch({ effects: askName.of({ at, name }) });
+        view.dispatch({ effects: askName.of({ at, name, text }) });
       })
       .catch(() => undefined);
     return true;
@@ -185,7 +187,7 @@ function renaming(client: LanguageClient, onRename: (edit: WorkspaceEdit) => voi
 
 function namePanel(
   view: EditorView,
-  { at, name }: Renaming,
+  { at, name, text }: Renaming,
   client: LanguageClient,
   onRename: (edit: WorkspaceEdit) => void,
 ): Panel {
@@ -207,6 +209,10 @@ function namePanel(
     event.preventDefault();
     client.rename(at, input.value).then(
       (edit) => {
+        if (!view.state.doc.eq(text)) {
+          fault.textContent = "The text has changed meanwhile: begin again.";
+          return;
+        }
         close();
         if (edit) onRename(edit);
       },
@@ -229,12 +235,14 @@ export function languageSupport(
   onRename: (edit: WorkspaceEdit) => void,
 ): Extension {
   const format = (view: EditorView) => {
-    client.changeText(view.state.doc.toString());
+    const text = view.state.doc;
+    client.changeText(text.toString());
     client
       .format()
       .then((edits) => {
-        if (edits?.length)
-          view.dispatch({ changes: edits.map((edit) => spec(view.state.doc, edit)) });
+        // What was typed meanwhile stands elsewhere than the answer thinks.
+        if (edits?.length && view.state.doc.eq(text))
+          view.dispatch({ changes: edits.map((edit) => spec(text, edit)) });
       })
       .catch(() => undefined);
     return true;

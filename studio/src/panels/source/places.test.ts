@@ -1,6 +1,8 @@
 import { Text } from "@codemirror/state";
+import { EditorView, runScopeHandlers } from "@codemirror/view";
 import { describe, expect, it } from "vitest";
-import { edited, offsetOf, positionOf } from "./languageSupport";
+import type { LanguageClient } from "./languageClient";
+import { edited, languageSupport, offsetOf, positionOf } from "./languageSupport";
 import { asInFile, lines } from "./lines";
 import { ros2jaus } from "./words";
 
@@ -39,6 +41,21 @@ describe("places of the language server", () => {
     ];
     expect(edited(text, edits)).toBe("1\n2");
   });
+});
+
+it("formats nothing where more was typed while it was asked", async () => {
+  let answer = (_: unknown) => {};
+  const format = () => new Promise((done) => (answer = done));
+  const client = { changeText() {}, format } as unknown as LanguageClient;
+  const view = new EditorView({ doc: "a b\n", extensions: languageSupport(client, () => {}) });
+  const keys = { key: "F", code: "KeyF", keyCode: 70, shiftKey: true, altKey: true };
+  runScopeHandlers(view, new KeyboardEvent("keydown", keys), "editor");
+  view.dispatch({ changes: { from: 0, insert: "typed " } });
+  const range = { start: { line: 0, character: 1 }, end: { line: 0, character: 2 } };
+  answer([{ range, newText: "" }]);
+  await Promise.resolve();
+  expect(view.state.doc.toString()).toBe("typed a b\n");
+  view.destroy();
 });
 
 describe("the words of ros2jaus", () => {

@@ -140,6 +140,19 @@ describe("text and file", () => {
     expect(state).toEqual(IN_STEP);
   });
 
+  it("tries again when the file can be read again", async () => {
+    begin("abc\n");
+    const write = file.write.bind(file);
+    file.write = () => Promise.reject(new CallError(-1, "There is no connection."));
+    type(0, "x");
+    await vi.advanceTimersByTimeAsync(500);
+    file.write = write;
+    await sync.pull();
+    await vi.advanceTimersByTimeAsync(500);
+    expect(file.text).toBe("xabc\n");
+    expect(state).toEqual(IN_STEP);
+  });
+
   it("gives lines the ends that they had", async () => {
     begin("a\r\nb\r\n");
     expect(shown()).toBe("a\nb\n");

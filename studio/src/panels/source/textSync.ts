@@ -92,10 +92,22 @@ export class TextSync {
     this.tell({ theirs: null, isUnsaved: false, error: "" });
   }
 
-  /** Writes what is left, and then nothing any more. */
-  async close(): Promise<void> {
+  /** Goes on with what was typed before and is not in the file: which of both holds is asked. */
+  resume(own: string): void {
+    this.apply({ from: 0, to: this.view.state.doc.length, insert: own });
+    this.tell({ theirs: this.synced, isUnsaved: true });
+  }
+
+  /** What is not written; null for nothing. */
+  get left(): string | null {
+    return this.own === this.synced ? null : this.own;
+  }
+
+  /** Writes what is left, and then nothing any more. Returns what could not be written. */
+  async close(): Promise<string | null> {
     await this.flush();
     this.isOver = true;
+    return this.left;
   }
 
   private get own(): string {
@@ -132,7 +144,8 @@ export class TextSync {
     if (this.isOver) return;
     this.base = revision;
     if (this.state.theirs !== null) return this.tell({ theirs });
-    if (theirs === this.synced) return;
+    // What could not be written may be now.
+    if (theirs === this.synced) return this.left === null ? undefined : this.touched();
     const changes = merged(this.synced, this.own, theirs);
     if (changes === null) return this.tell({ theirs, isUnsaved: true });
     this.apply(changes);
