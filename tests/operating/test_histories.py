@@ -1,12 +1,17 @@
 """The values of numbers over time that plots and plans are drawn from."""
 
+import os
+import subprocess
+import sys
 import time
 from types import SimpleNamespace
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from suspended_clocks import SuspendedClocks
 
+from jausml.generation.native import compiler
 from jausml.live.messages import load_catalogue
 from jausml.live.operating.values import RATE, Values, decimated
 from jausml.runtime.base.address import JausAddress
@@ -41,7 +46,7 @@ def test_values_are_as_old_as_they_are_whatever_the_clock_of_the_computer_does(m
     entry = load_catalogue().message("ReportStatus")
     fields = entry.decode(entry.encode({"ReportStatusRec": {"Status": 1, "Reserved": 0}}))
     clock, wall = iter(range(100, 200)), 1_000_000
-    monkeypatch.setattr(time, "monotonic", lambda: float(next(clock)))
+    monkeypatch.setattr("jausml.live.operating.values.steady", lambda: float(next(clock)))
     monkeypatch.setattr(time, "time", lambda: float(wall))
     said["take"](entry, fields)
     wall -= 3600  # somebody has set the clock
@@ -51,3 +56,27 @@ def test_values_are_as_old_as_they_are_whatever_the_clock_of_the_computer_does(m
     ((at, hertz),) = values.history(str(BASE), "ReportStatus", RATE, 60, 100)
     assert hertz == pytest.approx(1)
     assert wall - 10 < at <= wall
+
+
+AGES = """
+from jausml.live.systems.monitoring import Monitor
+from jausml.live.systems.state import SystemState
+
+monitor = Monitor(SystemState())
+before = monitor.state().now
+print(flush=True)
+input()
+print(monitor.state().now - before >= 200)
+"""
+
+
+@pytest.mark.needs("compiler")
+def test_what_was_heard_before_a_suspension_of_the_computer_is_old_after_it(tmp_path):
+    clocks = SuspendedClocks(tmp_path, compiler())
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
+    line = [sys.executable, "-c", AGES]
+    with subprocess.Popen(line, env={**os.environ, **clocks.environment}, **pipes) as process:
+        assert process.stdout.readline() == "\n"
+        clocks.suspend(200)
+        told, _ = process.communicate("\n")
+    assert told == "True\n"

@@ -114,14 +114,15 @@ def _expected(model: str | None) -> Monitor:
     from jausml.live.systems.folding import expected
     from jausml.live.systems.monitoring import Monitor
     from jausml.live.systems.state import SystemState
+    from jausml.runtime.base.standstill import steady
 
     if model is None:
-        return Monitor(SystemState(time.monotonic()))
+        return Monitor(SystemState(steady()))
     try:
         read = readable_model([model], is_one=True)
     except ModelFault as error:  # 1 would say that something is in WARN
         raise EnvironmentFault(error.message) from error
-    return Monitor(expected(declarations_of(read), components_of(read), time.monotonic()))
+    return Monitor(expected(declarations_of(read), components_of(read), steady()))
 
 
 @contextmanager

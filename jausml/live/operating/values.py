@@ -17,6 +17,7 @@ from jausml.live.peers.query_client import Refused
 from jausml.live.peers.rendering import Leaf, field_texts, leaves
 from jausml.runtime import EventSubscription
 from jausml.runtime.base.address import JausAddress
+from jausml.runtime.base.standstill import steady
 
 MOST_WATCHED = 32
 MOST_FIELDS = 64  # numbers of one report that have a history
@@ -132,7 +133,7 @@ class Values:
 
     def last(self) -> list[dict[str, Any]]:
         """Returns the last values of each report, as JSON values."""
-        now = time.monotonic()
+        now = steady()
         with self._lock:
             return [
                 {
@@ -162,7 +163,7 @@ class Values:
 
         Their times are seconds since 1970 by the clock of the computer as it goes now.
         """
-        now = time.monotonic()
+        now = steady()
         begin, epoch = now - seconds, time.time() - now
         with self._lock:
             known = self._watched.get((component, report))
@@ -171,7 +172,7 @@ class Values:
         return [(epoch + at, value) for at, value in decimated(points, most)]
 
     def _take(self, key: tuple[str, str], entry: MessageEntry, fields: dict[str, Any]) -> None:
-        now = time.monotonic()
+        now = steady()
         texts = [(path, _short(text)) for path, text in field_texts(entry.record, fields)]
         values = list(leaves(entry.record, fields))
         numbers_by_path = dict(_numbers(values))

@@ -27,6 +27,7 @@ from jausml.live.systems.ros_diagnostics import RosDiagnostics
 from jausml.live.systems.state import DeclaredConnection, SystemState
 from jausml.runtime import EventSubscription
 from jausml.runtime.base.address import JausAddress
+from jausml.runtime.base.standstill import steady
 from jausml.runtime.messages import (
     QueryControl,
     QueryStatus,
@@ -234,7 +235,7 @@ class JausObserver:
 
 
 class Monitor:
-    """The present state of a system; its times are those of `time.monotonic`."""
+    """The present state of a system; its times are those of `standstill.steady`."""
 
     def __init__(self, state: SystemState) -> None:
         """Begins with a state."""
@@ -244,25 +245,25 @@ class Monitor:
     def state(self) -> SystemState:
         """Returns the present state."""
         with self._lock:
-            self._state = fold_time(self._state, time.monotonic())
+            self._state = fold_time(self._state, steady())
             return self._state
 
     def take_statuses(self, statuses: list[DiagnosticStatus]) -> None:
         """Folds the statuses of a message of `/diagnostics` into the state."""
         with self._lock:
-            self._state = fold_statuses(self._state, statuses, time.monotonic())
+            self._state = fold_statuses(self._state, statuses, steady())
 
     def take_answer(self, answer: ComponentAnswer) -> None:
         """Folds an answer about a component into the state."""
         with self._lock:
-            self._state = fold_answer(self._state, answer, time.monotonic())
+            self._state = fold_answer(self._state, answer, steady())
 
     def take_model(
         self, declarations: Iterable[DeclaredConnection], components: dict[str, str]
     ) -> None:
         """Folds the declarations of a changed model into the state."""
         with self._lock:
-            self._state = fold_model(self._state, declarations, components, time.monotonic())
+            self._state = fold_model(self._state, declarations, components, steady())
 
     def take_source(self, source: str, fault: str) -> None:
         """Notes that a source opened (empty `fault`), or why it failed to."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import ExitStack
 from threading import Event, Lock, Thread
@@ -16,6 +15,7 @@ from jausml.live.systems.folding import expected
 from jausml.live.systems.monitoring import Monitor, listening, polling
 from jausml.live.systems.ros_diagnostics import RosDiagnostics
 from jausml.live.systems.state import DeclaredConnection
+from jausml.runtime.base.standstill import steady
 
 PERIOD = 0.25  # seconds between two calls of `RunningSystem._look`
 
@@ -44,7 +44,7 @@ class RunningSystem:
             catalogue: Returns the messages that are known.
             timeout: Seconds that a query waits for its report.
         """
-        self.monitor = Monitor(expected(declarations, components, time.monotonic()))
+        self.monitor = Monitor(expected(declarations, components, steady()))
         self._network, self._catalogue = network, catalogue
         self._timeout, self._identity = timeout, identity
         self._beginning = Lock()
