@@ -117,6 +117,6 @@ class Learning:
         pipe: Any = self._process.stdout
         try:
             knowledge: Knowledge = pickle.load(pipe)  # noqa: S301 - of our own child
-        except (EOFError, ValueError, pickle.UnpicklingError):  # it has ended, or `close` was called
+        except (EOFError, ValueError, pickle.UnpicklingError):  # its pipe has ended, or is closed
             return None
         return knowledge

@@ -139,7 +139,7 @@ def request(
         return operator.query(target, name, fields, timeout)
     if entry.name.startswith(("Query", "Report")):
         return operator.query(target, name, fields, timeout)
-    answers = entry.answers
+    answers = entry.relations.answers
     sent_fields = entry.completed(fields or {})
     if any(_has_request_id(answer) for answer in answers):
         sent_fields = _with_request_id(entry.record, sent_fields, operator.next_request_id())
@@ -153,7 +153,7 @@ def _exchange(
     operator: Operator, target: JausAddress, entry: MessageEntry
 ) -> tuple[MessageEntry, MessageEntry]:
     """Returns the query and the report of the values that a message sets, else of the state."""
-    return entry.exchange or operator.exchange(target, "Status")
+    return entry.relations.exchange or operator.exchange(target, "Status")
 
 
 # -- commands with a confirmation ------------------------------------------------------------------
