@@ -20,13 +20,7 @@ from jausml.cli.live.recordings import (
 )
 from jausml.cli.shared.files import PROBLEMS, STDIN, EnvironmentFault, shown_path
 from jausml.cli.shared.models import bridge_options, only_system, valid_model
-from jausml.cli.shared.options import (
-    FiniteRange,
-    interface_option,
-    multicast_group_option,
-    port_option,
-    refuse_options,
-)
+from jausml.cli.shared.options import FiniteRange, place_options, refuse_options
 
 if TYPE_CHECKING:
     from jausml.live.recording.mcap_files import TimeSpan
@@ -53,9 +47,7 @@ _TO_JAUS = (
     is_flag=True,
     help="Without MODEL: write only the ROS topics to FILE, so that ros2 bag can play it.",
 )
-@interface_option()
-@port_option()
-@multicast_group_option()
+@place_options
 @click.option(
     "--start",
     type=FiniteRange(0),

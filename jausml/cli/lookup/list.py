@@ -168,25 +168,25 @@ def _write(entries: Iterable[dict[str, Any]], output_format: str, columns: Colum
 @click.command("rules")
 def rules() -> None:
     """List the rules: id, severity and title."""
-    from jausml.cli.lookup.rules import all_entries
+    from jausml.cli.lookup import listed
 
-    for entry in all_entries():
+    for entry in listed.rules():
         click.echo(f"{entry['rule']} {entry['severity']:7} {entry['title']}")
 
 
 def _rule_names(_models: Sequence[str]) -> list[str]:
-    from jausml.cli.lookup.rules import all_entries
+    from jausml.cli.lookup import listed
 
-    return [entry["rule"] for entry in all_entries()]
+    return [entry["rule"] for entry in listed.rules()]
 
 
 @click.command("explain")
 @click.argument("rule_id", metavar="RULE", shell_complete=completing(_rule_names))
 def explain(rule_id: str) -> None:
     """Explain a rule: what it requires and why, with a bad and a good example."""
-    from jausml.cli.lookup.rules import all_entries
+    from jausml.cli.lookup import listed
 
-    entries = {entry["rule"]: entry for entry in all_entries()}
+    entries = {entry["rule"]: entry for entry in listed.rules()}
     entry = entries.get(rule_id.upper())
     if entry is None:
         # A rule says of which others it has taken the place.

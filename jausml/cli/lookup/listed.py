@@ -1,4 +1,4 @@
-"""Services, messages and attribute maps at a glance, as JSON objects."""
+"""Services, messages, attribute maps and rules at a glance, as JSON objects."""
 
 from __future__ import annotations
 
@@ -8,11 +8,20 @@ from typing import Any
 
 import click
 
+from jausml.authoring.merging.planning import MERGE_RULES
 from jausml.cli.shared.files import ending_at
 from jausml.cli.shared.models import beside_library, open_catalogue
+from jausml.generation.contract.finding import CODE_RULES
+from jausml.language.exporters.jsidl import JSIDL_EXPORT_RULES
+from jausml.language.importers.jsidl.building import JSIDL_RULES
+from jausml.language.importers.ros.definitions import ROS_RULES
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.library import library_paths, module_of
+from jausml.language.text.notation import TEXT_RULES
+from jausml.language.validation.rules import PRODUCT_RULES, catalogue
 from jausml.live.messages import Catalogue, MessageEntry, ServiceEntry, UnknownServiceError
+from jausml.proving.results import PROOF_RULES
+from jausml.safety_case.rules import CASE_RULES
 
 TO_ROS, TO_JAUS = "JAUS->ROS", "ROS->JAUS"
 
@@ -128,3 +137,26 @@ def maps(models: Sequence[str], word: str = "") -> list[dict[str, Any]]:
             }
         )
     return entries
+
+
+def rules() -> list[dict[str, Any]]:
+    """Returns all rules of the product, ordered by id."""
+    return [
+        {
+            "rule": entry.id,
+            "severity": entry.severity.value,
+            "title": entry.title,
+            "documentation": entry.documentation,
+        }
+        for entry in catalogue(
+            JSIDL_RULES,
+            JSIDL_EXPORT_RULES,
+            ROS_RULES,
+            TEXT_RULES,
+            MERGE_RULES,
+            CODE_RULES,
+            PROOF_RULES,
+            PRODUCT_RULES,
+            CASE_RULES,
+        )
+    ]
