@@ -130,6 +130,7 @@ def command(
     from jausml.language.model.project import Reading
     from jausml.live.recording.bags import MCAP, is_bag
     from jausml.live.recording.mcap_files import RecordingError, TimeSpan
+    from jausml.live.workers.worker import WorkerError
 
     span = TimeSpan(start, duration)
     if output is not None:
@@ -164,7 +165,7 @@ def command(
     except NoSystemError as error:
         hint = "--bridge-address ID makes a bridge of its maps"
         raise EnvironmentFault(f"{error}; {hint}") from error
-    except (RecordingError, GenerationError) as error:
+    except (RecordingError, WorkerError, GenerationError) as error:
         raise EnvironmentFault(str(error)) from error
     if not is_done:
         raise click.exceptions.Exit(PROBLEMS)
