@@ -109,9 +109,9 @@ def maps(
     entries = listed.maps(models)
     if ros_type is not None:
         wanted = ros_type.replace("/msg/", "/")
-        entries = _chosen(entries, wanted, _types, "ROS type")
+        entries = _chosen(entries, wanted, ("type", "joins"), "ROS type")
     if message_name is not None:
-        entries = _chosen(entries, message_name, _reports, "JAUS message")
+        entries = _chosen(entries, message_name, ("message", "reportJoins"), "JAUS message")
     columns: Columns = {
         "MAP": itemgetter("map"),
         "MESSAGE": itemgetter("message"),
@@ -122,23 +122,17 @@ def maps(
     _write(entries, output_format, columns)
 
 
-def _types(map_entry: dict[str, Any]) -> list[str]:
-    """Returns the ROS type of a map and those of joined topics."""
-    return [map_entry["type"], *(join["type"] for join in map_entry["joins"])]
-
-
-def _reports(map_entry: dict[str, Any]) -> list[str]:
-    """Returns the JAUS message of a map and those of joined reports."""
-    return [map_entry["message"], *(join["message"] for join in map_entry["reportJoins"])]
-
-
 def _chosen(
-    entries: Sequence[dict[str, Any]],
-    wanted: str,
-    names: Callable[[dict[str, Any]], Sequence[str]],
-    what: str,
+    entries: Sequence[dict[str, Any]], wanted: str, place: tuple[str, str], what: str
 ) -> list[dict[str, Any]]:
-    """Returns the maps of a name, or of the end of a name behind its slash."""
+    """Returns the maps of a name, or of the end of a name behind its slash.
+
+    `place`: where a map has the name, and where its joins are, which have one at the same place.
+    """
+    key, joins = place
+
+    def names(map_entry: dict[str, Any]) -> list[str]:
+        return [map_entry[key], *(join[key] for join in map_entry[joins])]
 
     def are_meant(map_entry: dict[str, Any]) -> bool:
         return any(wanted in (name, name.rpartition("/")[2]) for name in names(map_entry))

@@ -19,7 +19,7 @@ from jausml.language.metamodel.classes import bridge
 from jausml.language.model.library import library_paths, module_of
 from jausml.language.text.notation import TEXT_RULES
 from jausml.language.validation.rules import PRODUCT_RULES, catalogue
-from jausml.live.messages import Catalogue, MessageEntry, ServiceEntry, UnknownServiceError
+from jausml.live.messages import Catalogue, MessageEntry, UnknownServiceError
 from jausml.proving.results import PROOF_RULES
 from jausml.safety_case.rules import CASE_RULES
 
@@ -71,26 +71,33 @@ def _freshness(join: bridge.Join | bridge.ReportJoin) -> dict[str, Any]:
 
 def services(models: Sequence[str]) -> list[dict[str, Any]]:
     """Returns the services of models and of the library."""
-    return [_service(entry) for entry in open_catalogue(models).services.values()]
-
-
-def _service(entry: ServiceEntry) -> dict[str, Any]:
-    return {
-        "service": entry.urn,
-        "version": entry.version,
-        "name": entry.name,
-        "set": entry.set_name,
-        "inherits": entry.inherits.label if entry.inherits else None,
-        "inputs": list(entry.input_names),
-        "outputs": list(entry.output_names),
-    }
+    return [
+        {
+            "service": entry.urn,
+            "version": entry.version,
+            "name": entry.name,
+            "set": entry.set_name,
+            "inherits": entry.inherits.label if entry.inherits else None,
+            "inputs": list(entry.input_names),
+            "outputs": list(entry.output_names),
+        }
+        for entry in open_catalogue(models).services.values()
+    ]
 
 
 def messages(models: Sequence[str], service: str | None = None) -> list[dict[str, Any]]:
     """Returns the messages of models and of the library."""
     catalogue = open_catalogue(models)
     entries = catalogue.messages if service is None else _messages_of(catalogue, service)
-    return [_message(entry) for entry in entries]
+    return [
+        {
+            "message": entry.name,
+            "code": entry.code_text,
+            "command": entry.is_command,
+            "services": [service.label for service in entry.services],
+        }
+        for entry in entries
+    ]
 
 
 def _messages_of(catalogue: Catalogue, service: str) -> Sequence[MessageEntry]:
@@ -103,15 +110,6 @@ def _messages_of(catalogue: Catalogue, service: str) -> Sequence[MessageEntry]:
         for entry in owner.messages
     )
     return sorted(dict.fromkeys(every), key=lambda entry: (entry.code, entry.name))
-
-
-def _message(entry: MessageEntry) -> dict[str, Any]:
-    return {
-        "message": entry.name,
-        "code": entry.code_text,
-        "command": entry.is_command,
-        "services": [service.label for service in entry.services],
-    }
 
 
 def maps(models: Sequence[str], word: str = "") -> list[dict[str, Any]]:

@@ -149,13 +149,6 @@ def request(
     return outcome_of(operator, target, entry, sent_fields, answers, end, gate or nullcontext())
 
 
-def _exchange(
-    operator: Operator, target: JausAddress, entry: MessageEntry
-) -> tuple[MessageEntry, MessageEntry]:
-    """Returns the query and the report of the values that a message sets, else of the state."""
-    return entry.relations.exchange or operator.exchange(target, "Status")
-
-
 # -- commands with a confirmation ------------------------------------------------------------------
 
 
@@ -258,7 +251,7 @@ def _report(
     gate: AbstractContextManager[None],
 ) -> Outcome:
     """Sends a command and returns the first report with the value that it sets."""
-    query, report = _exchange(operator, target, entry)
+    query, report = entry.relations.exchange or operator.exchange(target, "Status")
     message = operator.message(entry, fields)
     sent = entry.decode(message.encode())
     question = operator.message(query, _question(query, report, entry.shortened(sent)))
