@@ -11,7 +11,7 @@ from typing import Any
 import click
 
 from jausml import installing
-from jausml.cli.shared.files import EnvironmentFault
+from jausml.cli.shared.files import EnvironmentFault, ending_at
 from jausml.cli.shared.options import page_network_options, page_options
 from jausml.cli.shared.terminal import remark
 
@@ -66,11 +66,8 @@ def command(
     # Who has no page any more sees faults of the studio here.
     logging.getLogger("jausml").addHandler(logging.StreamHandler())
     watched = network_from(None, **network)
-    try:
+    with ending_at(OSError, about=f"{click.format_filename(path)}: "):
         project = Project(path)
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise EnvironmentFault(f"{click.format_filename(path)}: {reason}") from error
     context = StudioContext(project, out, watched, given_recordings=recordings)
     studio = serving.Studio(Session(context))
 

@@ -344,9 +344,8 @@ def reaching(network: Network, remedy: str) -> Iterator[None]:
     from jausml.live.peers.network import fault
 
     try:
-        yield
-    except TargetNotReached as error:
-        raise EnvironmentFault(str(error)) from error
+        with ending_at(TargetNotReached):
+            yield
     except OSError as error:
         raise EnvironmentFault(fault(error, network, remedy)) from error
 
@@ -355,13 +354,9 @@ def serve_page(host: str, port: int, site: Site, opened: Callable[[], None]) -> 
     """Serves a page, or tells why it cannot be served; the arguments are those of `serve`."""
     from jausml.live.serving.server import PageMissingError, serve
 
-    try:
+    what = f"cannot serve at {host} port {port}: "
+    with ending_at(PageMissingError), ending_at(OSError, ValueError, about=what):
         serve(host, port, site, opened)
-    except PageMissingError as error:
-        raise EnvironmentFault(str(error)) from error
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise EnvironmentFault(f"cannot serve at {host} port {port}: {reason}") from error
 
 
 @contextmanager

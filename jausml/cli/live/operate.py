@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import webbrowser
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from importlib.util import find_spec
 from logging.handlers import QueueHandler, QueueListener
 from pathlib import Path
@@ -15,7 +15,7 @@ import click
 
 from jausml import installing
 from jausml.cli.live.network import network_from, serve_page
-from jausml.cli.shared.files import EnvironmentFault
+from jausml.cli.shared.files import EnvironmentFault, ending_at
 from jausml.cli.shared.options import STOP_WORDS, FiniteRange, page_network_options, page_options
 from jausml.cli.shared.terminal import remark
 
@@ -88,22 +88,15 @@ def command(
     if powers is not None:
         logging.getLogger("jausml.operating").setLevel(logging.INFO)
     watched = network_from(None, **network)
-    learning = Learning(path)
-    try:
+    with closing(Learning(path)) as learning, ending_at(ReadingError):
         knowledge = learning.first()
         if knowledge.fault:
             # The stops of a model are those of the start: it must be there to be read.
             raise EnvironmentFault(knowledge.fault)
-        try:
+        with ending_at(MessageError, ValueError, kind=click.UsageError, about="--stop: "):
             site = serving.OperatorSite(knowledge, learning, watched, powers)
-        except (MessageError, ValueError) as error:
-            raise click.UsageError(f"--stop: {error}") from error
         with _logged():
             serve_page(host, page_port, site, lambda: _opened(site, no_browser))
-    except ReadingError as error:
-        raise EnvironmentFault(str(error)) from error
-    finally:
-        learning.close()
 
 
 @contextmanager
