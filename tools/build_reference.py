@@ -14,7 +14,7 @@ from pathlib import Path
 import click
 
 from jausml.cli import main as command_line
-from jausml.cli.lookup.rules import all_entries
+from jausml.cli.lookup import listed
 from jausml.language.metamodel import (
     ClassTable,
     FeatureTable,
@@ -296,7 +296,7 @@ def _outcome(assignment: bridge.FieldAssignment | bridge.ListAssignment, target:
 def rules_page() -> str:
     """Returns the page of all rules with what `jausml explain` says."""
     lines = [_RULES]
-    for entry in all_entries():
+    for entry in listed.rules():
         lines += [f"## {entry['rule']} {entry['title']}", "", f"Severity: {entry['severity']}.", ""]
         lines += [entry["documentation"], ""]
     return "\n".join(lines).rstrip() + "\n"

@@ -372,13 +372,13 @@ def test_a_stop_that_nobody_acknowledges_is_sent_again(tmp_path, port):
         peer = f"{address}=127.0.0.1:{deaf.getsockname()[1]}"
         network = make_network(None, "127.0.0.1", port, DEFAULT_GROUP, (peer,))
         unit = OperatorUnit(read(tmp_path), network, Powers("emergency", 60.0), lambda *_: None)
-        unit.start()
+        unit.system.start()
         try:
             [stopped] = unit.stop_all("page", [address])
             assert stopped["outcome"] == "its state is not told"
             assert not stopped["confirmed"]
         finally:
-            unit.stop()
+            unit.system.stop()
         with suppress(BlockingIOError):
             while datagram := deaf.recv(2000):
                 if SetEmergency(emergency_code=1).encode() in datagram:
@@ -542,7 +542,7 @@ def test_nobody_takes_control_while_what_a_lost_page_commanded_is_stopped(
         refused.append(caught.value)
         return stopped(name, ())
 
-    unit.start()
+    unit.system.start()
     try:
         until(lambda: take(1))
         stopped = unit.stop_all
@@ -551,6 +551,6 @@ def test_nobody_takes_control_while_what_a_lost_page_commanded_is_stopped(
         assert len(refused) == 1
         monkeypatch.undo()
         until(lambda: take(2))
-        assert [str(hold.target) for hold in unit.operator.holds] == [VEHICLE]
+        assert [str(hold.target) for hold in unit.system.operator.holds] == [VEHICLE]
     finally:
-        unit.stop()
+        unit.system.stop()

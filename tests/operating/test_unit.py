@@ -40,9 +40,9 @@ def unit(tmp_path: Path, port: int) -> Iterator[OperatorUnit]:
     """A unit, of which page 1 may take control."""
     network = make_network(None, "127.0.0.1", port, DEFAULT_GROUP, ())
     unit = OperatorUnit(read(tmp_path), network, Powers("standby", 60.0), lambda *_: None)
-    unit.start()
+    unit.system.start()
     yield unit
-    unit.stop()
+    unit.system.stop()
 
 
 ADDRESS = JausAddress.parse(VEHICLE)
@@ -53,10 +53,10 @@ def take_in(unit: OperatorUnit) -> Hold:
     def taken() -> bool:
         with suppress(Refused, NoAnswer):
             unit.take(1, "anna", ADDRESS, 205)
-        return bool(unit.operator.holds)
+        return bool(unit.system.operator.holds)
 
     until(taken)
-    return unit.operator.holds[0]
+    return unit.system.operator.holds[0]
 
 
 def guarded(unit: OperatorUnit) -> list[JausAddress]:
@@ -88,7 +88,7 @@ def test_what_is_controlled_is_not_taken_again(unit):
     hold = take_in(unit)
     with pytest.raises(Refused, match="is controlled already"):
         unit.take(1, "anna", ADDRESS, 210)
-    assert (unit.operator.holds, hold.is_held) == ((hold,), True)
+    assert (unit.system.operator.holds, hold.is_held) == ((hold,), True)
 
 
 def test_what_does_not_answer_any_more_is_stopped_all_the_same(unit, port):
@@ -185,7 +185,7 @@ def test_control_is_released_also_where_a_stop_fails(unit, monkeypatch):
     monkeypatch.setattr(unit, "stop_all", stop_all)
     with pytest.raises(RuntimeError):
         unit.leave(1)
-    assert unit.operator.holds == ()
+    assert unit.system.operator.holds == ()
     monkeypatch.undo()
 
 

@@ -177,7 +177,7 @@ def test_what_comes_next_is_told_of_the_robot_that_is_meant(rover, jausml, monke
     drive = [RunningTopic(f"/{r}/cmd_vel", ("geometry_msgs/msg/Twist",), (), (end,)) for r in "ab"]
     calls = [RunningCall(f"/{r}/reset", ("std_srvs/srv/Trigger",), ("/n",), ()) for r in "ab"]
     graph = RunningGraph(tuple(drive), tuple(calls))
-    monkeypatch.setattr("jausml.live.ros.running.what_runs", lambda *_: Running(graph))
+    monkeypatch.setattr("jausml.cli.authoring.running.what_runs", lambda *_: Running(graph))
     rover("text")
     done = jausml("new", "bridge", "rover", "--from-graph", "--namespace", "a", "--yes")
     following = re.findall(r"jausml new service-connection (\S+)", done.output)

@@ -64,7 +64,7 @@ class Measured(serving.OperatorSite):
         # Unpickling is one call, for as long as which that thread has the interpreter.
         self.learning._next = unpickled  # type: ignore[method-assign]
         async with super().running():
-            system = unit._system
+            system = unit.system
             while system.running is None:
                 await asyncio.sleep(0.1)
             loop = system.running.transport.loop

@@ -255,7 +255,8 @@ class LiveSystem(RunningSystem):
             places = self._places
             is_wanted, self._is_wanted = self._is_wanted, False
             self._look_away()
-        present = (places, *_facts(state))
+        # Without its time, which alone is no change.
+        present = (places, state.connections, state.components, state.sources, state.ignored)
         if is_wanted or present != self._before or state.now - self._sent >= LONGEST:
             self._sent = state.now
             self._notify(live_values(state, places))
@@ -277,8 +278,3 @@ class LiveSystem(RunningSystem):
         self._glanced = None
         if self._inspection is not None:
             self._inspection.away()
-
-
-def _facts(state: SystemState) -> tuple[object, ...]:
-    """Returns a state without its time, which alone is no change."""
-    return state.connections, state.components, state.sources, state.ignored

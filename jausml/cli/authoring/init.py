@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from jausml.authoring.projects.starting import EXAMPLE, STARTING_POINTS, starting_point
-from jausml.cli.authoring.topics import chosen_crossings, topic_options, topics_of
-from jausml.cli.authoring.topics_shown import show_chosen, show_unanswered, show_undecided
+from jausml.cli.authoring.new import topic_options
 from jausml.cli.shared.files import PROBLEMS, EnvironmentFault
 from jausml.cli.shared.models import show_findings
 from jausml.cli.shared.options import quiet_option, refuse_options
@@ -20,7 +19,7 @@ if TYPE_CHECKING:
 
     from jausml.authoring.projects.creating import Wish
     from jausml.authoring.proposals.topics import Crossing
-    from jausml.cli.authoring.topics import Choosing
+    from jausml.cli.authoring.new import Choosing
     from jausml.language.importers.jsidl import ImportResult
 
 _TOPICS, _JSIDL = "topics", "jsidl"
@@ -101,7 +100,10 @@ def command(
         raise EnvironmentFault(f"{error.filename} cannot be written: {error.strerror}") from error
     if not quiet:
         _show_next(folder, len(written), wish)
-    show_undecided(chosen)
+    if chosen:
+        from jausml.cli.authoring.topics import show_undecided
+
+        show_undecided(chosen)
 
 
 def _check_origin(origin: str, sources: Sequence[str]) -> None:
@@ -145,6 +147,12 @@ def _from_topics(
     folder: Path, wish: Wish, sources: Sequence[str], choosing: Choosing
 ) -> tuple[list[str], Sequence[Crossing]]:
     from jausml.authoring.projects.adding import start_from_topics
+    from jausml.cli.authoring.topics import (
+        chosen_crossings,
+        show_chosen,
+        show_unanswered,
+        topics_of,
+    )
     from jausml.language.metamodel.classes import bridge
     from jausml.language.project import library
 

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import functools
 import shlex
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from jausml.cli.shared.files import ending_at
-from jausml.cli.shared.options import LazyGroup, format_option, refuse_options
+from jausml.cli.shared.options import FiniteRange, LazyGroup, format_option, refuse_options
 from jausml.cli.shared.terminal import remark
 
 if TYPE_CHECKING:
@@ -92,6 +94,90 @@ def model_option(command: Callable[..., None]) -> Callable[..., None]:
         type=click.Path(dir_okay=False, path_type=Path),
         help="Model to change; by default, the one in this project that has a system.",
     )(command)
+
+
+def side_option(command: Callable[..., None]) -> Callable[..., None]:
+    """Adds the option of what the nodes of ROS are to a verb."""
+    return click.option(
+        "--side",
+        type=click.Choice(["vehicle", "operator"]),
+        default="vehicle",
+        help="Role of the ROS nodes: a vehicle that JAUS commands, or an operator that commands "
+        "one.",
+    )(command)
+
+
+@dataclass(frozen=True)
+class Choosing:
+    """The options on how topics are bridged.
+
+    `holds`: why last commands may stand, `TOPIC=REASON`. What is missing is asked on a terminal,
+    unless the likeliest is taken, and nothing else answers it. `joints`: names of joints that a
+    person states, `TOPIC=NAME,...`.
+    """
+
+    side: str
+    yes: bool = False
+    holds: tuple[str, ...] = ()
+    joints: tuple[str, ...] = ()
+
+
+def topic_options(command: Callable[..., None]) -> Callable[..., None]:
+    """Adds the options of how topics are bridged to a verb, which takes them as `choosing`."""
+    yes = click.option("--yes", is_flag=True, help="Take the likeliest map without asking.")
+    hold = click.option(
+        "--hold",
+        "holds",
+        metavar="TOPIC=REASON",
+        multiple=True,
+        help="Why the last command of a topic may stand when its source is lost: what you know "
+        "about its receiver. May be repeated.",
+    )
+    joints = click.option(
+        "--joints",
+        metavar="TOPIC=NAME,...",
+        multiple=True,
+        help="Names of the joints of a topic, in the order that JAUS has. May be repeated.",
+    )
+
+    @functools.wraps(command)
+    def with_choosing(
+        *arguments: object,
+        side: str,
+        yes: bool,
+        holds: tuple[str, ...],
+        joints: tuple[str, ...],
+        **others: object,
+    ) -> None:
+        command(*arguments, choosing=Choosing(side, yes, holds, joints), **others)
+
+    return side_option(hold(joints(yes(with_choosing))))
+
+
+def graph_options(command: Callable[..., None]) -> Callable[..., None]:
+    """Adds the options of looking at what runs to a verb."""
+    from_graph = click.option(
+        "--from-graph",
+        is_flag=True,
+        help="Use the topics that exist in ROS now: all, or those named by arguments "
+        "TOPIC[:MAP,...].",
+    )
+    seconds = click.option(
+        "--for",
+        "seconds",
+        type=FiniteRange(0.1, 600),
+        default=10.0,
+        metavar="SECONDS",
+        help="Longest time to look at the running system.",
+    )
+
+    @functools.wraps(command)
+    def with_graph(*arguments: object, from_graph: bool, **others: object) -> None:
+        if not from_graph:
+            refuse_options("only with --from-graph", "seconds")
+        command(*arguments, from_graph=from_graph, **others)
+
+    return from_graph(seconds(with_graph))
 
 
 def pairs(words: Sequence[str], sign: str, example: str) -> list[tuple[str, str]]:

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from jausml.cli.authoring.new import add_to, model_option, pairs, show_open
-from jausml.cli.authoring.topics import side_option
+from jausml.cli.authoring.new import add_to, model_option, pairs, show_open, side_option
 from jausml.cli.shared.options import FiniteRange
 from jausml.cli.shared.terminal import can_ask, choose_one, remark
 from jausml.language.semantics.connections.limits import GREATEST_SPEED

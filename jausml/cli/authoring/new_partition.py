@@ -12,7 +12,7 @@ import click
 
 from jausml.cli.authoring.new import model_option, pairs, place_for, report, stopping
 from jausml.cli.models.views import assumption_options, check_names
-from jausml.cli.shared.files import EnvironmentFault
+from jausml.cli.shared.files import EnvironmentFault, ending_at
 from jausml.cli.shared.models import valid_model
 from jausml.cli.shared.options import FiniteRange, format_option
 from jausml.cli.shared.terminal import can_ask, remark
@@ -110,10 +110,8 @@ def partition(
         for _, owner in limits.inside:
             if owner not in known:
                 check_name(owner, at.system)
-        try:
+        with ending_at(LookupError, kind=click.UsageError):
             plan = Planner(at.system, assumptions).propose(limits)
-        except LookupError as error:
-            raise click.UsageError(str(error)) from error
         if output_format == "json":
             click.echo(json.dumps(formats.plain(plan), indent=2))
         else:

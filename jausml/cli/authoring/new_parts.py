@@ -7,22 +7,21 @@ from typing import TYPE_CHECKING
 
 import click
 
-from jausml.cli.authoring.new import add_to, model_option, pairs, place_for, report, stopping
-from jausml.cli.authoring.running import (
+from jausml.cli.authoring.new import (
+    add_to,
     graph_options,
-    left_topic,
-    of_one_robot,
-    show_left,
-    topics_in,
-    what_runs_here,
+    model_option,
+    pairs,
+    place_for,
+    report,
+    stopping,
+    topic_options,
 )
-from jausml.cli.authoring.topics import chosen_crossings, topic_options, topics_of
-from jausml.cli.authoring.topics_shown import show_chosen, show_unanswered, show_undecided
 
 if TYPE_CHECKING:
     from jausml.authoring.editing.commands import Add, Child, Command
     from jausml.authoring.projects.places import Opened
-    from jausml.cli.authoring.topics import Choosing
+    from jausml.cli.authoring.new import Choosing
 
 
 @click.command("service")
@@ -216,6 +215,14 @@ def bridge(
     Exit status: 0 done, 2 usage or environment, 3 internal error.
     """
     from jausml.authoring.projects.adding import add_bridge, ready_maps, scope_of
+    from jausml.cli.authoring import running
+    from jausml.cli.authoring.topics import (
+        chosen_crossings,
+        show_chosen,
+        show_unanswered,
+        show_undecided,
+        topics_of,
+    )
 
     if by_topics and from_graph:
         raise click.UsageError("--topics and --from-graph exclude each other")
@@ -228,12 +235,12 @@ def bridge(
         scope = scope_of(place)
         left = None
         if from_graph:
-            running = what_runs_here(seconds)
-            topics = topics_in(running, words)
+            here = running.what_runs_here(seconds)
+            topics = running.topics_in(here, words)
             if not words:
-                topics = of_one_robot(topics, namespace)
-                show_left(running, scope, namespace or "")
-                left = left_topic(scope)
+                topics = running.of_one_robot(topics, namespace)
+                running.show_left(here, scope, namespace or "")
+                left = running.left_topic(scope)
         else:
             topics = topics_of(words)
         chosen = chosen_crossings(topics, ready_maps(scope), choosing, left)
@@ -268,12 +275,19 @@ def connection(
     Exit status: 0 done, 2 usage or environment, 3 internal error.
     """
     from jausml.authoring.projects.adding import add_connections, namespace_of, ready_maps, scope_of
+    from jausml.cli.authoring import running
+    from jausml.cli.authoring.topics import (
+        chosen_crossings,
+        show_chosen,
+        show_undecided,
+        topics_of,
+    )
 
     with stopping():
         place = place_for(model)
         space = namespace_of(place, bridge or "")
         if from_graph:
-            topics = topics_in(what_runs_here(seconds), words, space)
+            topics = running.topics_in(running.what_runs_here(seconds), words, space)
         else:
             topics = topics_of(words)
         maps = ready_maps(scope_of(place))

@@ -2,22 +2,33 @@
 
 from __future__ import annotations
 
-import functools
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import click
 
+from jausml.authoring.proposals.elements import (
+    AnswerError,
+    Scope,
+    action_type_of,
+    plain_type,
+    service_type_of,
+    type_of,
+)
+from jausml.authoring.proposals.goals import ways_for, why_none
+from jausml.authoring.proposals.topics import (
+    TopicEnd,
+    frame_role,
+    is_worth_reading,
+    robots_in,
+    says,
+    within,
+)
+from jausml.cli.authoring.topics import LeftOut
 from jausml.cli.shared.files import EnvironmentFault, ending_at
-from jausml.cli.shared.options import FiniteRange, refuse_options
-
-if TYPE_CHECKING:
-    from jausml.authoring.proposals.elements import Scope
-    from jausml.authoring.proposals.topics import TopicEnd
-    from jausml.cli.authoring.topics import LeftOut
-    from jausml.live.ros.running import RosEndpoint, Running, RunningCall, RunningTopic
-
+from jausml.language.model.values import suggest
+from jausml.live.ros.node import RosFault
+from jausml.live.ros.running import RosEndpoint, Running, RunningCall, RunningTopic, what_runs
 
 _FRAME_PATHS = ("header.frame_id", "child_frame_id")
 _ODOMETRY = "nav_msgs/msg/Odometry"
@@ -25,38 +36,8 @@ _ODOMETRY = "nav_msgs/msg/Odometry"
 _LONGEST_VALUE = 60  # characters of a parameter that are shown
 
 
-def graph_options(command: Callable[..., None]) -> Callable[..., None]:
-    """Adds the options of looking at what runs to a verb."""
-    from_graph = click.option(
-        "--from-graph",
-        is_flag=True,
-        help="Use the topics that exist in ROS now: all, or those named by arguments "
-        "TOPIC[:MAP,...].",
-    )
-    seconds = click.option(
-        "--for",
-        "seconds",
-        type=FiniteRange(0.1, 600),
-        default=10.0,
-        metavar="SECONDS",
-        help="Longest time to look at the running system.",
-    )
-
-    @functools.wraps(command)
-    def with_graph(*arguments: object, from_graph: bool, **others: object) -> None:
-        if not from_graph:
-            refuse_options("only with --from-graph", "seconds")
-        command(*arguments, from_graph=from_graph, **others)
-
-    return from_graph(seconds(with_graph))
-
-
 def what_runs_here(seconds: float) -> Running:
     """Returns the running system, after it has listed all of it."""
-    from jausml.authoring.proposals.topics import is_worth_reading
-    from jausml.live.ros.node import RosFault
-    from jausml.live.ros.running import what_runs
-
     with ending_at(RosFault):
         running = what_runs(seconds, is_worth_reading)
     graph = running.graph
@@ -84,8 +65,6 @@ def _said_lines(running: Running) -> Iterator[str]:
 
 def _parameter_lines(running: Running) -> Iterator[str]:
     """Yields the parameters with a meaning for a model, and the meaning."""
-    from jausml.authoring.proposals.topics import says
-
     for node, values in sorted(running.parameters.items()):
         for name, value in sorted(values.items()):
             if meaning := says(name, value):
@@ -100,8 +79,6 @@ def _frames(running: Running) -> dict[str, str]:
 
     Odometry tells what is; parameters tell what somebody wants.
     """
-    from jausml.authoring.proposals.topics import frame_role
-
     published: dict[str, set[str]] = {}
     for topic in running.graph.topics:
         if topic.types == (_ODOMETRY,) and topic.name in running.frames:
@@ -141,8 +118,6 @@ def of_one_robot(topics: Sequence[TopicEnd], namespace: str | None) -> list[Topi
 
     Of several robots, one bridge would command all at once: then somebody has to say which.
     """
-    from jausml.authoring.proposals.topics import robots_in, within
-
     if namespace is None and (robots := robots_in(topics)):
         namespace_options = "".join(f"\n  --namespace {robot or '/'}" for robot in robots)
         raise click.UsageError(
@@ -158,8 +133,6 @@ def of_one_robot(topics: Sequence[TopicEnd], namespace: str | None) -> list[Topi
 
 
 def _named(word: str, known: dict[str, TopicEnd]) -> TopicEnd:
-    from jausml.language.model.values import suggest
-
     name, _, maps = word.partition(":")
     topic = known.get(name if name.startswith("/") else f"/{name}")
     if topic is None:
@@ -193,9 +166,6 @@ def _relative(name: str, namespace: str) -> str:
 
 def _end(topic: RunningTopic, running: Running, namespace: str) -> TopicEnd:
     """Returns a topic with the direction and quality of service that its ends leave."""
-    from jausml.authoring.proposals.elements import plain_type
-    from jausml.authoring.proposals.topics import TopicEnd
-
     is_one_way = bool(topic.publishers) is not bool(topic.subscriptions)
     return TopicEnd(
         _relative(topic.name, namespace),
@@ -271,7 +241,6 @@ def show_left(running: Running, scope: Scope, namespace: str) -> None:
 
 def left_topic(scope: Scope) -> LeftOut:
     """Returns the function that shows why a topic is left out, and which command comes next."""
-    from jausml.authoring.proposals.elements import AnswerError, type_of
 
     def tell(topic: TopicEnd, reason: str, command: str) -> None:
         try:
@@ -289,8 +258,6 @@ def _left(reason: str, command: str = "") -> None:
 
 def _service(scope: Scope, name: str, kind: str, side: str) -> tuple[str, str]:
     """Returns why a service is left out, and what comes next."""
-    from jausml.authoring.proposals.elements import AnswerError, plain_type, service_type_of
-
     used = plain_type(kind)
     command = f"jausml new service-connection {name}:{used} MESSAGE{side}"
     reason = f"service {name}: no type says which JAUS message asks"
@@ -303,9 +270,6 @@ def _service(scope: Scope, name: str, kind: str, side: str) -> tuple[str, str]:
 
 def _action(scope: Scope, name: str, kind: str, side: str) -> tuple[str, str]:
     """Returns why an action is left out, and what comes next."""
-    from jausml.authoring.proposals.elements import AnswerError, action_type_of, plain_type
-    from jausml.authoring.proposals.goals import ways_for, why_none
-
     used = plain_type(kind)
     command = f"jausml new action-connection {name}:{used}{side}"
     try:

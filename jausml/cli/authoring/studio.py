@@ -11,14 +11,8 @@ from typing import Any
 import click
 
 from jausml import installing
-from jausml.cli.shared.files import EnvironmentFault
-from jausml.cli.shared.options import (
-    interface_option,
-    multicast_group_option,
-    page_options,
-    peer_option,
-    port_option,
-)
+from jausml.cli.shared.files import EnvironmentFault, ending_at
+from jausml.cli.shared.options import page_network_options, page_options
 from jausml.cli.shared.terminal import remark
 
 _NEEDED = ("starlette", "uvicorn", "websockets", "watchfiles", "pygls")
@@ -43,10 +37,7 @@ _NEEDED = ("starlette", "uvicorn", "websockets", "watchfiles", "pygls")
     help="MCAP file of `jausml record` that the page may show, beside those of the folder. May be "
     "repeated: two are compared.",
 )
-@interface_option("--jaus-interface")
-@port_option("--jaus-port")
-@multicast_group_option("--jaus-multicast-group")
-@peer_option("--jaus-peer")
+@page_network_options
 def command(
     path: str,
     host: str,
@@ -70,17 +61,13 @@ def command(
     from jausml.authoring.studio import serving
     from jausml.authoring.studio.context import StudioContext
     from jausml.authoring.studio.session import Session
-    from jausml.cli.live.network import network_from
-    from jausml.live.serving.server import PageMissingError, require_page, serve
+    from jausml.cli.live.network import network_from, serve_page
 
     # Who has no page any more sees faults of the studio here.
     logging.getLogger("jausml").addHandler(logging.StreamHandler())
     watched = network_from(None, **network)
-    try:
+    with ending_at(OSError, about=f"{click.format_filename(path)}: "):
         project = Project(path)
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise EnvironmentFault(f"{click.format_filename(path)}: {reason}") from error
     context = StudioContext(project, out, watched, given_recordings=recordings)
     studio = serving.Studio(Session(context))
 
@@ -90,14 +77,7 @@ def command(
         if not no_browser:
             webbrowser.open(studio.address)
 
-    try:
-        require_page(serving.PAGE)
-        serve(host, page_port, studio, opened)
-    except PageMissingError as error:
-        raise EnvironmentFault(str(error)) from error
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise EnvironmentFault(f"cannot serve at {host} port {page_port}: {reason}") from error
+    serve_page(host, page_port, studio, opened)
 
 
 def _require_extra() -> None:

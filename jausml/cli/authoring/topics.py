@@ -2,88 +2,47 @@
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from shlex import quote
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 import click
 
+from jausml.authoring.proposals.bridging import is_served
+from jausml.authoring.proposals.mapping.opens import STOPS, stops_by_zeros
+from jausml.authoring.proposals.topic_names import is_emergency_stop
+from jausml.authoring.proposals.topics import (
+    Crossing,
+    TopicEnd,
+    clashes,
+    crossings,
+    feeds,
+    joins_of,
+    unanswered_queries,
+    why_not,
+)
+from jausml.cli.authoring.new import Choosing
 from jausml.cli.shared.terminal import can_ask, choose, remark
+from jausml.language.interfaces.definitions import is_package_name, is_type_name
+from jausml.language.metamodel.classes import bridge, ros
+from jausml.language.model.names import name_of
+from jausml.language.model.values import suggest
+from jausml.language.project import library
+from jausml.language.semantics.connections.hold_reasons import is_reason
+from jausml.language.semantics.connections.topics import topic_fault
+from jausml.language.semantics.jaus.commands import is_emergency
+from jausml.language.semantics.names import snake_case
+from jausml.language.semantics.paths.ros_paths import ros_name
 
-if TYPE_CHECKING:
-    from jausml.authoring.proposals.topics import Crossing, TopicEnd
-    from jausml.language.metamodel.classes import bridge
-
-    LeftOut: TypeAlias = Callable[[TopicEnd, str, str], None]
-    """Takes a topic without a way, why it has none, and the command that comes next."""
+LeftOut: TypeAlias = "Callable[[TopicEnd, str, str], None]"
+"""Takes a topic without a way, why it has none, and the command that comes next."""
 
 _FEW = 4
 
 
-def side_option(command: Callable[..., None]) -> Callable[..., None]:
-    """Adds the option of what the nodes of ROS are to a verb."""
-    return click.option(
-        "--side",
-        type=click.Choice(["vehicle", "operator"]),
-        default="vehicle",
-        help="Role of the ROS nodes: a vehicle that JAUS commands, or an operator that commands "
-        "one.",
-    )(command)
-
-
-@dataclass(frozen=True)
-class Choosing:
-    """The options on how topics are bridged.
-
-    `holds`: why last commands may stand, `TOPIC=REASON`. What is missing is asked on a terminal,
-    unless the likeliest is taken, and nothing else answers it. `joints`: names of joints that a
-    person states, `TOPIC=NAME,...`.
-    """
-
-    side: str
-    yes: bool = False
-    holds: tuple[str, ...] = ()
-    joints: tuple[str, ...] = ()
-
-
-def topic_options(command: Callable[..., None]) -> Callable[..., None]:
-    """Adds the options of how topics are bridged to a verb, which takes them as `choosing`."""
-    yes = click.option("--yes", is_flag=True, help="Take the likeliest map without asking.")
-    hold = click.option(
-        "--hold",
-        "holds",
-        metavar="TOPIC=REASON",
-        multiple=True,
-        help="Why the last command of a topic may stand when its source is lost: what you know "
-        "about its receiver. May be repeated.",
-    )
-    joints = click.option(
-        "--joints",
-        metavar="TOPIC=NAME,...",
-        multiple=True,
-        help="Names of the joints of a topic, in the order that JAUS has. May be repeated.",
-    )
-
-    @functools.wraps(command)
-    def with_choosing(
-        *arguments: object,
-        side: str,
-        yes: bool,
-        holds: tuple[str, ...],
-        joints: tuple[str, ...],
-        **others: object,
-    ) -> None:
-        command(*arguments, choosing=Choosing(side, yes, holds, joints), **others)
-
-    return side_option(hold(joints(yes(with_choosing))))
-
-
 def holds_of(words: Sequence[str], topics: Sequence[TopicEnd]) -> dict[str, str]:
     """Returns the reasons of a person why last commands may stand, by topic."""
-    from jausml.language.semantics.connections.hold_reasons import is_reason
-
     known = {topic.name for topic in topics}
     reasons_by_topic: dict[str, str] = {}
     for word in words:
@@ -119,10 +78,6 @@ def joints_of(text: str) -> tuple[str, ...]:
 
 def topics_of(words: Sequence[str]) -> list[TopicEnd]:
     """Returns the topics that words such as `odom:nav_msgs/Odometry` name."""
-    from jausml.authoring.proposals.topics import TopicEnd
-    from jausml.language.interfaces.definitions import is_package_name, is_type_name
-    from jausml.language.semantics.connections.topics import topic_fault
-
     topics_by_name: dict[str, TopicEnd] = {}
     for word in words:
         name, _, rest = word.partition(":")
@@ -143,10 +98,6 @@ def topics_of(words: Sequence[str]) -> list[TopicEnd]:
 
 def _full(message: str) -> str:
     """Returns the type with its package of which ready maps have a message name; empty for none."""
-    from jausml.language.metamodel.classes import bridge
-    from jausml.language.project import library
-    from jausml.language.semantics.paths.ros_paths import ros_name
-
     maps = library().instances(bridge.AttributeMap)
     known = {ros_name(carried.type) for carried in maps if carried.type is not None}
     return min((name for name in known if name.partition("/")[2] == message), default="")
@@ -162,8 +113,6 @@ def chosen_crossings(
 
     `left_out`: what tells of a topic without a way, and why; without it, that is an error.
     """
-    from jausml.authoring.proposals.topics import clashes, crossings, feeds
-
     side, yes = choosing.side, choosing.yes
     reasons = holds_of(choosing.holds, topics)
     topics = _with_joints(topics, choosing.joints)
@@ -198,8 +147,6 @@ def chosen_crossings(
 
 def _clash(crossing: Crossing, first: Crossing) -> None:
     """Shows that a way is left out, since another topic has its message."""
-    from jausml.language.model.names import name_of
-
     name, message = crossing.topic.name, name_of(crossing.offer.message)
     does = "is commanded by" if crossing.offer.to_ros else "makes"
     remark(
@@ -220,8 +167,6 @@ def _check_stated(
 
 def _lacks_names(crossing: Crossing, left_out: LeftOut | None) -> bool:
     """Tells whether a way needs unknown names of joints, and shows that."""
-    from jausml.language.model.names import name_of
-
     if not crossing.lacks_names:
         return False
     name = crossing.topic.name
@@ -235,8 +180,6 @@ def _lacks_names(crossing: Crossing, left_out: LeftOut | None) -> bool:
 
 def joined(chosen: Sequence[Crossing], topics: Sequence[TopicEnd]) -> list[dict[str, str]]:
     """Returns for each way which topics feed the joins of its map, by the names of the joins."""
-    from jausml.authoring.proposals.topics import joins_of
-
     fed: set[str] = set()
     return [joins_of(crossing, topics, fed) for crossing in chosen]
 
@@ -252,10 +195,6 @@ def _decided(crossing: Crossing, reasons: Mapping[str, str], *, yes: bool) -> Cr
 
 
 def _ask_reason(crossing: Crossing) -> str:
-    from jausml.language.model.names import name_of
-    from jausml.language.semantics.connections.hold_reasons import is_reason
-    from jausml.language.semantics.jaus.commands import is_emergency
-
     message, topic = name_of(crossing.offer.message), crossing.topic.name
     if is_emergency(crossing.offer.message):
         question = f"What may release the emergency stop ({message} of {topic})? (empty: later)"
@@ -275,14 +214,6 @@ def _fed_joins(way: Crossing) -> Sequence[bridge.Join]:
 def _without(
     topic: TopicEnd, maps: Sequence[bridge.AttributeMap], side: str, left_out: LeftOut | None
 ) -> None:
-    from jausml.authoring.proposals.bridging import is_served
-    from jausml.authoring.proposals.topic_names import is_emergency_stop
-    from jausml.authoring.proposals.topics import crossings, why_not
-    from jausml.language.model.names import name_of
-    from jausml.language.model.values import suggest
-    from jausml.language.semantics.names import snake_case
-    from jausml.language.semantics.paths.ros_paths import ros_name
-
     for wanted in topic.maps:
         if refusal := why_not(wanted, topic, maps, side):
             raise click.UsageError(f"{topic.name}: {refusal}")
@@ -308,11 +239,6 @@ def _without(
 
 def _parts_carried(kind: str, maps: Sequence[bridge.AttributeMap]) -> Iterator[str]:
     """Yields which elements of a type ready maps carry, one on a topic."""
-    from jausml.language.metamodel.classes import ros
-    from jausml.language.model.names import name_of
-    from jausml.language.project import library
-    from jausml.language.semantics.paths.ros_paths import ros_name
-
     whole = next((e for e in library().instances(ros.MessageType) if ros_name(e) == kind), None)
     for field in whole.fields if whole is not None else ():
         if isinstance(field, ros.MessageField) and field.arrayKind.name != "single":
@@ -330,9 +256,6 @@ def _unsaid(
     topic: TopicEnd, candidates: Sequence[Crossing], command: str, left_out: LeftOut | None
 ) -> None:
     """Shows that the type of a topic has no meaning alone, and what a person may state."""
-    from jausml.authoring.proposals.topic_names import is_emergency_stop
-    from jausml.language.model.names import name_of
-
     reason = f"nothing in the name {topic.name} says what its {topic.type} means"
     if is_emergency_stop(topic.name):
         reason = f"{topic.name} is an emergency stop: a person states what presses and releases it"
@@ -353,9 +276,6 @@ def _taken(
     maps: Sequence[bridge.AttributeMap],
     choosing: Choosing,
 ) -> list[Crossing]:
-    from jausml.authoring.proposals.topics import why_not
-    from jausml.language.model.names import name_of
-
     yes = choosing.yes
     if topic.maps:
         by_name = {name_of(crossing.map): crossing for crossing in reversed(candidates)}
@@ -385,8 +305,6 @@ def _taken(
 
 def _options(candidates: Sequence[Crossing]) -> list[str]:
     """Returns the choices; ways with the same description are told apart by their maps."""
-    from jausml.language.model.names import name_of
-
     descriptions = []
     for way in candidates:
         does = way.says().partition(": ")[2]
@@ -396,3 +314,69 @@ def _options(candidates: Sequence[Crossing]) -> list[str]:
             way.says() if is_alone or not about else f"{name_of(way.map)}: {does}. {about}"
         )
     return descriptions
+
+
+def show_chosen(chosen: Sequence[Crossing], topics: Sequence[TopicEnd]) -> None:
+    """Shows the connection of each topic, and which facts of the vehicle a map has assumed."""
+    for crossing, joins in zip(chosen, joined(chosen, topics), strict=True):
+        click.echo(_crossing_line(crossing))
+        for join, topic in joins.items():
+            used = name_of(crossing.map)
+            click.echo(f"{topic}: ROS -> JAUS, {used}: read as {join} with {crossing.topic.name}")
+    for quantity, used in _assumed(chosen):
+        unit = f" {quantity.units}" if quantity.units else ""
+        said = f"{name_of(quantity)} of {used} is {quantity.value:g}{unit}"
+        click.echo(f"{said} unless a quantity of the bridge states that of the vehicle")
+
+
+def show_undecided(chosen: Sequence[Crossing]) -> None:
+    """Shows last the decisions that a person has to make before anything is generated."""
+    names = [crossing for crossing in chosen if crossing.has_no_stop and not crossing.hold_reason]
+    if not names:
+        return
+    click.echo("\nYou have to decide what happens when the source of a command is lost:", err=True)
+    for name in names:
+        message = name_of(name.offer.message)
+        stands = f"nothing stops what {message} sets in motion"
+        if is_emergency(name.offer.message):
+            stands = f"nobody says what releases the emergency stop ({message}); JML500 asks for it"
+        click.echo(f"  {name.topic.name}: {stands}", err=True)
+        if stops_by_zeros(name.map, [name.offer.to_ros]):
+            stop, used = STOPS[name.offer.to_ros], name_of(name.map)
+            advice = (
+                f"its numbers are all rates: if zeros stop it, give map {used} a {stop} of zeros"
+            )
+            click.echo(f"    {advice}", err=True)
+    click.echo(
+        "  validate reports JML451 until each has a stop (a safeValue, or one in its map), or a\n"
+        "  reason why the last command may stand (onSilence: hold and holdReason, or --hold).\n"
+        "  No tool knows what is safe for what receives them.",
+        err=True,
+    )
+
+
+def show_unanswered(chosen: Sequence[Crossing]) -> None:
+    """Shows the queries of the services of a new bridge that have no answer."""
+    for service, queries in unanswered_queries(chosen).items():
+        remark(f"{service}: no connection answers {', '.join(queries)}")
+
+
+def _assumed(chosen: Sequence[Crossing]) -> list[tuple[bridge.Quantity, str]]:
+    """Returns the numbers of a vehicle that maps assume, each with the name of a map."""
+    quantities_by_name: dict[str, tuple[bridge.Quantity, str]] = {}
+    for crossing in chosen:
+        for quantity in crossing.map.quantities:
+            quantities_by_name.setdefault(name_of(quantity), (quantity, name_of(crossing.map)))
+    return list(quantities_by_name.values())
+
+
+def _crossing_line(crossing: Crossing) -> str:
+    arrow = "JAUS -> ROS" if crossing.offer.to_ros else "ROS -> JAUS"
+    reason = crossing.hold_reason
+    stands = "the last command stands when its source is lost"
+    if is_emergency(crossing.offer.message):
+        stands = "what releases it"
+    held = f"; {stands}: {reason}" if reason else ""
+    own = f"; joints {', '.join(crossing.names)}" if crossing.names else ""
+    own += "".join(f"; the frame {old} is {new}" for old, new in crossing.frames.items())
+    return f"{crossing.topic.name}: {arrow}, {crossing.says()}{own}{held}"

@@ -19,10 +19,8 @@ from jausml.cli.shared.files import (
     FORMATS,
     PROBLEMS,
     STDIN,
-    EnvironmentFault,
     ending_at,
     read_lines,
-    reason_of,
     shown_path,
     to_json,
     write,
@@ -167,11 +165,8 @@ def _refuse_capture(path: str) -> None:
 
     # What is no plain file, such as a pipe, gives its bytes only once.
     if path != STDIN and Path(path).is_file():
-        try:
-            with Path(path).open("rb") as stream:
-                beginning = stream.read(_BEGINNING)
-        except OSError as error:
-            raise EnvironmentFault(f"{shown_path(path)}: {reason_of(error)}") from error
+        with ending_at(OSError, about=f"{shown_path(path)}: "), Path(path).open("rb") as stream:
+            beginning = stream.read(_BEGINNING)
         if is_capture(beginning[:4]):
             raise click.UsageError(f"{shown_path(path)} is a capture, no hex: use --pcap")
         if b"\0" in beginning:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -30,13 +30,13 @@ from jausml.cli.shared.options import (
     multicast_group_option,
     port_option,
 )
+from jausml.cli.shared.terminal import ResultT
 
 if TYPE_CHECKING:
     from jausml.live.messages import MessageEntry
-    from jausml.live.peers.conformance.check import CheckResult, ConformanceReport
+    from jausml.live.peers.conformance.check import ConformanceReport
     from jausml.live.peers.conformance.run import CheckFilter, CheckGroup
     from jausml.live.peers.conformance.session import Session
-    from jausml.live.peers.judging.competition import Score
     from jausml.runtime.base.address import JausAddress
 
 _REMEDY = (
@@ -145,22 +145,25 @@ def _checked(session: Session, groups: Sequence[CheckGroup], *, live: bool) -> C
     from jausml.live.peers.conformance.formats import heading, result_lines
     from jausml.live.peers.conformance.run import begun, run
 
-    latest = ""
+    if not live:
+        return run(session, groups, lambda _: None)
+    click.echo("\n".join(heading(begun(session))))
+    return run(session, groups, _shown(lambda result: [result.check.group], result_lines))
 
-    def show(result: CheckResult) -> None:
+
+def _shown(
+    title: Callable[[ResultT], Iterable[str]], lines: Callable[[ResultT], Iterable[str]]
+) -> Callable[[ResultT], None]:
+    """Returns the function that prints each result as it comes, those of one title under it."""
+    latest: list[str] = []
+
+    def show(result: ResultT) -> None:
         nonlocal latest
-        if not live:
-            return
-        if result.check.group != latest:
-            latest = result.check.group
-            click.echo(f"\n{latest}")
-        for line in result_lines(result):
-            click.echo(line)
+        before, latest = latest, [*title(result)]
+        above = ["", *latest] if latest != before else []
+        click.echo("\n".join([*above, *lines(result)]))
 
-    if live:
-        for line in heading(begun(session)):
-            click.echo(line)
-    return run(session, groups, show)
+    return show
 
 
 def _write(
@@ -292,7 +295,9 @@ def judge(
             open_catalogue(models),
             rules,
             only=only,
-            on_score=_shown() if live else lambda _: None,
+            on_score=_shown(lambda score: sheets.task_lines(score.task), sheets.score_lines)
+            if live
+            else lambda _: None,
             timeout=timeout,
             quiet=quiet_time,
         )
@@ -318,23 +323,6 @@ def _check_names(only: tuple[str, ...], competition: str) -> None:
             raise click.BadParameter(
                 f"no task {name!r} in {competition}{hint}", param_hint="--only"
             )
-
-
-def _shown() -> Callable[[Score], None]:
-    """Returns the function that prints each score as it comes, under the title of its task."""
-    from jausml.live.peers.judging.sheets import score_lines, task_lines
-
-    latest = ""
-
-    def show(score: Score) -> None:
-        nonlocal latest
-        lines = [*score_lines(score)]
-        if score.task.name != latest:
-            latest = score.task.name
-            lines = ["", *task_lines(score.task), *lines]
-        click.echo("\n".join(lines))
-
-    return show
 
 
 _OTHER_ADDRESS = "Give the peer an address of its own: --interface 127.0.0.3"

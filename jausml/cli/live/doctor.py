@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from jausml.cli.live.recordings import transport_settings
-from jausml.cli.shared.files import PROBLEMS
+from jausml.cli.shared.files import PROBLEMS, counted
 from jausml.cli.shared.models import project_files, read, reading_options
 from jausml.cli.shared.options import (
     format_option,
@@ -58,13 +58,18 @@ def command(
     Exit status: 0 nothing is wrong (notes and warnings may be shown), 1 something cannot work, 2
     usage, 3 internal error.
     """
-    from jausml.live.machine.checks import machine_checks
+    from jausml.live.machine import network, programs, python, ros
     from jausml.live.machine.findings import Verdict
 
     settings = transport_settings(interface, port, multicast_group)
     paths = models or project_files()
     packages = _packages(paths, reading) if paths else {}
-    findings = list(machine_checks(packages, settings))
+    findings = [
+        *python.python_checks(),
+        *programs.program_checks(),
+        *ros.ros_checks(packages),
+        *network.network_checks(settings),
+    ]
     if peers:
         findings += _peers(interface, port, multicast_group, peers)
     shown = [finding for finding in findings if not (quiet and finding.verdict is Verdict.OK)]
@@ -114,15 +119,9 @@ def _as_text(findings: Sequence[Finding]) -> str:
         lines.append(f"  {painted(verdict, f'{verdict:<8}')} {finding.name}: {finding.text}")
         if finding.cure:
             lines.append(f"  {'':<8} -> {finding.cure}")
-    return "\n".join([*lines, "", ", ".join(_count(findings, word) for word in _COUNTED)])
-
-
-_COUNTED = ("error", "warning", "note")
-
-
-def _count(findings: Sequence[Finding], word: str) -> str:
-    number = sum(finding.verdict.value == word for finding in findings)
-    return f"{number} {word}{'' if number == 1 else 's'}"
+    verdicts = [finding.verdict.value for finding in findings]
+    numbers = ((verdicts.count(word), word) for word in ("error", "warning", "note"))
+    return "\n".join([*lines, "", counted(*numbers)])
 
 
 def _as_json(findings: Sequence[Finding]) -> str:

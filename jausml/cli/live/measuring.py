@@ -14,7 +14,7 @@ import click
 
 from jausml.cli.live.network import TARGET, Settings, operator_options, until_interrupted
 from jausml.cli.shared import options
-from jausml.cli.shared.files import PROBLEMS, in_columns, to_json
+from jausml.cli.shared.files import PROBLEMS, ending_at, in_columns, to_json
 from jausml.cli.shared.models import or_only_system, readable_model
 from jausml.cli.shared.options import FiniteRange
 from jausml.cli.shared.terminal import warn
@@ -115,10 +115,9 @@ def _meant(source: str) -> tuple[list[tuple[JausAddress, str]], JausAddress | No
     from jausml.live.peers.network import component_address
 
     if not Path(source).is_file():
-        try:
+        why = f"{source} is no file, and no JAUS id: "
+        with ending_at(ValueError, kind=click.UsageError, about=why):
             return [], component_address(source)
-        except ValueError as error:
-            raise click.UsageError(f"{source} is no file, and no JAUS id: {error}") from error
     return reports_of(readable_model([source], is_one=True)), None
 
 

@@ -8,7 +8,7 @@ import signal
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import reduce, wraps
+from functools import wraps
 from types import FrameType
 from typing import TYPE_CHECKING, Any, NoReturn
 
@@ -20,22 +20,21 @@ from jausml.cli.shared.names import beginning, field_paths, input_names
 from jausml.cli.shared.options import (
     TRANSPORTS,
     FiniteRange,
+    adding,
     format_option,
-    interface_option,
-    multicast_group_option,
     peer_option,
-    port_option,
+    place_options,
 )
 from jausml.cli.shared.terminal import remark, warn
 
 if TYPE_CHECKING:
-    from jausml.cli.shared.options import Decorator
     from jausml.live.messages import MessageEntry
     from jausml.live.peers.network import Network
     from jausml.live.peers.operator import Operator
+    from jausml.live.serving.server import Site
     from jausml.runtime.base.address import JausAddress
 
-_OPTIONS = (
+network_options = adding(
     click.option(
         "--id",
         "--jaus-id",
@@ -44,15 +43,13 @@ _OPTIONS = (
         help="JAUS id of this tool, subsystem.node.component; by default, a free one in subsystem "
         "65000.",
     ),
-    interface_option(),
-    port_option(),
-    multicast_group_option(),
+    place_options,
     peer_option(),
     model_option,
 )
+"""Adds the options that `network_from` and `open_catalogue` take."""
 
-
-_TRANSPORT_OPTIONS = (
+transport_options = adding(
     click.option(
         "--transport",
         "--jaus-transport",
@@ -72,7 +69,7 @@ _TRANSPORT_OPTIONS = (
         "files.",
     ),
 )
-
+"""Adds the options that choose a transport."""
 
 _NETWORK = (
     "own_id",
@@ -85,29 +82,18 @@ _NETWORK = (
 )
 
 
-def _adding(options: Sequence[Callable[..., Any]]) -> Decorator:
-    """Returns a decorator that adds options, in their order."""
-    return lambda function: reduce(lambda inner, add: add(inner), reversed(options), function)
-
-
-transport_options = _adding(_TRANSPORT_OPTIONS)
-"""Adds the options that choose a transport."""
-network_options = _adding(_OPTIONS)
-"""Adds the options that `network_from` and `open_catalogue` take."""
-
-
-def waiting_options(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Adds the options of the times that a test waits for expected and unexpected messages."""
-    timeout = click.option(
+waiting_options = adding(
+    click.option(
         "--timeout", type=FiniteRange(0.05, 60), default=1.0, help="Seconds to wait for an answer."
-    )
-    quiet = click.option(
+    ),
+    click.option(
         "--quiet-time",
         type=FiniteRange(0.02, 60),
         default=0.3,
         help="Seconds of silence that count as no answer.",
-    )
-    return timeout(quiet(function))
+    ),
+)
+"""Adds the options of the times that a test waits for expected and unexpected messages."""
 
 
 @contextmanager
@@ -358,11 +344,19 @@ def reaching(network: Network, remedy: str) -> Iterator[None]:
     from jausml.live.peers.network import fault
 
     try:
-        yield
-    except TargetNotReached as error:
-        raise EnvironmentFault(str(error)) from error
+        with ending_at(TargetNotReached):
+            yield
     except OSError as error:
         raise EnvironmentFault(fault(error, network, remedy)) from error
+
+
+def serve_page(host: str, port: int, site: Site, opened: Callable[[], None]) -> None:
+    """Serves a page, or tells why it cannot be served; the arguments are those of `serve`."""
+    from jausml.live.serving.server import PageMissingError, serve
+
+    what = f"cannot serve at {host} port {port}: "
+    with ending_at(PageMissingError), ending_at(OSError, ValueError, about=what):
+        serve(host, port, site, opened)
 
 
 @contextmanager

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import webbrowser
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from importlib.util import find_spec
 from logging.handlers import QueueHandler, QueueListener
 from pathlib import Path
@@ -14,17 +14,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from jausml import installing
-from jausml.cli.live.network import network_from
-from jausml.cli.shared.files import EnvironmentFault
-from jausml.cli.shared.options import (
-    STOP_WORDS,
-    FiniteRange,
-    interface_option,
-    multicast_group_option,
-    page_options,
-    peer_option,
-    port_option,
-)
+from jausml.cli.live.network import network_from, serve_page
+from jausml.cli.shared.files import EnvironmentFault, ending_at
+from jausml.cli.shared.options import STOP_WORDS, FiniteRange, page_network_options, page_options
 from jausml.cli.shared.terminal import remark
 
 if TYPE_CHECKING:
@@ -65,10 +57,7 @@ _NEEDED = ("starlette", "uvicorn", "websockets", "watchfiles")
     help="With --stop-all: the message that stops a command of the stick, and after which silence "
     "of the page. May be repeated; without it, what the model declares.",
 )
-@interface_option("--jaus-interface")
-@port_option("--jaus-port")
-@multicast_group_option("--jaus-multicast-group")
-@peer_option("--jaus-peer")
+@page_network_options
 def command(
     path: Path,
     host: str,
@@ -94,32 +83,20 @@ def command(
     from jausml.live.messages import MessageError
     from jausml.live.operating import serving
     from jausml.live.operating.knowledge import Learning, ReadingError
-    from jausml.live.serving.server import PageMissingError, require_page, serve
 
     powers = _powers(stop_all, lease, stops)
     if powers is not None:
         logging.getLogger("jausml.operating").setLevel(logging.INFO)
     watched = network_from(None, **network)
-    learning = Learning(path)
-    try:
-        require_page(serving.PAGE)
+    with closing(Learning(path)) as learning, ending_at(ReadingError):
         knowledge = learning.first()
         if knowledge.fault:
             # The stops of a model are those of the start: it must be there to be read.
             raise EnvironmentFault(knowledge.fault)
-        try:
+        with ending_at(MessageError, ValueError, kind=click.UsageError, about="--stop: "):
             site = serving.OperatorSite(knowledge, learning, watched, powers)
-        except (MessageError, ValueError) as error:
-            raise click.UsageError(f"--stop: {error}") from error
         with _logged():
-            serve(host, page_port, site, lambda: _opened(site, no_browser))
-    except (PageMissingError, ReadingError) as error:
-        raise EnvironmentFault(str(error)) from error
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise EnvironmentFault(f"cannot serve at {host} port {page_port}: {reason}") from error
-    finally:
-        learning.close()
+            serve_page(host, page_port, site, lambda: _opened(site, no_browser))
 
 
 @contextmanager

@@ -23,12 +23,7 @@ from jausml.cli.live.recordings import (
 )
 from jausml.cli.shared.files import EnvironmentFault, cannot_write, ending_at
 from jausml.cli.shared.models import open_catalogue, optional_model_argument
-from jausml.cli.shared.options import (
-    FiniteRange,
-    interface_option,
-    multicast_group_option,
-    port_option,
-)
+from jausml.cli.shared.options import FiniteRange, place_options
 from jausml.cli.shared.terminal import remark, step
 
 if TYPE_CHECKING:
@@ -74,9 +69,7 @@ _NAMED = 5  # topics without a publisher that are named, the others are counted
     help="Record only what this JAUS component sends and receives, such as 100.1.10 or 100.*; "
     "may be repeated.",
 )
-@interface_option()
-@port_option()
-@multicast_group_option()
+@place_options
 @click.option("--duration", type=FiniteRange(0), metavar="S", help="End after this many seconds.")
 @click.option(
     "--flush-every",

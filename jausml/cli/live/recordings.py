@@ -11,14 +11,7 @@ from typing import TYPE_CHECKING, BinaryIO, cast
 
 import click
 
-from jausml.cli.shared.files import (
-    STDIN,
-    EnvironmentFault,
-    cannot_write,
-    ending_at,
-    reason_of,
-    shown_path,
-)
+from jausml.cli.shared.files import STDIN, EnvironmentFault, cannot_write, ending_at, shown_path
 from jausml.cli.shared.terminal import Progress, step, warn
 
 if TYPE_CHECKING:
@@ -111,11 +104,9 @@ def opened(path: str) -> Iterator[BinaryIO]:
         yield sys.stdin.buffer
         return
     with ExitStack() as stack:
-        try:
+        with ending_at(OSError, ValueError, about=f"{shown_path(path)}: "):
             stream: BinaryIO = stack.enter_context(Path(path).open("rb"))
             size = Path(path).stat().st_size
-        except (OSError, ValueError) as error:
-            raise EnvironmentFault(f"{shown_path(path)}: {reason_of(error)}") from error
         progress = stack.enter_context(step(f"reading {shown_path(path)}", prints=True))
         # It reads as captures do; of what has no size, such as a pipe, nobody knows the share.
         yield cast("BinaryIO", _Counted(stream, size, progress)) if size else stream

@@ -20,13 +20,7 @@ from jausml.cli.live.recordings import (
 )
 from jausml.cli.shared.files import PROBLEMS, STDIN, EnvironmentFault, shown_path
 from jausml.cli.shared.models import bridge_options, only_system, valid_model
-from jausml.cli.shared.options import (
-    FiniteRange,
-    interface_option,
-    multicast_group_option,
-    port_option,
-    refuse_options,
-)
+from jausml.cli.shared.options import FiniteRange, place_options, refuse_options
 
 if TYPE_CHECKING:
     from jausml.live.recording.mcap_files import TimeSpan
@@ -53,9 +47,7 @@ _TO_JAUS = (
     is_flag=True,
     help="Without MODEL: write only the ROS topics to FILE, so that ros2 bag can play it.",
 )
-@interface_option()
-@port_option()
-@multicast_group_option()
+@place_options
 @click.option(
     "--start",
     type=FiniteRange(0),
@@ -138,6 +130,7 @@ def command(
     from jausml.language.model.project import Reading
     from jausml.live.recording.bags import MCAP, is_bag
     from jausml.live.recording.mcap_files import RecordingError, TimeSpan
+    from jausml.live.workers.worker import WorkerError
 
     span = TimeSpan(start, duration)
     if output is not None:
@@ -172,7 +165,7 @@ def command(
     except NoSystemError as error:
         hint = "--bridge-address ID makes a bridge of its maps"
         raise EnvironmentFault(f"{error}; {hint}") from error
-    except (RecordingError, GenerationError) as error:
+    except (RecordingError, WorkerError, GenerationError) as error:
         raise EnvironmentFault(str(error)) from error
     if not is_done:
         raise click.exceptions.Exit(PROBLEMS)

@@ -109,9 +109,9 @@ def maps(
     entries = listed.maps(models)
     if ros_type is not None:
         wanted = ros_type.replace("/msg/", "/")
-        entries = _chosen(entries, wanted, _types, "ROS type")
+        entries = _chosen(entries, wanted, ("type", "joins"), "ROS type")
     if message_name is not None:
-        entries = _chosen(entries, message_name, _reports, "JAUS message")
+        entries = _chosen(entries, message_name, ("message", "reportJoins"), "JAUS message")
     columns: Columns = {
         "MAP": itemgetter("map"),
         "MESSAGE": itemgetter("message"),
@@ -122,23 +122,17 @@ def maps(
     _write(entries, output_format, columns)
 
 
-def _types(map_entry: dict[str, Any]) -> list[str]:
-    """Returns the ROS type of a map and those of joined topics."""
-    return [map_entry["type"], *(join["type"] for join in map_entry["joins"])]
-
-
-def _reports(map_entry: dict[str, Any]) -> list[str]:
-    """Returns the JAUS message of a map and those of joined reports."""
-    return [map_entry["message"], *(join["message"] for join in map_entry["reportJoins"])]
-
-
 def _chosen(
-    entries: Sequence[dict[str, Any]],
-    wanted: str,
-    names: Callable[[dict[str, Any]], Sequence[str]],
-    what: str,
+    entries: Sequence[dict[str, Any]], wanted: str, place: tuple[str, str], what: str
 ) -> list[dict[str, Any]]:
-    """Returns the maps of a name, or of the end of a name behind its slash."""
+    """Returns the maps of a name, or of the end of a name behind its slash.
+
+    `place`: where a map has the name, and where its joins are, which have one at the same place.
+    """
+    key, joins = place
+
+    def names(map_entry: dict[str, Any]) -> list[str]:
+        return [map_entry[key], *(join[key] for join in map_entry[joins])]
 
     def are_meant(map_entry: dict[str, Any]) -> bool:
         return any(wanted in (name, name.rpartition("/")[2]) for name in names(map_entry))
@@ -168,25 +162,25 @@ def _write(entries: Iterable[dict[str, Any]], output_format: str, columns: Colum
 @click.command("rules")
 def rules() -> None:
     """List the rules: id, severity and title."""
-    from jausml.cli.lookup.rules import all_entries
+    from jausml.cli.lookup import listed
 
-    for entry in all_entries():
+    for entry in listed.rules():
         click.echo(f"{entry['rule']} {entry['severity']:7} {entry['title']}")
 
 
 def _rule_names(_models: Sequence[str]) -> list[str]:
-    from jausml.cli.lookup.rules import all_entries
+    from jausml.cli.lookup import listed
 
-    return [entry["rule"] for entry in all_entries()]
+    return [entry["rule"] for entry in listed.rules()]
 
 
 @click.command("explain")
 @click.argument("rule_id", metavar="RULE", shell_complete=completing(_rule_names))
 def explain(rule_id: str) -> None:
     """Explain a rule: what it requires and why, with a bad and a good example."""
-    from jausml.cli.lookup.rules import all_entries
+    from jausml.cli.lookup import listed
 
-    entries = {entry["rule"]: entry for entry in all_entries()}
+    entries = {entry["rule"]: entry for entry in listed.rules()}
     entry = entries.get(rule_id.upper())
     if entry is None:
         # A rule says of which others it has taken the place.

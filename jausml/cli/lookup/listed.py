@@ -1,4 +1,4 @@
-"""Services, messages and attribute maps at a glance, as JSON objects."""
+"""Services, messages, attribute maps and rules at a glance, as JSON objects."""
 
 from __future__ import annotations
 
@@ -8,11 +8,20 @@ from typing import Any
 
 import click
 
+from jausml.authoring.merging.planning import MERGE_RULES
 from jausml.cli.shared.files import ending_at
 from jausml.cli.shared.models import beside_library, open_catalogue
+from jausml.generation.contract.finding import CODE_RULES
+from jausml.language.exporters.jsidl import JSIDL_EXPORT_RULES
+from jausml.language.importers.jsidl.building import JSIDL_RULES
+from jausml.language.importers.ros.definitions import ROS_RULES
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.library import library_paths, module_of
-from jausml.live.messages import Catalogue, MessageEntry, ServiceEntry, UnknownServiceError
+from jausml.language.text.notation import TEXT_RULES
+from jausml.language.validation.rules import PRODUCT_RULES, catalogue
+from jausml.live.messages import Catalogue, MessageEntry, UnknownServiceError
+from jausml.proving.results import PROOF_RULES
+from jausml.safety_case.rules import CASE_RULES
 
 TO_ROS, TO_JAUS = "JAUS->ROS", "ROS->JAUS"
 
@@ -62,26 +71,33 @@ def _freshness(join: bridge.Join | bridge.ReportJoin) -> dict[str, Any]:
 
 def services(models: Sequence[str]) -> list[dict[str, Any]]:
     """Returns the services of models and of the library."""
-    return [_service(entry) for entry in open_catalogue(models).services.values()]
-
-
-def _service(entry: ServiceEntry) -> dict[str, Any]:
-    return {
-        "service": entry.urn,
-        "version": entry.version,
-        "name": entry.name,
-        "set": entry.set_name,
-        "inherits": entry.inherits.label if entry.inherits else None,
-        "inputs": list(entry.input_names),
-        "outputs": list(entry.output_names),
-    }
+    return [
+        {
+            "service": entry.urn,
+            "version": entry.version,
+            "name": entry.name,
+            "set": entry.set_name,
+            "inherits": entry.inherits.label if entry.inherits else None,
+            "inputs": list(entry.input_names),
+            "outputs": list(entry.output_names),
+        }
+        for entry in open_catalogue(models).services.values()
+    ]
 
 
 def messages(models: Sequence[str], service: str | None = None) -> list[dict[str, Any]]:
     """Returns the messages of models and of the library."""
     catalogue = open_catalogue(models)
     entries = catalogue.messages if service is None else _messages_of(catalogue, service)
-    return [_message(entry) for entry in entries]
+    return [
+        {
+            "message": entry.name,
+            "code": entry.code_text,
+            "command": entry.is_command,
+            "services": [service.label for service in entry.services],
+        }
+        for entry in entries
+    ]
 
 
 def _messages_of(catalogue: Catalogue, service: str) -> Sequence[MessageEntry]:
@@ -94,15 +110,6 @@ def _messages_of(catalogue: Catalogue, service: str) -> Sequence[MessageEntry]:
         for entry in owner.messages
     )
     return sorted(dict.fromkeys(every), key=lambda entry: (entry.code, entry.name))
-
-
-def _message(entry: MessageEntry) -> dict[str, Any]:
-    return {
-        "message": entry.name,
-        "code": entry.code_text,
-        "command": entry.is_command,
-        "services": [service.label for service in entry.services],
-    }
 
 
 def maps(models: Sequence[str], word: str = "") -> list[dict[str, Any]]:
@@ -128,3 +135,26 @@ def maps(models: Sequence[str], word: str = "") -> list[dict[str, Any]]:
             }
         )
     return entries
+
+
+def rules() -> list[dict[str, Any]]:
+    """Returns all rules of the product, ordered by id."""
+    return [
+        {
+            "rule": entry.id,
+            "severity": entry.severity.value,
+            "title": entry.title,
+            "documentation": entry.documentation,
+        }
+        for entry in catalogue(
+            JSIDL_RULES,
+            JSIDL_EXPORT_RULES,
+            ROS_RULES,
+            TEXT_RULES,
+            MERGE_RULES,
+            CODE_RULES,
+            PROOF_RULES,
+            PRODUCT_RULES,
+            CASE_RULES,
+        )
+    ]

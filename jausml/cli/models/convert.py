@@ -16,6 +16,7 @@ from jausml.cli.shared.files import (
     PROBLEMS,
     EnvironmentFault,
     counted,
+    ending_at,
     find_files,
     made_folder,
     say,
@@ -69,12 +70,9 @@ def command(source: str, target: str, force: bool, reading: Reading, quiet: bool
     result = read([source], reading)
     _report(result, source, quiet=quiet)
     model, document = result.model, result.model.documents[0]
-    try:
+    what = f"cannot write {click.format_filename(target)}: "
+    with ending_at(UnwritableError, kind=click.ClickException, about=what):
         written, copies = _written(document.roots, model, target, reading.project_root)
-    except UnwritableError as error:
-        raise click.ClickException(
-            f"cannot write {click.format_filename(target)}: {error}"
-        ) from error
     data = written.encode("utf-8")
     _check_written(source, target, {Path(target): data, **copies}, reading, quiet=quiet)
     for path in copies:

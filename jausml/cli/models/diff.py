@@ -209,10 +209,8 @@ def _broken_lines(before: _State, after: _State, code: Path) -> list[Diagnostic]
         valid_model(str(state.path), state.reading, outcome="no code was compared")
         for state in (before, after)
     )
-    try:
+    with ending_at(GenerationError, about="cannot tell which code breaks: "):
         findings = broken_code(old, new, select(load_targets()).targets, code)
-    except GenerationError as error:
-        raise EnvironmentFault(f"cannot tell which code breaks: {error}") from error
     return [finding.diagnostic(code) for finding in findings]
 
 

@@ -15,6 +15,7 @@ from jausml.cli.shared.files import (
     EnvironmentFault,
     counted,
     document,
+    ending_at,
     find_files,
     made_folder,
     say,
@@ -255,7 +256,7 @@ def _at(path: str, installation: Installation) -> list[PackageSource]:
 
     shown = click.format_filename(path)
     place = Path(path)
-    try:
+    with ending_at(OSError, ValueError, about=f"{shown}: "):
         if place.is_dir():
             sources = package_sources([path])
             if not sources:
@@ -266,9 +267,6 @@ def _at(path: str, installation: Installation) -> list[PackageSource]:
                 return package_sources([path])
         if place.exists():
             raise EnvironmentFault(f"{shown} is no {', '.join(SUFFIXES)} file")
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise EnvironmentFault(f"{shown}: {reason}") from error
     hint = suggest(path, installation.packages())
     shares = ", ".join(str(share) for share in installation.shares if share.is_dir()) or "none"
     message = f"no package {path!r} is installed (share folders: {shares})"

@@ -245,10 +245,8 @@ def _arguments(command: str | None) -> list[str]:
     import shlex
     import shutil
 
-    try:
+    with ending_at(ValueError, about="--run: "):
         words = shlex.split(command or "")
-    except ValueError as error:
-        raise EnvironmentFault(f"--run: {error}") from error
     if words and shutil.which(words[0]) is None:
         raise EnvironmentFault(f"--run: there is no program '{words[0]}'")
     return words

@@ -33,13 +33,16 @@ class EnvironmentFault(click.ClickException):
 
 @contextmanager
 def ending_at(
-    *kinds: type[Exception], kind: type[click.ClickException] = EnvironmentFault
+    *kinds: type[Exception], kind: type[click.ClickException] = EnvironmentFault, about: str = ""
 ) -> Iterator[None]:
-    """Ends the verb at an error of some kinds, with its text, as an error of `kind`."""
+    """Ends the verb at an error of some kinds, with its text, as an error of `kind`.
+
+    `about`: what stands before its text, such as the path that cannot be read.
+    """
     try:
         yield
     except kinds as error:
-        raise kind(str(error)) from error
+        raise kind(f"{about}{reason_of(error)}") from error
 
 
 def find_files(paths: Iterable[str], suffixes: tuple[str, ...]) -> list[str]:
@@ -193,17 +196,17 @@ def read_lines(path: str) -> Iterator[str]:
 
 
 def _lines_of(path: str) -> Iterator[str]:
-    try:
-        with nullcontext(sys.stdin.buffer) if path == STDIN else Path(path).open("rb") as stream:
-            encoding = "utf-8-sig"
-            while line := stream.readline(_LONGEST_LINE):
-                if len(line) == _LONGEST_LINE:
-                    reason = f"a line has {_LONGEST_LINE} bytes or more; this is no text"
-                    raise EnvironmentFault(f"{shown_path(path)}: {reason}")
-                yield line.decode(encoding, errors="replace")
-                encoding = "utf-8"
-    except (OSError, ValueError) as error:
-        raise EnvironmentFault(f"{shown_path(path)}: {reason_of(error)}") from error
+    with (
+        ending_at(OSError, ValueError, about=f"{shown_path(path)}: "),
+        nullcontext(sys.stdin.buffer) if path == STDIN else Path(path).open("rb") as stream,
+    ):
+        encoding = "utf-8-sig"
+        while line := stream.readline(_LONGEST_LINE):
+            if len(line) == _LONGEST_LINE:
+                reason = f"a line has {_LONGEST_LINE} bytes or more; this is no text"
+                raise EnvironmentFault(f"{shown_path(path)}: {reason}")
+            yield line.decode(encoding, errors="replace")
+            encoding = "utf-8"
 
 
 def reason_of(error: Exception) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from functools import reduce
 from importlib import import_module
 from typing import Any, TypeAlias
 
@@ -149,6 +150,42 @@ peer_option = _network_option(
 )
 
 
+def adding(*options: Decorator) -> Decorator:
+    """Returns a decorator that adds options, in their order."""
+    return lambda function: reduce(lambda inner, add: add(inner), reversed(options), function)
+
+
+place_options = adding(interface_option(), port_option(), multicast_group_option())
+"""Adds the options of where JAUS is spoken."""
+page_options = adding(
+    click.option(
+        "--host",
+        default="127.0.0.1",
+        metavar="ADDRESS",
+        help="Address to serve at; 127.0.0.1 is reachable from this computer only, others from the "
+        "network.",
+    ),
+    click.option(
+        "--port",
+        "page_port",
+        type=click.IntRange(0, 65535),
+        default=0,
+        show_default=False,
+        metavar="PORT",
+        help="Port to serve at; by default, a free one.",
+    ),
+    click.option("--no-browser", is_flag=True, help="Print the address without opening a browser."),
+)
+"""Adds the options of what serves a page: `host`, `page_port` and `no_browser`."""
+page_network_options = adding(
+    interface_option("--jaus-interface"),
+    port_option("--jaus-port"),
+    multicast_group_option("--jaus-multicast-group"),
+    peer_option("--jaus-peer"),
+)
+"""Adds those of the JAUS network of what serves a page."""
+
+
 class LazyGroup(click.Group):
     """Group with the places and the help of its verbs, which are loaded when they are used.
 
@@ -176,27 +213,3 @@ class LazyGroup(click.Group):
         """Writes the list of verbs, without loading them."""
         with formatter.section("Commands"):
             formatter.write_dl([(name, text) for name, (_, text) in self.verbs.items()])
-
-
-def page_options(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Adds the options of what serves a page: `host`, `page_port` and `no_browser`."""
-    host = click.option(
-        "--host",
-        default="127.0.0.1",
-        metavar="ADDRESS",
-        help="Address to serve at; 127.0.0.1 is reachable from this computer only, others from the "
-        "network.",
-    )
-    port = click.option(
-        "--port",
-        "page_port",
-        type=click.IntRange(0, 65535),
-        default=0,
-        show_default=False,
-        metavar="PORT",
-        help="Port to serve at; by default, a free one.",
-    )
-    no_browser = click.option(
-        "--no-browser", is_flag=True, help="Print the address without opening a browser."
-    )
-    return host(port(no_browser(function)))

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
-from functools import cache, cached_property, partial
+from collections.abc import Callable, Sequence
+from functools import cache, partial
 from typing import Any
 
 from jausml.language import wire
@@ -23,7 +23,7 @@ from jausml.language.semantics.jaus.commands import (
 )
 from jausml.live.messages.catalogue import Catalogue
 from jausml.live.messages.counted import EncodeMessage
-from jausml.live.messages.entries import DecodeMessage, MessageEntry, ServiceEntry
+from jausml.live.messages.entries import DecodeMessage, MessageEntry, Relations, ServiceEntry
 from jausml.live.messages.errors import CatalogueError, MessageError
 
 
@@ -115,9 +115,8 @@ class DefinedCatalogue(Catalogue):
             by_identity: dict[object, MessageEntry] = {}
             definitions = self._by_code[code]
             for definition, owner, service in definitions:
-                entry: MessageEntry = DefinedMessage(
-                    definition, self.encode_embedded, self.decode, self
-                )
+                relations = partial(self._relations_of, definition)
+                entry = defined_message(definition, self.encode_embedded, self.decode, relations)
                 try:
                     # Most codes have one definition, which nothing can be equal to.
                     identity: object = entry.identity if len(definitions) > 1 else definition
@@ -130,9 +129,16 @@ class DefinedCatalogue(Catalogue):
             self._entries[code] = tuple(by_identity.values())
         return self._entries[code]
 
-    def owners_of(self, definition: jaus.MessageDef) -> Sequence[jaus.Service]:
-        """Returns the services that define a message as it is defined."""
-        return self._owners[self.entry(definition)]
+    def _relations_of(self, definition: jaus.MessageDef) -> Relations:
+        owners = self._owners[self.entry(definition)]
+        answers = (answer for owner in owners for answer in responses(definition, owner))
+        reports = (told_after(definition, owner) for owner in owners)
+        report = next(filter(None, reports), None)
+        return Relations(
+            any(obeys_controller_alone(definition, owner) for owner in owners),
+            tuple(dict.fromkeys(map(self.entry, answers))),
+            None if report is None else (self.entry(report.query), self.entry(report.report)),
+        )
 
 
 def _service(definition: jaus.Service, messages: partial[Any]) -> ServiceEntry:
@@ -150,63 +156,20 @@ def _service(definition: jaus.Service, messages: partial[Any]) -> ServiceEntry:
     return ServiceEntry(names, inputs, outputs, messages)
 
 
-class DefinedMessage(MessageEntry):
-    """A message that a model defines."""
-
-    def __init__(
-        self,
-        definition: jaus.MessageDef,
-        encode_message: EncodeMessage,
-        decode_message: DecodeMessage,
-        catalogue: DefinedCatalogue | None = None,
-    ) -> None:
-        """Is a definition.
-
-        Args:
-            catalogue: What lists it and its answers; nothing is known of these without.
-        """
-        super().__init__(
-            str(definition.name),
-            int(str(definition.code), 16),
-            str(definition.documentation or ""),
-            encode_message,
-            decode_message,
-            is_command=is_command(definition),
-        )
-        self._definition, self._catalogue = definition, catalogue
-
-    @property
-    def _owned(self) -> list[tuple[DefinedCatalogue, jaus.Service]]:
-        """The services that define it, each with its catalogue."""
-        catalogue = self._catalogue
-        owners = () if catalogue is None else catalogue.owners_of(self._definition)
-        return [(catalogue, owner) for owner in owners if catalogue is not None]
-
-    @property
-    def layout(self) -> wire.Message:
-        """The layout of the message (`wire.LayoutError`: it has none)."""
-        return wire.resolve(self._definition)
-
-    @cached_property
-    def is_for_controller(self) -> bool:
-        """Whether a service of it obeys its commands from the controller alone."""
-        return any(obeys_controller_alone(self._definition, owner) for _, owner in self._owned)
-
-    @cached_property
-    def answers(self) -> tuple[MessageEntry, ...]:
-        """The messages that confirm or reject it."""
-        entries = (
-            catalogue.entry(answer)
-            for catalogue, owner in self._owned
-            for answer in responses(self._definition, owner)
-        )
-        return tuple(dict.fromkeys(entries))
-
-    @cached_property
-    def exchange(self) -> tuple[MessageEntry, MessageEntry] | None:
-        """The query and the report of the value that it sets."""
-        for catalogue, owner in self._owned:
-            answer = told_after(self._definition, owner)
-            if answer is not None:
-                return catalogue.entry(answer.query), catalogue.entry(answer.report)
-        return None
+def defined_message(
+    definition: jaus.MessageDef,
+    encode_message: EncodeMessage,
+    decode_message: DecodeMessage,
+    relations: Callable[[], Relations] = Relations,
+) -> MessageEntry:
+    """Returns the message that a model defines."""
+    return MessageEntry(
+        str(definition.name),
+        int(str(definition.code), 16),
+        str(definition.documentation or ""),
+        partial(wire.resolve, definition),
+        encode_message,
+        decode_message,
+        relations,
+        is_command=is_command(definition),
+    )

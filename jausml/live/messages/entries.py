@@ -11,7 +11,7 @@ import struct
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 from jausml.language import wire
 from jausml.live.messages.codec import PRESENCE, TAG, codec_of, may_hold
@@ -143,25 +143,45 @@ class ServiceEntry:
             service = service.inherits
 
 
-class MessageEntry:
-    """A message of the catalogue: one name, code and layout, defined by one or more services.
+class Relations(NamedTuple):
+    """What belongs to a message, by each service that defines it.
 
-    Whoever lists it says how it is laid out and what belongs to it, when that is used.
+    Attributes:
+        is_for_controller: Whether components obey it from their controller alone.
+        answers: The messages that confirm or reject it.
+        exchange: The query and the report of the value that it sets; None without them.
     """
+
+    is_for_controller: bool = False
+    answers: tuple[MessageEntry, ...] = ()
+    exchange: tuple[MessageEntry, MessageEntry] | None = None
+
+
+class MessageEntry:
+    """A message of the catalogue: one name, code and layout, defined by one or more services."""
 
     def __init__(
         self,
         name: str,
         code: int,
         documentation: str,
+        layout: Callable[[], wire.Message],
         encode_message: EncodeMessage,
         decode_message: DecodeMessage,
+        relations: Callable[[], Relations] = Relations,
         *,
         is_command: bool,
     ) -> None:
+        """Is what a catalogue lists.
+
+        Args:
+            layout: Returns how it is laid out, when that is used (`wire.LayoutError`: it is not).
+            relations: Returns what belongs to it, when that is used.
+        """
         self.name, self.code, self.documentation = name, code, documentation
         self.is_command = is_command
         self.services: tuple[ServiceEntry, ...] = ()
+        self._find_layout, self._find_relations = layout, relations
         self._encode_message = encode_message
         self._decode_message = decode_message
 
@@ -186,22 +206,12 @@ class MessageEntry:
     @property
     def layout(self) -> wire.Message:
         """The layout of the message (`wire.LayoutError`: it has none)."""
-        raise NotImplementedError
+        return self._find_layout()
 
     @cached_property
-    def is_for_controller(self) -> bool:
-        """Whether components obey it from their controller alone, by any of its services."""
-        raise NotImplementedError
-
-    @cached_property
-    def answers(self) -> tuple[MessageEntry, ...]:
-        """The messages that confirm or reject it, by each service that defines it."""
-        raise NotImplementedError
-
-    @cached_property
-    def exchange(self) -> tuple[MessageEntry, MessageEntry] | None:
-        """The query and the report of the value that it sets; None without them."""
-        raise NotImplementedError
+    def relations(self) -> Relations:
+        """What belongs to it."""
+        return self._find_relations()
 
     @cached_property
     def record(self) -> wire.Record:

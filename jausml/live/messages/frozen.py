@@ -9,11 +9,11 @@ from __future__ import annotations
 import pickle
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import partial
 
 from jausml.language import wire
 from jausml.live.messages.catalogue import Catalogue
-from jausml.live.messages.entries import MessageEntry, ServiceEntry
+from jausml.live.messages.entries import MessageEntry, Relations, ServiceEntry
 
 Numbers = tuple[int, ...]
 """Places of messages, or of services, in their list."""
@@ -73,10 +73,10 @@ def frozen(catalogue: Catalogue) -> FrozenMessages:
                 entry.code,
                 entry.documentation,
                 entry.is_command,
-                entry.is_for_controller,
+                entry.relations.is_for_controller,
                 tuple(services[service] for service in entry.services),
-                tuple(place[answer] for answer in entry.answers),
-                entry.exchange and (place[entry.exchange[0]], place[entry.exchange[1]]),
+                tuple(place[answer] for answer in entry.relations.answers),
+                (exchange := entry.relations.exchange) and (place[exchange[0]], place[exchange[1]]),
                 pickle.dumps(_layout_of(entry)),
             )
             for entry in messages
@@ -98,12 +98,12 @@ class ThawedCatalogue(Catalogue):
         """Lists them."""
         super().__init__()
         self._entries: dict[int, tuple[MessageEntry, ...]] = {}
-        self.listed = tuple(_ThawedMessage(self, message) for message in values.messages)
+        self._listed = tuple(map(self._message, values.messages))
         services = [self._service(service) for service in values.services]
         for service, value in zip(services, values.services, strict=True):
             self.services[service.urn, service.version] = service
             service.inherits = None if value.inherits is None else services[value.inherits]
-        for entry, message in zip(self.listed, values.messages, strict=True):
+        for entry, message in zip(self._listed, values.messages, strict=True):
             entry.services = tuple(services[number] for number in message.services)
             self._entries[entry.code] = (*self._entries.get(entry.code, ()), entry)
             codes = self._codes.setdefault(entry.name, [])
@@ -115,44 +115,33 @@ class ThawedCatalogue(Catalogue):
 
     def _service(self, service: FrozenService) -> ServiceEntry:
         def messages() -> tuple[tuple[MessageEntry, ...], tuple[MessageEntry, ...]]:
-            inputs = tuple(self.listed[number] for number in service.inputs)
-            return inputs, tuple(self.listed[number] for number in service.outputs)
+            inputs = tuple(self._listed[number] for number in service.inputs)
+            return inputs, tuple(self._listed[number] for number in service.outputs)
 
         inputs, outputs = (tuple(entry.name for entry in entries) for entries in messages())
         return ServiceEntry(service.names, inputs, outputs, messages)
 
+    def _message(self, message: FrozenMessage) -> MessageEntry:
+        def relations() -> Relations:
+            answers = tuple(self._listed[number] for number in message.answers)
+            exchange = message.exchange
+            pair = exchange and (self._listed[exchange[0]], self._listed[exchange[1]])
+            return Relations(message.is_for_controller, answers, pair)
 
-class _ThawedMessage(MessageEntry):
-    """A message of such values."""
-
-    def __init__(self, catalogue: ThawedCatalogue, message: FrozenMessage) -> None:
-        """Is listed by a catalogue."""
-        super().__init__(
+        return MessageEntry(
             message.name,
             message.code,
             message.documentation,
-            catalogue.encode_embedded,
-            catalogue.decode,
+            partial(_layout_in, message.layout),
+            self.encode_embedded,
+            self.decode,
+            relations,
             is_command=message.is_command,
         )
-        self._catalogue, self._message = catalogue, message
 
-    @cached_property
-    def layout(self) -> wire.Message:
-        layout: wire.Message | wire.LayoutError = pickle.loads(self._message.layout)  # noqa: S301 - our own
-        if isinstance(layout, wire.LayoutError):
-            raise layout
-        return layout
 
-    @property
-    def is_for_controller(self) -> bool:
-        return self._message.is_for_controller
-
-    @property
-    def answers(self) -> tuple[MessageEntry, ...]:
-        return tuple(self._catalogue.listed[number] for number in self._message.answers)
-
-    @property
-    def exchange(self) -> tuple[MessageEntry, MessageEntry] | None:
-        places = self._message.exchange
-        return places and (self._catalogue.listed[places[0]], self._catalogue.listed[places[1]])
+def _layout_in(data: bytes) -> wire.Message:
+    layout: wire.Message | wire.LayoutError = pickle.loads(data)  # noqa: S301 - our own
+    if isinstance(layout, wire.LayoutError):
+        raise layout
+    return layout

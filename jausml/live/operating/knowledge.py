@@ -7,7 +7,6 @@ modules: it would stand still while they work.
 from __future__ import annotations
 
 import pickle
-import struct
 import subprocess
 import sys
 from dataclasses import dataclass, field
@@ -17,12 +16,9 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
     from pathlib import Path
-    from typing import IO
 
     from jausml.live.messages.frozen import FrozenMessages
     from jausml.live.systems.state import DeclaredConnection
-
-LENGTH = struct.Struct("<Q")  # the head of each value in the pipe: its number of bytes
 
 _READING = "jausml.live.operating.reading"
 
@@ -118,19 +114,9 @@ class Learning:
         self._process.wait()
 
     def _next(self) -> Knowledge | None:
-        pipe = self._process.stdout
+        pipe: Any = self._process.stdout
         try:
-            data = None if pipe is None else _read(pipe)
-        except ValueError:  # closed meanwhile
+            knowledge: Knowledge = pickle.load(pipe)  # noqa: S301 - of our own child
+        except (EOFError, ValueError, pickle.UnpicklingError):  # its pipe has ended, or is closed
             return None
-        knowledge: Knowledge | None = None if data is None else pickle.loads(data)  # noqa: S301 - of our own child
         return knowledge
-
-
-def _read(pipe: IO[bytes]) -> bytes | None:
-    head = pipe.read(LENGTH.size)
-    if len(head) < LENGTH.size:
-        return None
-    (length,) = LENGTH.unpack(head)
-    data = pipe.read(length)
-    return data if len(data) == length else None

@@ -29,7 +29,7 @@ from jausml.language.text.notation import NOTATIONS
 from jausml.live.messages import CatalogueError, load_catalogue
 from jausml.live.messages.frozen import FrozenMessages, frozen
 from jausml.live.messages.of_project import sound_files
-from jausml.live.operating.knowledge import LENGTH, Declarations, DeclaredStop, Knowledge
+from jausml.live.operating.knowledge import Declarations, DeclaredStop, Knowledge
 from jausml.live.systems.declarations import components_of, declarations_of
 
 _DEBOUNCE_MS, _STEP_MS = 100, 20
@@ -147,8 +147,7 @@ def main(path: Path) -> None:
 
 
 def _say(pipe: Any, knowledge: Knowledge) -> None:
-    data = pickle.dumps(knowledge)
-    pipe.write(LENGTH.pack(len(data)) + data)
+    pickle.dump(knowledge, pipe)
     pipe.flush()
 
 

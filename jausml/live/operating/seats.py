@@ -58,7 +58,7 @@ class Seat:
 
     def __init__(self, unit: OperatorUnit, subscribers: Subscribers, number: int) -> None:
         """Creates a seat without the right to command."""
-        self._unit = unit
+        self._unit, self._system = unit, unit.system
         self._subscribers = subscribers
         self._number = number
         self._name = f"page {number}"
@@ -159,7 +159,9 @@ class Seat:
         return self._unit.offers(component_address(component))
 
     def _form(self, component: str, message: str) -> dict[str, Any]:
-        return {"fields": form_of(self._unit.operator.find(component_address(component), message))}
+        return {
+            "fields": form_of(self._system.operator.find(component_address(component), message))
+        }
 
     def _watch(
         self,
@@ -171,7 +173,7 @@ class Seat:
         target = component_address(component)
         if rate is not None and not 0 < rate <= 50:
             raise Refused(f"{rate:g} Hz is not above 0 and at most 50")
-        self._unit.values.watch(self._unit.operator, target, report, rate, self._number, fields)
+        self._unit.values.watch(self._system.operator, target, report, rate, self._number, fields)
 
     def _unwatch(self, component: str, report: str) -> None:
         self._unit.values.unwatch(component, report, self._number)
@@ -220,26 +222,26 @@ class Seat:
         gate: AbstractContextManager[None] | None = None,
     ) -> None:
         target = self._commanded(component)
-        if not self._unit.operator.controls(target):
+        if not self._system.operator.controls(target):
             raise Refused(f"{target} is not controlled by us")
         if wanted is Status.STANDBY:
-            self._unit.act(target)
+            self._system.act(target)
         self._unit.journal.note(self._name, f"{message.NAME} to {target}")
-        self._unit.operator.change(target, message, wanted, gate=gate)
+        self._system.operator.change(target, message, wanted, gate=gate)
 
     def _send(
         self, before: int, component: str, message: str, fields: dict[str, object]
     ) -> dict[str, Any]:
         """Sends a command, and returns the answer in words."""
         target, unit = self._commanded(component), self._unit
-        entry = unit.operator.find(target, message)
+        entry = unit.system.operator.find(target, message)
         completed_fields = entry.completed(fields)
         shown = shown_fields(entry, entry.decode(entry.encode(completed_fields)))
         unit.journal.note(self._name, f"{entry.name} to {target}: {printable(shown)}")
         gate = unit.gate.unless_stopped(before)
         try:
             answer, answer_fields = request(
-                unit.operator, target, entry.name, completed_fields, gate=gate
+                unit.system.operator, target, entry.name, completed_fields, gate=gate
             )
         except (NoAnswer, Refused) as error:
             unit.journal.note(str(target), f"{entry.name}: {error}")
@@ -254,9 +256,9 @@ class Seat:
 
     def _clear(self, before: int, component: str) -> None:
         target = component_address(component)
-        self._unit.act(target)
+        self._system.act(target)
         self._unit.journal.note(self._name, f"clears our emergency of {target}")
-        self._unit.operator.clear(target, self._unit.gate.unless_stopped(before))
+        self._system.operator.clear(target, self._unit.gate.unless_stopped(before))
 
     def _silence(self, numbers: tuple[int, ...], reason: str) -> None:
         if not reason.strip():
@@ -305,7 +307,7 @@ class Seat:
 
     def _begin_stick(self, component: str, message: str) -> dict[str, Any]:
         target = self._commanded(component)
-        entry = self._unit.operator.find(target, message)
+        entry = self._system.operator.find(target, message)
         number, timeout = self._unit.sticks.begin(self._name, target, entry)
         return {"stick": number, "timeout": timeout}
 

@@ -80,7 +80,7 @@ class OperatorSite(Site):
     @asynccontextmanager
     async def running(self) -> AsyncIterator[None]:
         """Runs the unit as long as the context lasts."""
-        self.unit.start()
+        self.unit.system.start()
         # A garbage collection of all present objects would delay a stop, so they are frozen, and
         # `OperatorUnit` collects while nobody commands.
         gc.collect()
@@ -94,7 +94,7 @@ class OperatorSite(Site):
             yield
         finally:
             try:
-                await asyncio.to_thread(self.unit.stop)
+                await asyncio.to_thread(self.unit.system.stop)
             finally:
                 sys.setswitchinterval(before)
                 gc.unfreeze()

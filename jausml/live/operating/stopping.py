@@ -31,22 +31,21 @@ def obeying(operator: Operator) -> list[JausAddress]:
 
 
 class Gate:
-    """A gate for commands: one that was requested before a stop is not sent after it."""
+    """A gate for commands: one that was requested before a stop is not sent after it.
+
+    Attributes:
+        count: Number of stops of everything so far.
+    """
 
     def __init__(self) -> None:
         """Begins without a stop."""
         self._sending = Lock()
-        self._count = 0
-
-    @property
-    def count(self) -> int:
-        """Number of stops of everything so far."""
-        return self._count
+        self.count = 0
 
     def stop(self) -> None:
         """Closes the gate for earlier requests; waits for a command that is being sent."""
         with self._sending:
-            self._count += 1
+            self.count += 1
 
     @contextmanager
     def unless_stopped(self, before: int) -> Iterator[None]:
@@ -56,7 +55,7 @@ class Gate:
             before: Number of stops when the command was requested.
         """
         with self._sending:
-            if self._count != before:
+            if self.count != before:
                 raise Refused("it was not sent, as a stop came before")
             yield
 

@@ -24,7 +24,6 @@ from jausml.live.operating.values import Values
 from jausml.live.operating.watching import WatchedSystem
 from jausml.live.peers.control import Hold
 from jausml.live.peers.network import Network
-from jausml.live.peers.operator import Operator
 from jausml.live.peers.query_client import Refused
 from jausml.live.serving.rpc import UNAUTHORIZED, RpcError
 from jausml.live.serving.security import Token
@@ -66,7 +65,7 @@ class Commander:
 
 
 class OperatorUnit:
-    """The unit, from `start` to `stop`; any thread may call it."""
+    """The unit, as long as its system runs; any thread may call it."""
 
     def __init__(
         self,
@@ -75,7 +74,7 @@ class OperatorUnit:
         powers: Powers | None,
         notify: Callable[[str, object], None],
     ) -> None:
-        """Sends nothing before `start`.
+        """Sends nothing before its system starts.
 
         Args:
             powers: Permissions; None for a unit that watches only.
@@ -88,20 +87,20 @@ class OperatorUnit:
         self.values = Values()
         self.journal = Journal(notify)
         self._notify = notify
-        self._system = WatchedSystem(
+        self.system = WatchedSystem(
             knowledge, network, self.journal, self._send_state, self._leave_all
         )
         stops = powers.stops if powers is not None else ()
-        parsed_stops = [parse_stop(stop, self._system.catalogue) for stop in stops]
-        self.sticks = Sticks(self._system, self.journal, Stops(knowledge.stops, parsed_stops))
-        self.lists = Lists(self._system, self.journal)
+        parsed_stops = [parse_stop(stop, self.system.catalogue) for stop in stops]
+        self.sticks = Sticks(self.system, self.journal, Stops(knowledge.stops, parsed_stops))
+        self.lists = Lists(self.system, self.journal)
         self._last_sent: tuple[float, dict[str, Any]] | None = None
         self._sent_components: list[dict[str, Any]] = []
         self._last_collection = time.monotonic()
         self._guardian: UnitGuardian | None = None
         self._commander: Commander | None = None
         self.gate = Gate()
-        self._stopping = Stopping(self._system, self.journal)
+        self._stopping = Stopping(self.system, self.journal)
         self._is_settled = Event()  # set unless the components of a lost page are being stopped
         self._is_settled.set()
         self._turn = RLock()
@@ -109,21 +108,13 @@ class OperatorUnit:
 
     # ---- life -------------------------------------------------------------------------------
 
-    def start(self) -> None:
-        """Starts the unit once; `content` has the fault of a network that cannot be used."""
-        self._system.start()
-
     def learn(self, knowledge: Knowledge) -> None:
         """Takes the knowledge of changed models; the stops stay those of the start."""
-        self._system.learn(knowledge)
+        self.system.learn(knowledge)
         self._notify("operate.learnt", {})
 
-    def stop(self) -> None:
-        """Ends the unit: stops the controlled components and releases them."""
-        self._system.stop()
-
     def _leave_all(self) -> None:
-        self.operator.drop_list_changes()
+        self.system.operator.drop_list_changes()
         commander = self._commander
         if commander is not None:
             self._lose(commander, "the unit ends")
@@ -132,14 +123,9 @@ class OperatorUnit:
         if self._guardian is not None:
             self._guardian.close()
 
-    @property
-    def operator(self) -> Operator:
-        """The operator (`Refused`: there is no network, or not yet)."""
-        return self._system.operator
-
     def _guard(self) -> None:
         """Gives the controlled components to the guardian, which starts with the first one."""
-        operator, powers = self._system.running, self.powers
+        operator, powers = self.system.running, self.powers
         if operator is None or powers is None:
             return
         with self._turn:
@@ -161,22 +147,22 @@ class OperatorUnit:
 
     def begin(self) -> dict[str, Any]:
         """Returns the first state for a page, as JSON values."""
-        state = self._system.monitor.state()
+        state = self.system.monitor.state()
         return {**self.content(), "ages": _ages(state), "components": _components(state)}
 
     def offers(self, target: JausAddress) -> dict[str, Any]:
         """Returns the services, commands and reports of a component, as JSON values."""
-        return offers_of(self._system, self.sticks, target)
+        return offers_of(self.system, self.sticks, target)
 
     def content(self) -> dict[str, Any]:
         """Returns the state of the unit itself, as JSON values."""
-        operator, commander = self._system.running, self._commander
+        operator, commander = self.system.running, self._commander
         holds = operator.holds if operator is not None else ()
         waiting = operator.handoffs.waiting if operator is not None else ()
         return {
             "own": str(operator.own) if operator is not None else "",
-            "fault": self._system.fault,
-            "unread": self._system.unread,
+            "fault": self.system.fault,
+            "unread": self.system.unread,
             "unguarded": self._guardian.failure if self._guardian is not None else "",
             "stop": self.powers.stop if self.powers is not None else None,
             "lease": self.powers.lease if self.powers is not None else None,
@@ -220,7 +206,7 @@ class OperatorUnit:
             self._try_holding(
                 page,
                 target,
-                lambda: self.operator.control(
+                lambda: self.system.operator.control(
                     target, authority, lambda news: self._changed(target, news)
                 ),
             )
@@ -235,7 +221,7 @@ class OperatorUnit:
         self._try_holding(
             page,
             target,
-            lambda: self.operator.request_handoff(
+            lambda: self.system.operator.request_handoff(
                 target, authority, reason, lambda news: self._changed(target, news)
             ),
         )
@@ -245,7 +231,7 @@ class OperatorUnit:
         powers = self.powers
         if powers is None:
             raise RpcError(UNAUTHORIZED, "this unit was started without --stop-all")
-        operator = self.operator
+        operator = self.system.operator
         with self._state:
             if not self._is_settled.is_set():
                 raise Refused("what the page before commanded is being stopped; try again")
@@ -266,7 +252,7 @@ class OperatorUnit:
             raise
         commander = self._commander
         if commander is None or commander.page != page:
-            self.operator.release(target)
+            self.system.operator.release(target)
             raise Refused("the page was lost meanwhile")
         self._guard()
 
@@ -287,10 +273,10 @@ class OperatorUnit:
 
     def release(self, name: str, target: JausAddress) -> None:
         """Releases control of a component."""
-        self._system.act(target)
+        self.system.act(target)
         with self._turn:
             self.sticks.end(GIVEN_UP, target)
-            is_confirmed = self.operator.release(target)
+            is_confirmed = self.system.operator.release(target)
             self._guard()
             self._end_commander_without_holds()
         remark = "" if is_confirmed else ", which does not confirm it"
@@ -299,7 +285,7 @@ class OperatorUnit:
     def _end_commander_without_holds(self) -> None:
         with self._state:
             commander = self._commander
-            if commander is not None and not (self._system.running and self._system.running.holds):
+            if commander is not None and not (self.system.running and self.system.running.holds):
                 commander.lease.end()
                 self._commander = None
 
@@ -308,18 +294,18 @@ class OperatorUnit:
         with self._turn:
             if decision is HandoffDecision.GRANTED:
                 self.sticks.end(GIVEN_UP, target)
-            client = self.operator.decide_handoff(target, number, decision)
+            client = self.system.operator.decide_handoff(target, number, decision)
             self._guard()
             self._end_commander_without_holds()
         return client
 
     def _changed(self, target: JausAddress, news: str) -> None:
         """Notes a change of control; on the loop's thread, which must not wait for a stick."""
-        operator, name = self._system.running, self._system.name_of(target)
+        operator, name = self.system.running, self.system.name_of(target)
         if operator is not None and operator.controls(target) and "no more" not in news:
             self.journal.note(name, news)
             self.journal.returned(f"control of {name}")
-        elif self._system.has_acted(target):
+        elif self.system.has_acted(target):
             self.journal.note(name, f"{news}, after what this unit did")
         else:
             self.journal.alarm(name, news, f"control of {name}")
@@ -327,7 +313,7 @@ class OperatorUnit:
 
     def _follow(self, target: JausAddress, news: str) -> None:
         """Ends the stick of a lost component, and gives the others to the guardian."""
-        operator = self._system.running
+        operator = self.system.running
         if operator is not None and not operator.controls(target):
             self.sticks.end(f"{target} {news}", target)
         self._guard()
@@ -341,16 +327,12 @@ class OperatorUnit:
         """
         if self.powers is None:
             raise RpcError(UNAUTHORIZED, "this unit was started without --stop-all")
-        operator = self.operator
+        operator = self.system.operator
         self.gate.stop()
         self.sticks.end(STOPPED)
         operator.drop_list_changes()
         stopped = list(dict.fromkeys((*obeying(operator), *targets)))
         return self._stopping.stop(name, self.powers.stop, stopped)
-
-    def act(self, target: JausAddress) -> None:
-        """Notes that a person stops or releases a component, which then raises no alarm."""
-        self._system.act(target)
 
     def _lose_silent(self, page: int) -> None:
         commander = self._commander
@@ -378,7 +360,7 @@ class OperatorUnit:
             self._is_settled.set()
 
     def _stop_and_release(self, commander: Commander, why: str) -> None:
-        operator = self._system.running
+        operator = self.system.running
         if operator is None:
             return
         try:

@@ -268,7 +268,7 @@ class Operator(AnsweringClient, WatchingClient, ListingClient):
             return False  # the common part of a query and its report
 
     def _needs_control(self, target: JausAddress, entry: MessageEntry) -> bool:
-        if not entry.is_for_controller:
+        if not entry.relations.is_for_controller:
             return False
         provided = [service.urn for service in self.services(target)]
         return not provided or _ACCESS_CONTROL in provided

@@ -139,7 +139,7 @@ def request(
         return operator.query(target, name, fields, timeout)
     if entry.name.startswith(("Query", "Report")):
         return operator.query(target, name, fields, timeout)
-    answers = entry.answers
+    answers = entry.relations.answers
     sent_fields = entry.completed(fields or {})
     if any(_has_request_id(answer) for answer in answers):
         sent_fields = _with_request_id(entry.record, sent_fields, operator.next_request_id())
@@ -147,13 +147,6 @@ def request(
     end = time.monotonic() + (operator.timeout if timeout is None else timeout)
     outcome_of = _report if all(answer.is_rejection for answer in answers) else _answer
     return outcome_of(operator, target, entry, sent_fields, answers, end, gate or nullcontext())
-
-
-def _exchange(
-    operator: Operator, target: JausAddress, entry: MessageEntry
-) -> tuple[MessageEntry, MessageEntry]:
-    """Returns the query and the report of the values that a message sets, else of the state."""
-    return entry.exchange or operator.exchange(target, "Status")
 
 
 # -- commands with a confirmation ------------------------------------------------------------------
@@ -258,7 +251,7 @@ def _report(
     gate: AbstractContextManager[None],
 ) -> Outcome:
     """Sends a command and returns the first report with the value that it sets."""
-    query, report = _exchange(operator, target, entry)
+    query, report = entry.relations.exchange or operator.exchange(target, "Status")
     message = operator.message(entry, fields)
     sent = entry.decode(message.encode())
     question = operator.message(query, _question(query, report, entry.shortened(sent)))

@@ -19,7 +19,7 @@ from jausml.language.semantics.directions import is_to_ros
 from jausml.live.recording.bags import RosMessage
 from jausml.live.recording.mcap_files import NANO, RecordingError
 from jausml.live.recording.recorded_types import RecordedTypes
-from jausml.live.workers.worker import Worker, WorkerError, bridge_code
+from jausml.live.workers.worker import Worker, bridge_code
 from jausml_generators.bridge.views import bridge_views
 from jausml_generators.common.components import own_bridges
 
@@ -177,7 +177,7 @@ class WireReplay:
             raise RecordingError(f"no bridge of the model has reports to give{hint}")
         self._topics, self._types = frozenset(speakers.topics), RecordedTypes(speakers.topics)
         self._worker = Worker(bridge_code(speakers.model), _WORKER)
-        answer = self._ask({"bridges": speakers.bridges, "transport": transport})
+        answer = self._worker.ask({"bridges": speakers.bridges, "transport": transport}, _SECONDS)
         if "error" in answer:
             self._worker.close()
             raise RecordingError(str(answer["error"]))
@@ -192,7 +192,7 @@ class WireReplay:
         """Stops and releases commanded components, and leaves the network."""
         try:
             if self._worker.is_alive:
-                self.connections = self._ask({})
+                self.connections = self._worker.ask({}, _SECONDS)
         finally:
             self._worker.close()
 
@@ -208,14 +208,10 @@ class WireReplay:
                 continue
             if not message.definition.text:
                 self.undefined[message.topic] += 1
-            fault = self._ask({"message": (message.topic, message.type, message.data.hex())})
+            fault = self._worker.ask(
+                {"message": (message.topic, message.type, message.data.hex())}, _SECONDS
+            )
             if fault:
                 self.refused[fault] += 1
             else:
                 self.published[message.topic] += 1
-
-    def _ask(self, request: Any) -> Any:
-        try:
-            return self._worker.ask(request, _SECONDS)
-        except WorkerError as error:
-            raise RecordingError(str(error)) from error

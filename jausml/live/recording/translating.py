@@ -20,7 +20,7 @@ from jausml.live.recording.captured import CapturedMessages, JausMessage, JausWr
 from jausml.live.recording.mcap_files import McapFile, RecordingError
 from jausml.live.recording.schemas import full_name, modelled_definition
 from jausml.live.traffic.frames import Datagram
-from jausml.live.workers.worker import Worker, WorkerError, bridge_code, bridge_of_maps
+from jausml.live.workers.worker import Worker, bridge_code, bridge_of_maps
 from jausml_generators.bridge.translation.translating import TranslatedJoin
 from jausml_generators.bridge.views import BridgeView, bridge_views
 from jausml_generators.common.components import own_bridges
@@ -82,7 +82,7 @@ class Translator:
         self.untranslated = Untranslated()
         self._takers: dict[tuple[int, str], list[tuple[int, str]]] = {}
         self._worker = Worker(bridge_code(routed), TRANSLATION_WORKER)
-        self._ask({"routes": [_plan(route) for route in self.routes]})
+        self._worker.ask({"routes": [_plan(route) for route in self.routes]}, _SECONDS)
 
     def __enter__(self) -> Translator:
         return self
@@ -109,7 +109,7 @@ class Translator:
 
     def out_of_range(self) -> dict[str, dict[str, int]]:
         """Returns numbers of values that did not fit their field, by route, then by policy."""
-        route_counts = self._ask({})
+        route_counts = self._worker.ask({}, _SECONDS)
         named = zip(self.routes, route_counts, strict=True)
         return {route.label: counts for route, counts in named if counts}
 
@@ -136,7 +136,7 @@ class Translator:
     def _done(self, waiting: list[tuple[JausMessage, int, str]]) -> Iterator[TranslatedMessage]:
         if not waiting:
             return
-        answers = self._ask(
+        answers = self._worker.ask(
             {
                 "messages": [
                     (
@@ -148,7 +148,8 @@ class Translator:
                     )
                     for jaus_message, index, join in waiting
                 ]
-            }
+            },
+            _SECONDS,
         )
         for (message, index, _), answer in zip(waiting, answers, strict=True):
             route = self.routes[index]
@@ -157,12 +158,6 @@ class Translator:
             elif answer is not None:
                 kind, text = answer
                 self.untranslated.note(route.label, kind, text)
-
-    def _ask(self, request: Any) -> Any:
-        try:
-            return self._worker.ask(request, _SECONDS)
-        except WorkerError as error:
-            raise RecordingError(str(error)) from error
 
 
 def _wants(senders: frozenset[str], source: str) -> bool:

@@ -31,15 +31,6 @@ class PageMissingError(Exception):
     """The page was not built."""
 
 
-def require_page(page: Path) -> None:
-    """Looks whether a built page is there."""
-    if not (page / "index.html").is_file():
-        raise PageMissingError(
-            "the page is missing: run `make studio` in the checkout of jausml,"
-            " or install the wheel that `make wheel` builds there"
-        )
-
-
 class Site:
     """A page with its sockets, for browsers that have the token of its address.
 
@@ -51,7 +42,7 @@ class Site:
         """Is served to nobody yet (`page`: where the built page lies)."""
         self.token = Token()
         self.authority = ""
-        self._page = page
+        self.page = page
 
     @property
     def address(self) -> str:
@@ -71,10 +62,10 @@ class Site:
         """Returns the application of a web server."""
 
         async def index(_: Request) -> Response:
-            return FileResponse(self._page / "index.html", headers={"Cache-Control": "no-cache"})
+            return FileResponse(self.page / "index.html", headers={"Cache-Control": "no-cache"})
 
         sockets = [WebSocketRoute(path, serve) for path, serve in self.sockets.items()]
-        files = Mount("/", StaticFiles(directory=self._page))
+        files = Mount("/", StaticFiles(directory=self.page))
         routes = [Route("/", index), *sockets, files]
         return Starlette(routes=routes, lifespan=lambda _: self.running())
 
@@ -86,8 +77,14 @@ def serve(host: str, port: int, site: Site, opened: Callable[[], None]) -> None:
         opened: Is called as soon as the address can be opened.
 
     Raises:
+        PageMissingError: The page was not built.
         OSError: The port cannot be had.
     """
+    if not (site.page / "index.html").is_file():
+        raise PageMissingError(
+            "the page is missing: run `make studio` in the checkout of jausml,"
+            " or install the wheel that `make wheel` builds there"
+        )
     if not host:
         raise ValueError("an empty host would be all addresses")
     host.encode("idna")

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from jausml.language.metamodel.classes import bridge, jaus, ros
+from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.model import Model
 from jausml.language.semantics.connections import calls
 from jausml.language.semantics.connections.topics import endpoints, resolve_topic
 from jausml.language.semantics.directions import is_to_ros
-from jausml.language.semantics.ros_types import package_of
+from jausml.live.recording.schemas import full_name
 from jausml.live.systems.state import DeclaredConnection, TopicName
 
 
@@ -21,7 +21,7 @@ def declarations_of(model: Model) -> Iterator[DeclaredConnection]:
         for end in endpoints([owner]):
             topic_names = topics.setdefault(end.element.eContainer(), [])
             is_absolute = end.topic == getattr(end.element, end.feature)
-            topic_names.append(TopicName(end.topic, _full_name(end.type), is_absolute))
+            topic_names.append(TopicName(end.topic, full_name(end.type), is_absolute))
         for connection in owner.bridgeConnections:
             if connection.map is not None and connection.map.message is not None:
                 yield _with_topics(owner, connection, tuple(topics.get(connection, ())))
@@ -73,7 +73,3 @@ def _with_topics(
 def node_of(owner: bridge.Bridge) -> str:
     """Returns the full name of the ROS node of a bridge."""
     return resolve_topic(str(owner.name), owner.namespace or "", "")
-
-
-def _full_name(kind: ros.MessageType) -> str:
-    return f"{package_of(kind)}/msg/{kind.name}"

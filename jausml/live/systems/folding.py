@@ -192,7 +192,16 @@ def expected(
     declared = tuple(declarations)
     state = SystemState(
         now,
-        {connection.key: _before_reports(connection) for connection in declared},
+        {
+            connection.key: ConnectionState(
+                connection.bridge,
+                connection.name,
+                connection.jaus_id,
+                declared_rate=connection.rate,
+                declaration=connection,
+            )
+            for connection in declared
+        },
         {
             address: ComponentState(address, name, is_declared=True)
             for address, name in components.items()
@@ -300,7 +309,8 @@ def fold_time(state: SystemState, now: float) -> SystemState:
     now = max(now, state.now)
     connections = {}
     for key, connection in state.connections.items():
-        is_gone = connection.told is not None and now - connection.told > _patience(connection)
+        patience = max(SILENCE, _PERIODS * connection.period)
+        is_gone = connection.told is not None and now - connection.told > patience
         if not (is_gone and connection.concerns_bridge):
             connections[key] = _with_level(state, connection, is_gone=is_gone)
     components = {
@@ -309,16 +319,6 @@ def fold_time(state: SystemState, now: float) -> SystemState:
         if component.is_declared or component.told is None or now - component.told < FORGOTTEN
     }
     return replace(state, now=now, connections=connections, components=components)
-
-
-def _before_reports(declaration: DeclaredConnection) -> ConnectionState:
-    return ConnectionState(
-        declaration.bridge,
-        declaration.name,
-        declaration.jaus_id,
-        declared_rate=declaration.rate,
-        declaration=declaration,
-    )
 
 
 def _declaration(state: SystemState, latest: ConnectionState) -> DeclaredConnection | None:
@@ -342,10 +342,6 @@ def _with_history(
         history = (*history, latest.rate)[-HISTORY:]
     before = former.told if former is not None else None
     return replace(latest, history=history, period=0.0 if before is None else now - before)
-
-
-def _patience(connection: ConnectionState) -> float:
-    return max(SILENCE, _PERIODS * connection.period)
 
 
 def _with_level(

@@ -13,7 +13,7 @@ from jausml.language.metamodel.classes import jaus
 from jausml.language.semantics.jaus.fields import is_group
 from jausml.live.messages import MessageEntry, MessageError
 from jausml.live.messages.codec import TAG
-from jausml.live.messages.defined import DefinedMessage
+from jausml.live.messages.defined import defined_message
 from jausml.live.messages.entries import as_it_is
 from jausml.live.messages.text import sample
 from jausml.live.peers.rendering import field_texts
@@ -64,7 +64,7 @@ def moment(text: str) -> datetime:
 
 
 def _entry(message: jaus.MessageDef) -> MessageEntry:
-    return DefinedMessage(message, _no_message, as_it_is)
+    return defined_message(message, _no_message, as_it_is)
 
 
 def _no_message(_: Any, /) -> bytes:

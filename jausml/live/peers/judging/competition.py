@@ -215,11 +215,9 @@ class Judge:
 
     def _obstacle(self, task: Task, part: Part) -> str:
         scored_parts = {
-            score.part.name for score in self.scores if score.task is task and _is_given(score)
+            score.part.name
+            for score in self.scores
+            if score.task is task and score.result.verdict in _GIVEN
         }
         lacking = [part_name for part_name in part.needs if part_name not in scored_parts]
         return f"cannot be judged without {task.name}.{lacking[0]}" if lacking else ""
-
-
-def _is_given(score: Score) -> bool:
-    return score.result.verdict in _GIVEN
