@@ -73,6 +73,17 @@ def test_a_connection_hides_no_translation_of_another(texts):
     assert "self.translate_seen_ = MessageToTopics(" in base
 
 
+def test_a_type_leaves_the_name_of_any_type_to_python(tmp_path):
+    model = model_in(
+        tmp_path,
+        "level { JAUS ReportLevel ( uint8 x ) { code: 0xD111 }  ROS own_msgs/Any ( uint8 x )\n"
+        "JAUS->ROS ( x -> x : user(measured) ) }\n"
+        "bridge robot { address: 1.1.1  connection level { map: level  topic level } }",
+    )
+    base = text_of(model, [BRIDGES])
+    assert "from .ros_types import Any as OwnMsgsAny\n" in base
+
+
 LISTS = """
 import mappings.local_waypoint_driver
 
