@@ -235,7 +235,13 @@ def test_both_forms_make_what_a_map_means(tmp_path_factory, drawn, chance):
         model.write_text(text, encoding="utf-8")
         faults = check_project([model]).diagnostics
         rows = [fault.location.line - 1 for fault in faults if fault.severity.name == "ERROR"]
-        refused = {line for line in lines if str(line) in {text.splitlines()[row] for row in rows}}
+        bad = {text.splitlines()[row] for row in rows}
+        is_by_table = any(row.startswith("  table") for row in bad)
+        refused = {
+            line
+            for line in lines
+            if str(line) in bad or (is_by_table and "look_up(gear)" in line.chain)
+        }
     made = generated(text, folder, name)
     if all(ways):
         made.check_text()
