@@ -5,6 +5,7 @@ import math
 import os
 import struct
 from datetime import datetime, timezone
+from fractions import Fraction
 from itertools import combinations, count
 from random import Random
 from typing import Any, NamedTuple
@@ -131,8 +132,9 @@ class Field(NamedTuple):
             return value
         low, high = self.scale or self.limits
         is_real = self.type in LARGEST
-        slack = 0.0 if is_real else 1e-9 if self.scale else 0.4999
-        if not low - slack <= value <= high + slack:
+        slack = 0 if is_real else 1e-9 if self.scale else Fraction(499_999_999, 10**9)
+        exact = Fraction(value) if math.isfinite(value) else value
+        if not low - slack <= exact <= high + slack:
             if policy == "dropField":
                 return None
             if policy != "clamp" or math.isnan(value) or (is_real and math.isinf(value)):
