@@ -129,7 +129,7 @@ class Field(NamedTuple):
     def fitted(self, value: Any, policy: str) -> Any:
         """Returns what the field carries for a number, None where it is left out."""
         if self.type == "float64" and self.name in ROS_NAMES:
-            return value
+            return float(value)
         low, high = self.scale or self.limits
         is_real = self.type in LARGEST
         slack = 0 if is_real else 1e-9 if self.scale else Fraction(499_999_999, 10**9)
@@ -140,7 +140,7 @@ class Field(NamedTuple):
             if policy != "clamp" or math.isnan(value) or (is_real and math.isinf(value)):
                 raise DroppedError
         nearest = min(max(value, low), high)
-        return nearest if is_real or self.scale else round(nearest)
+        return float(nearest) if is_real or self.scale else round(nearest)
 
 
 class Line(NamedTuple):
