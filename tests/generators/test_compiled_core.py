@@ -92,8 +92,15 @@ most {
   JAUS->ROS ( 18446744073709551615 -> data )
 }
 
+masses {
+  JAUS SetMasses ( float32 [2] masses ) { code: 0xD302 }
+  ROS mass_msgs/Masses ( uint64 [2] masses )
+  ROS->JAUS ( masses -> masses { . -> . : expression("value - 1") } )
+}
+
 bridge compiled_core {
   address: 1.1.2
+  connection masses { map: masses direction: rosToJaus topic e {} }
   connection much { map: much topic c {} }
   connection most { map: most topic d {} }
   connection count_up { map: count topic b {} }
@@ -188,6 +195,9 @@ def test_integers_of_64_bits_are_left_to_python(made):
         "<d", 5
     )
     assert much(core_message(made, class_=0.0, either=either(2, 2**64 - 1))) is None
+    masses = made.compiled("masses")
+    assert masses(LITTLE + struct.pack("<2Q", 3, 5)) == struct.pack("<H2f", 0xD302, 2, 4)
+    assert masses(LITTLE + struct.pack("<2Q", 3, 2**64 - 1)) is None
 
 
 def attribute(made: Generated, name: str) -> str:

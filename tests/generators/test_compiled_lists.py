@@ -141,9 +141,12 @@ gains {
 }
 
 formulas {
-  JAUS SetFormulas ( float64 first ) { code: 0xD109 }
+  JAUS SetFormulas ( float64 first  float64 second ) { code: 0xD109 }
   ROS sensor_msgs/ChannelFloat32
-  ROS->JAUS ( values[0] -> first : expression("value + 1"), expression("2 * value") )
+  ROS->JAUS (
+    values[0] -> first : expression("value + 1"), expression("2 * value")
+    values[0], values[1] -> second : expression("value1 - value2"), expression("value ^ 2")
+  )
 }
 
 bridge compiled_lists {
@@ -273,7 +276,8 @@ def test_an_array_that_may_be_absent_is_made_for_one_element(made):
 
 
 def test_a_formula_takes_the_whole_result_of_the_one_before(made):
-    assert check(made, "formulas_down", scan("<", [2.0])) == struct.pack("<Hd", 0xD109, 6.0)
+    result = check(made, "formulas_down", scan("<", [2.0, 5.0]))
+    assert result == struct.pack("<Hdd", 0xD109, 6.0, 9.0)
 
 
 def test_each_that_does_not_fit_is_counted(made):

@@ -40,6 +40,15 @@ def python(text):
         ("max(0, min(x, 1))", "arithmetic.greatest(0.0, arithmetic.least(source.x, 1.0))"),
         ("if(isfinite(x), 1, nan)", '1.0 if arithmetic.is_finite(source.x) else float("nan")'),
         ("(x < y) < 1", "float(float(source.x < y) < 1.0)"),
+        # What linters would ask to be written otherwise.
+        ("1 < x", "float(source.x > 1.0)"),
+        ("not (1 == x)", "float(source.x != 1.0)"),
+        ("not not (x < y)", "float(source.x < y)"),
+        ("if(not x, 1, 0)", "1.0 if source.x == 0 else 0.0"),
+        ("not (if(x, y, 1))", "float((y if source.x != 0 else 1.0) == 0)"),
+        ("x and y or y", "float((source.x != 0 and y != 0) or y != 0)"),
+        ("x or y or x", "float(source.x != 0 or y != 0 or source.x != 0)"),
+        ("1 + -(-x)", "1.0 + source.x"),
     ],
 )
 def test_code(text, code):

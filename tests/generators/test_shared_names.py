@@ -11,6 +11,7 @@ from jausml_generators.bridge.parameters import parameter_lines
 from jausml_generators.bridge.target import TARGET as BRIDGES
 from jausml_generators.bridge.views import bridge_views
 from jausml_generators.jaus_component.target import TARGET as COMPONENTS
+from jausml_generators.messages.target import TARGET as MESSAGES
 
 MODEL = """
 service Lamp {
@@ -71,6 +72,35 @@ def test_a_connection_hides_no_translation_of_another(texts):
     base = texts["siren/siren/siren_base.py"]
     assert "def translate_seen(self" in base
     assert "self.translate_seen_ = MessageToTopics(" in base
+
+
+def test_a_type_leaves_the_name_of_any_type_to_python(tmp_path):
+    model = model_in(
+        tmp_path,
+        "level { JAUS ReportLevel ( uint8 x ) { code: 0xD111 }  ROS own_msgs/Any ( uint8 x )\n"
+        "JAUS->ROS ( x -> x : user(measured) ) }\n"
+        "bridge robot { address: 1.1.1  connection level { map: level  topic level } }",
+    )
+    base = text_of(model, [BRIDGES])
+    assert "from .ros_types import Any as OwnMsgsAny\n" in base
+
+
+def test_lists_of_records_of_one_name_have_the_classes_of_their_message(tmp_path):
+    element = "element: new record r { fixed_field x { type: %s } }"
+    model = model_in(
+        tmp_path,
+        'service Any { urn: "urn:example:Any"  inputs: new message_def SetAny {'
+        "code: 0xD301  body: new record AnyRec {"
+        f"list some {{ countType: uint8 {element % 'uint8'} }}"
+        f"list more {{ countType: uint8 {element % 'int8'} }} }} }} }}\n"
+        "any { JAUS SetAny  ROS std_msgs/UInt8MultiArray\n"
+        "ROS->JAUS ( data -> some { . -> x }  data -> more { . -> x } ) }\n"
+        "bridge robot { address: 1.1.1  connection any { map: any  topic any } }",
+    )
+    messages = text_of(model, [MESSAGES], "/any_.py")
+    assert re.findall(r"    class (\w+):", messages) == ["R", "SetAnyR"]
+    made = set(re.findall(r"SetAny\.\w+\(\)", text_of(model, [BRIDGES])))
+    assert made == {"SetAny.R()", "SetAny.SetAnyR()"}
 
 
 LISTS = """

@@ -25,8 +25,11 @@ LIBRARY = Path(__file__).resolve().parents[2] / "models" / "library"
     [
         ("m/s^2", "m/s²"),
         ("m/s^2", "m s^-2"),
+        ("m/s", "m s-1"),
         ("m/s^2", "m·s⁻²"),
         ("m/s^2", "m/s/s"),
+        ("W/(m*K)", "W/m K"),
+        ("W*K/m", "W/m*K"),
         ("m/s^2", "meter per second squared"),
         ("m/s^2", "meters per second per second"),
         ("kg/(m*s^2)", "pascal"),

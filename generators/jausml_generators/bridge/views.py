@@ -97,7 +97,7 @@ class BridgeView(ProgramView):
     @functools.cached_property
     def translations(self) -> Translations:
         """The translations of the connections."""
-        taken = {*self.imported, *runtime_names(), self.class_name, self.base_name}
+        taken = {*self.imported, *runtime_names(), "Any", self.class_name, self.base_name}
         return translate(self.bridge, self._carried, self.message_of, taken, self.light)
 
     @property

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import TypeGuard
 
 from jausml.generation.literals import python_literal
 from jausml.language.attributes.expressions import (
@@ -19,6 +20,7 @@ from jausml.language.attributes.expressions import (
     Operation,
     Variable,
     operands_of,
+    opposite,
 )
 from jausml_generators.python.names import Scope
 from jausml_generators.python.statements import Assign, If, Statement
@@ -48,6 +50,7 @@ _CALLED_OPERATORS = {"/": "divide", "^": "power"}
 _TRUTHS = COMPARISONS | {"and", "or", "not"}
 # How tightly an operator of Python binds what stands beside it.
 _ATOM, _SIGNED, _PRODUCT, _SUM, _COMPARISON, _NOT, _AND, _OR, _CHOICE = range(9)
+_MIRRORED = {"<": ">", "<=": ">=", ">": "<", ">=": "<="}
 _BINDING = {"*": _PRODUCT, "+": _SUM, "-": _SUM, "and": _AND, "or": _OR}
 
 
@@ -89,33 +92,47 @@ class _Writer:
                 f" else {self.number(expression.otherwise, _CHOICE)}"
             )
             return _within(code, _CHOICE, binding)
-        if isinstance(expression, Call):
-            call = self._call(_FUNCTIONS[expression.function], expression.arguments)
-            return f"float({call})" if expression.function == "isfinite" else call
-        if expression.sign in _TRUTHS:
+        if _is_truth(expression):
             return f"float({self.truth(expression, _CHOICE)})"
+        if isinstance(expression, Call):
+            return self._call(_FUNCTIONS[expression.function], expression.arguments)
         return self._operation(expression, binding)
 
     def truth(self, expression: Expression, binding: int) -> str:
         """Python for whether an expression differs from 0."""
-        if isinstance(expression, Call) and expression.function == "isfinite":
-            return self._call("is_finite", expression.arguments)
-        if not isinstance(expression, Operation) or expression.sign not in _TRUTHS:
+        if not _is_truth(expression):
             return _within(f"{self.number(expression, _SUM)} != 0", _COMPARISON, binding)
+        if isinstance(expression, Call):
+            return self._call("is_finite", expression.arguments)
         sign, operands = expression.sign, expression.operands
         if sign == "not":
-            return _within(f"not {self.truth(operands[0], _NOT)}", _NOT, binding)
+            return self._untruth(operands[0], binding)
         if sign in COMPARISONS:
+            if isinstance(operands[0], Number):
+                sign, operands = _MIRRORED.get(sign, sign), operands[::-1]
             left, right = (self.number(operand, _SUM) for operand in operands)
             return _within(f"{left} {sign} {right}", _COMPARISON, binding)
+        first, second = operands
+        is_chain = isinstance(first, Operation) and first.sign == sign
         own = _BINDING[sign]
-        left, right = self.truth(operands[0], own), self.truth(operands[1], own - 1)
-        return _within(f"{left} {sign} {right}", own, binding)
+        code = f"{self.truth(first, own if is_chain else _NOT)} {sign} {self.truth(second, _NOT)}"
+        return _within(code, own, binding)
+
+    def _untruth(self, expression: Expression, binding: int) -> str:
+        """Python for whether an expression is 0."""
+        if not _is_truth(expression):
+            return _within(f"{self.number(expression, _SUM)} == 0", _COMPARISON, binding)
+        if isinstance(expression, Operation) and expression.sign in {"not", "==", "!="}:
+            return self.truth(opposite(expression), binding)
+        return _within(f"not {self.truth(expression, _NOT)}", _NOT, binding)
 
     def _operation(self, expression: Operation, binding: int) -> str:
         sign, operands = expression.sign, expression.operands
         if len(operands) == 1:
-            return _within(f"-{self.number(operands[0], _SIGNED)}", _SIGNED, binding)
+            inner = operands[0]
+            if isinstance(inner, Operation) and inner.sign == "-" and len(inner.operands) == 1:
+                return self.number(inner.operands[0], binding)
+            return _within(f"-{self.number(inner, _SIGNED)}", _SIGNED, binding)
         if sign in _CALLED_OPERATORS:
             return self._call(_CALLED_OPERATORS[sign], operands)
         own = _BINDING[sign]
@@ -130,6 +147,12 @@ class _Writer:
         if not math.isfinite(value):
             return f'float("{value}")'
         return _within(python_literal(value), _SIGNED if value < 0 else _ATOM, binding)
+
+
+def _is_truth(expression: Expression) -> TypeGuard[Operation | Call]:
+    if isinstance(expression, Call):
+        return expression.function == "isfinite"
+    return isinstance(expression, Operation) and expression.sign in _TRUTHS
 
 
 def _within(code: str, own: int, binding: int) -> str:

@@ -204,7 +204,7 @@ _SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
 _LANGUAGE = Language(
     noun="unit",
     tokens=re.compile(
-        r"\s*(?:(?P<power>\^\s*[-+]?[0-9]+|[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)|(?P<number>[0-9]+)"
+        r"\s*(?:(?P<power>\^\s*[-+]?[0-9]+|-[0-9]+|[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)|(?P<number>[0-9]+)"
         r"|(?P<name>°[CF]?|%|[A-Za-zµμΩ]+)|(?P<sign>[-*·./()]))"
     ),
     error=UnitError,
@@ -228,13 +228,13 @@ class _Parser:
     def _product(self) -> Unit:
         cursor = self._cursor
         result: Unit | None = None
-        is_under = False
+        divides = is_under = False
         while cursor.token.kind != "end" and cursor.token.text != ")":
-            divides = bool(cursor.take("/"))
-            if cursor.take("per"):
-                is_under = divides = True
-            elif result is not None and not divides:
-                cursor.take("*", "·", ".", "-")
+            if cursor.take("/"):
+                divides = True
+            elif result is not None and cursor.take("*", "·", ".", "-"):
+                divides = False
+            is_under = bool(cursor.take("per")) or is_under
             factor = self._factor()
             if divides or is_under:
                 factor = _power(factor, Fraction(-1))

@@ -12,7 +12,7 @@ from typing import Any
 from jausml.generation.literals import python_literal, python_string
 from jausml.language.attributes.expressions import source_names
 from jausml.language.metamodel.classes import bridge
-from jausml.language.semantics.assignments.steps import Step, step_of
+from jausml.language.semantics.assignments.steps import RESULT, Step, step_of
 from jausml.language.semantics.conversions import NoValueError
 from jausml.language.semantics.paths.attributes import NUMBER
 from jausml_generators.python.codec.messages import FORM_CLASS
@@ -117,8 +117,6 @@ def close_to(place: str, value: float, tolerance: float = 0.0) -> str:
     return f"assert {place} == {call('pytest.approx', *arguments)}"
 
 
-_VALUE = "."
-
 NO_STEP = (1.0, 0.0)
 """Between a unit and itself."""
 
@@ -158,7 +156,7 @@ class Chain:
             names = source_names(paths)
             step = step_of(element, names, to_ros=self.to_ros, quantities=self.quantities)
             steps.append(step)
-            paths = [_VALUE] * len(step.conversion.outputs)
+            paths = [RESULT]
         return steps
 
     @property

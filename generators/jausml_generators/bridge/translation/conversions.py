@@ -8,6 +8,7 @@ from typing import Any
 
 from jausml.language.attributes.expressions import occurrences, parse_expression, source_names
 from jausml.language.metamodel.classes import bridge
+from jausml.language.semantics.assignments.steps import RESULT
 from jausml.language.semantics.conversions import authored, conversion_of, numbers
 from jausml.language.semantics.conversions.conversion import MAXIMUM
 from jausml_generators.bridge.translation import expressions
@@ -92,10 +93,9 @@ class Chain:
             current = [_real(value) for value in current]
         for position, conversion in enumerate(conversions):
             is_last = position == len(conversions) - 1
-            before = len(current)
             current = self._convert(conversion, current, paths, is_last=is_last)
-            # Several results have no paths any more: what comes behind names them value1, value2.
-            paths = paths if len(current) == before else [f"value{i + 1}" for i in range(99)]
+            # What comes behind works on the result.
+            paths = [RESULT]
         if len(current) != len(self._target_paths):
             raise AssignmentError(
                 f"{', '.join(self._target_paths)}: {len(current)} values for"

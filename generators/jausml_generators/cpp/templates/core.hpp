@@ -295,6 +295,10 @@ private:
         if (!has(size * sizeof(Number))) return;
         std::memcpy(into, data_ + at_, size * sizeof(Number));
         at_ += size * sizeof(Number);
+        if constexpr (std::is_same_v<Number, std::uint64_t>) {
+            // What 63 bits do not hold is computed in Python.
+            for (std::size_t item = 0; item < size; ++item) check_.require(into[item] >> 63 == 0);
+        }
     }
 };
 

@@ -52,8 +52,11 @@ def _view(element: jaus.MessageDef, class_name: str = "") -> MessageView:
 
 
 def build_unnamed(view: MessageView) -> MessageView:
-    """Returns the view of all messages of the form of one, with FORM_CLASS for their class."""
-    return MessageBuilder(view.unnamed, FORM_CLASS).build()
+    """Returns the view of all messages of the form of one, with FORM_CLASS for their class.
+
+    It is that of the message itself if no other has its form.
+    """
+    return view if view.is_named_inside else MessageBuilder(view.unnamed, FORM_CLASS).build()
 
 
 def build_messages(elements: Iterable[jaus.MessageDef]) -> tuple[MessageView, ...]:

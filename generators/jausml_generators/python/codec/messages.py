@@ -67,9 +67,12 @@ class MessageView:
     @property
     def form(self) -> Hashable:
         """The key that it shares with messages that differ in their own names and codes alone."""
-        inner = (item.name for item in self.nested)
-        named = self.code if any(name.startswith(self.class_name) for name in inner) else None
-        return named, self.unnamed
+        return self.class_name if self.is_named_inside else None, self.unnamed
+
+    @property
+    def is_named_inside(self) -> bool:
+        """Whether classes inside it are called after it, so that no other message has its form."""
+        return any(item.name.startswith(self.class_name) for item in self.nested)
 
     @property
     def unnamed(self) -> wire.Message:

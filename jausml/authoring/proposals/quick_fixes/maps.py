@@ -195,13 +195,15 @@ def stale_join(finding: Found) -> Iterator[QuickFix]:
 
 
 def quantity(finding: Found) -> Iterator[QuickFix]:
-    """Sets the unit or the name of a quantity to that of the overridden one."""
+    """Sets unit or name of a quantity to those of the overridden one, or removes it."""
     if finding.hint.startswith("state it in "):
         unit = finding.hint.removeprefix("state it in ")
         yield finding.set(f"state it in {unit}", "units", unit)
     elif finding.hint.startswith("they have ") and "," not in finding.hint:
         name = finding.hint.removeprefix("they have ")
         yield finding.set(f"name it {name}", "name", name)
+    elif finding.hint == "take it away":
+        yield QuickFix(finding.hint, (Remove(finding.ref),))
 
 
 def method(finding: Found) -> Iterator[QuickFix]:

@@ -22,7 +22,7 @@ from jausml.language.semantics.conversions import (
 )
 from jausml.language.semantics.conversions.authored import Expression, Formula, Pairs, Scalar
 from jausml.language.semantics.paths.attributes import BOOL, LIST, NUMBER, NUMBERS, TEXT, Attribute
-from jausml.language.semantics.paths.scopes import COUNTERS, Placed
+from jausml.language.semantics.paths.scopes import Placed
 from jausml.language.semantics.subject import remembered
 
 
@@ -58,14 +58,8 @@ def expression_names(placed: Placed[bridge.Assignment], position: int) -> dict[s
     Args:
         position: Which of its conversions the expression is; the first works on the sources, each
             further one on the result of the one before.
-
-    Returns:
-        Positions from 0; -1 for what is no input: the index and the count of list elements.
     """
-    paths = [path for path, _ in placed.sources]
-    names = source_names(paths) if position == 0 else {RESULT: 0}
-    counters = COUNTERS if placed.scope.is_nested else ()
-    return {**dict.fromkeys(counters, -1), **names}
+    return source_names([path for path, _ in placed.sources]) if position == 0 else {RESULT: 0}
 
 
 @dataclass(frozen=True, slots=True)

@@ -24,8 +24,6 @@ from jausml.language.semantics.conversions.definition import Definition, NoArith
 Scalar: TypeAlias = "float | str"
 Pairs: TypeAlias = "Sequence[tuple[Scalar, Scalar]]"
 
-_NOT_NEGATIVE = (0.0, float("inf"))
-
 
 @dataclass(frozen=True, slots=True)
 class Formula:
@@ -86,7 +84,7 @@ class Expression(Conversion):
         """The value for the inputs, then the formula."""
         *values, formula = arguments
         try:
-            known = {name: values[at] for name, at in formula.names.items() if at >= 0}
+            known = {name: values[at] for name, at in formula.names.items()}
             return evaluate(formula.expression, known)
         except (EvaluationError, KeyError, IndexError) as error:
             raise NoValueError(self.name) from error
@@ -98,12 +96,7 @@ class Expression(Conversion):
         used = variables(formula.expression)
         if not all(name in names and names[name] < len(known) for name in used):
             return EVERYTHING
-        ranges = {
-            name: known[at] if at >= 0 else _NOT_NEGATIVE
-            for name, at in names.items()
-            if name in used
-        }
-        bounds = interval(formula.expression, ranges)
+        bounds = interval(formula.expression, {name: known[names[name]] for name in used})
         return intervals.EMPTY if bounds is None else bounds
 
 

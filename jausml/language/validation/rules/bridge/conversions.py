@@ -339,7 +339,7 @@ def _override_findings(
 ) -> Iterator[Finding]:
     original = used.get(quantity.name)
     if original is None:
-        known = f"they have {', '.join(map(str, used))}" if used else "they have none"
+        known = f"they have {', '.join(map(str, used))}" if used else "take it away"
         message = f"no map of the bridge has the quantity '{quantity.name}'"
         yield Finding(quantity, message, "name", known)
         return

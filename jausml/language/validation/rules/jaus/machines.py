@@ -67,9 +67,10 @@ def targets(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
             target = transition.target
             if target and behaviour.machine.resolve(path, target) is None:
                 message = f"'{behaviour.machine.name}' has no state {target!r}"
-                names = [node.rpartition(".")[2] for node in behaviour.machine.nodes]
-                hint = _suggestion(target.rpartition(".")[2], names)
-                yield Finding(transition, message, "target", hint)
+                nodes = behaviour.machine.nodes
+                names = {*nodes, *(node.rpartition(".")[2] for node in nodes)}
+                known = (name for name in names if behaviour.machine.resolve(path, name))
+                yield Finding(transition, message, "target", _suggestion(target, known))
 
 
 @rule("JML343", "message of another service", kinds=jaus.Service)
