@@ -6,7 +6,8 @@ were filled in by hand, as its users have to; the layouts of messages are its ow
 
 from pathlib import Path
 
-from jausml.live.peers.makes.junior import JuniorPeer
+from keeping_peer import KeepingPeer
+
 from jausml.live.peers.makes.vehicle import Place
 from jausml.runtime.base.address import JausAddress
 
@@ -34,7 +35,7 @@ ANSWERS = {
 EVENT = "f14101{:02x}0900000001d4010010ff7f0000"
 
 
-class Winch(JuniorPeer):
+class Winch(KeepingPeer):
     """Answers with what was recorded.
 
     Attributes:
@@ -48,7 +49,8 @@ class Winch(JuniorPeer):
         super().__init__(ADDRESS, place)
 
     def on_message(self, source: JausAddress, payload: bytes) -> None:
-        """Answers, or obeys."""
+        """Keeps it, and answers or obeys."""
+        super().on_message(source, payload)
         code, body = payload[:2].hex(), payload[2:]
         if code == RESUME:
             self._status = 1
