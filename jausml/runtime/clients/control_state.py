@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from enum import Enum
 from functools import partial
+from typing import Protocol
 
 from ..base.address import JausAddress
 from ..base.clocks import Alarm
@@ -32,6 +33,16 @@ class ControlState(Enum):
     READY = "ready"  # the target is controlled and obeys every command
     # The target is not available, or its controller has the same or a higher authority.
     REFUSED = "refused"
+
+
+class Session(Protocol):
+    """One user of a controlled target."""
+
+    authority: int
+    resume: bool
+
+    def changed(self) -> None:
+        """Called when the state of control has changed."""
 
 
 class Releases:

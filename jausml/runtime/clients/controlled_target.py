@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 from ..base.address import JausAddress
 from ..base.clocks import Alarm
@@ -22,12 +21,9 @@ from ..services.definitions import Status
 from ..services.host import Host
 from ..transports.delivery import Ordering
 from ..wire.message import Message
-from .control_state import ControlState, Questions, Releases, TargetWatch
+from .control_state import ControlState, Questions, Releases, Session, TargetWatch
 from .pace import QUICK_TRIES, Pace
 from .presence import Presence
-
-if TYPE_CHECKING:
-    from .control_session import ControlSession
 
 # Renewals of control within the target's timeout, each repeated until it is confirmed. When so many
 # in a row are not confirmed, control is taken for lost.
@@ -68,7 +64,7 @@ class ControlledTarget:
         self._loop = component.loop
         self._settings = component.settings
         self._pace = Pace(component, target)
-        self._sessions: list[ControlSession] = []
+        self._sessions: list[Session] = []
         self._is_permitted = component.may_control
         self._is_handed_over = False
         self._is_started = False
@@ -114,7 +110,7 @@ class ControlledTarget:
             return f"{self.controller} controls {self.target}"
         return f"{self.target} demands a higher authority than {self.authority}"
 
-    def join(self, session: ControlSession) -> None:
+    def join(self, session: Session) -> None:
         """Adds a session; the first one starts to request control."""
         self._sessions.append(session)
         self._is_handed_over = False
@@ -125,11 +121,11 @@ class ControlledTarget:
         if self.state is not ControlState.SEEKING:
             self._loop.call_soon(session.changed)
 
-    def has(self, session: ControlSession) -> bool:
+    def has(self, session: Session) -> bool:
         """Returns whether a session has joined and not left."""
         return session in self._sessions
 
-    def leave(self, session: ControlSession) -> None:
+    def leave(self, session: Session) -> None:
         """Removes a session; control is released with the last one."""
         if session in self._sessions:
             self._sessions.remove(session)

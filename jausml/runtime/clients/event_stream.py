@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from enum import Enum
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 from ..base.address import JausAddress
 from ..base.clocks import Alarm
@@ -19,9 +19,6 @@ from ..wire.message import DecodeError, Message
 from .event_subscription import EventSubscription
 from .pace import Pace
 from .presence import SILENCE, Presence
-
-if TYPE_CHECKING:
-    from .event_client import EventClient
 
 SILENT_PERIODS = 3  # periods of a periodic event without a report after which it is created again
 MIN_SILENCE = 1.0  # shortest silence in seconds that counts; reports of fast events may be late
@@ -40,11 +37,33 @@ class _State(Enum):
     ACTIVE = "active"
 
 
+class Listener(Protocol):
+    """Hands streams their messages, and knows all streams of a component."""
+
+    def bind(self, stream: EventStream, event_id: int) -> None:
+        """Delivers the events of an id to a stream from now on."""
+
+    def unbind(self, stream: EventStream) -> None:
+        """Delivers no events to a stream any more."""
+
+    def suspect(self, provider: JausAddress) -> None:
+        """Renews all events of a provider that may have been restarted."""
+
+    def has(self, stream: EventStream) -> bool:
+        """Returns whether a stream is among those with subscribers."""
+
+    def forget(self, stream: EventStream) -> None:
+        """Drops a stream without subscribers."""
+
+    def event_timeout(self, provider: JausAddress) -> int:
+        """Returns the event timeout of a provider in minutes, 0 for never."""
+
+
 class EventStream:
     """Creates an event, renews it, and creates it again when the provider has lost it."""
 
     def __init__(
-        self, client: EventClient, component: Host, provider: JausAddress, payload: bytes
+        self, listener: Listener, component: Host, provider: JausAddress, payload: bytes
     ) -> None:
         self.component = component
         self.provider = provider
@@ -57,7 +76,7 @@ class EventStream:
         self.late = 0  # reports that arrived after newer ones
         # Error message and code of the provider's rejection; empty without one.
         self.refusal = ""
-        self._client = client
+        self._listener = listener
         self._loop = component.loop
         self._settings = component.settings
         self._counters = component.counters
@@ -105,7 +124,7 @@ class EventStream:
             self._subscribers.remove(subscription)
         if self._subscribers:
             self._agree_on_rate()
-        elif self._client.has(self):
+        elif self._listener.has(self):
             self.stop()
 
     def stop(self) -> None:
@@ -120,7 +139,7 @@ class EventStream:
             message = CancelEvent(request_id=self.request_id, event_id=self.event_id)
             self._send(message)
         self._presence.forget(self.provider, self._returned)
-        self._client.forget(self)
+        self._listener.forget(self)
         self._state = _State.IDLE
 
     def fast_path(self) -> FastPath | None:
@@ -205,7 +224,7 @@ class EventStream:
                 self._note_restart()
         changed, self._confirmed_rate = rate != self._confirmed_rate, rate
         self._is_renewed = not is_new and not changed
-        self._client.bind(self, event_id)
+        self._listener.bind(self, event_id)
         self.event_id = event_id
         self._state = _State.ACTIVE
         self._loop.revision.changed()
@@ -229,7 +248,7 @@ class EventStream:
         if self._state is _State.ACTIVE:
             if self._renewals:
                 self.lost()
-                self._client.suspect(self.provider)
+                self._listener.suspect(self.provider)
         elif self._state is _State.CREATING:
             if code == UNKNOWN_EVENT:
                 return  # the answer to a request of a former life
@@ -244,7 +263,7 @@ class EventStream:
     def lost(self) -> None:
         """Creates the event again, which the provider does not know any more."""
         self._counters.add("event_client.lost")
-        self._client.unbind(self)
+        self._listener.unbind(self)
         self.event_id = None
         self._recreate()
 
@@ -308,7 +327,7 @@ class EventStream:
     def _note_restart(self) -> None:
         """Has all events of the provider renewed: a restart has lost the others, too."""
         self._counters.add("event_client.lost")
-        self._loop.call_soon(partial(self._client.suspect, self.provider))
+        self._loop.call_soon(partial(self._listener.suspect, self.provider))
 
     def _send(self, message: Message) -> None:
         """Sends a request; the transport repeats it if the provider was heard lately."""
@@ -321,7 +340,7 @@ class EventStream:
         Where nothing changes, an every-change event has no reports, and only a renewal shows that
         the provider was restarted. A periodic event without timeout needs no renewal.
         """
-        minutes = self._client.event_timeout(self.provider)
+        minutes = self._listener.event_timeout(self.provider)
         pauses = [30.0 * minutes] if minutes else []
         if self._rate is None:
             pauses.append(self._settings.check_interval)
@@ -392,4 +411,4 @@ class EventStream:
         self._counters.add("event_client.stalled")
         self._silence_wait = min(2 * wait, max(MAX_SILENCE, shortest))
         self._create()
-        self._client.suspect(self.provider)
+        self._listener.suspect(self.provider)

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 from ..base.address import JausAddress
 from ..base.clocks import Alarm
 from ..base.fast_path import FastPath, fast_path_of
 from ..base.loop import Loop, Timer
+from ..services.host import Host
 from ..wire.message import DecodeError, Message
-
-if TYPE_CHECKING:
-    from .event_stream import EventStream
 
 
 class QueryTimer:
@@ -46,6 +44,26 @@ _LONG_AGO = float("-inf")
 _SAME_RATE = 0.999  # ratio from which on two rates are the same: on the wire a rate has 16 bits
 
 
+class Stream(Protocol):
+    """The event as its subscribers see it."""
+
+    component: Host
+    provider: JausAddress
+    missing: int
+    late: int
+    refusal: str
+
+    @property
+    def active(self) -> bool:
+        """Whether the provider has confirmed the event."""
+
+    def leave(self, subscription: EventSubscription) -> None:
+        """Removes a subscriber."""
+
+    def count_bad(self, provider: JausAddress, error: DecodeError) -> None:
+        """Counts a report that cannot be decoded."""
+
+
 class EventSubscription:
     """One subscriber of an event; made by ``JausComponent.subscribe``."""
 
@@ -53,7 +71,7 @@ class EventSubscription:
 
     def __init__(
         self,
-        stream: EventStream,
+        stream: Stream,
         report_class: type[Message],
         on_report: Callable[[Any, JausAddress], None],
         # Reports each second that the subscriber asked for; None means every change.

@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import random
 from collections.abc import Callable
-from typing import TYPE_CHECKING, NamedTuple, TypeVar
+from typing import NamedTuple, Protocol, TypeVar
 
 from jausml.live.peers.conformance.evidence import CheckFailed
 from jausml.runtime import messages as core
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.transports.packets.packet import AckNak, Broadcast, DataFlags, Packet, Priority
 from jausml.runtime.wire.message import DecodeError, Message
-
-if TYPE_CHECKING:
-    from jausml.live.peers.conformance.probe import Probe
 
 M = TypeVar("M", bound=Message)
 
@@ -45,6 +42,24 @@ class ReceivedMessage(NamedTuple):
         return int.from_bytes(self.payload[:2], "little")
 
 
+class Carrier(Protocol):
+    """Carrier of the packets of clients to the target and back.
+
+    Attributes:
+        quiet: Seconds of silence that stand for "nothing comes".
+    """
+
+    target: JausAddress
+    timeout: float
+    quiet: float
+
+    def put(self, packet: Packet) -> None:
+        """Sends a packet to the target."""
+
+    def wait(self, done: Callable[[], bool], seconds: float) -> bool:
+        """Receives until a condition holds, and returns whether it does in time."""
+
+
 class Client:
     """A component of ours that talks to the target.
 
@@ -55,7 +70,7 @@ class Client:
         sent: The packet that it sent last.
     """
 
-    def __init__(self, exchange: Probe, address: JausAddress) -> None:
+    def __init__(self, exchange: Carrier, address: JausAddress) -> None:
         """Use `Probe.client` instead."""
         self.address = address
         self.inbox: list[ReceivedMessage] = []
