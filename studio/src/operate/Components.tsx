@@ -20,7 +20,7 @@ export function Components() {
       <div className="components-table" tabIndex={0} {...hand}>
         <table>
           <caption>Components{waiting > 0 && `, ${waiting} newer`}</caption>
-          <Head columns={["component", "level", "state", "controlled by", "heard"]} />
+          <Head columns={["component", "level", "state", "heard", "controlled by"]} />
           <tbody>
             {shown.map((component) => (
               <tr
@@ -42,10 +42,10 @@ export function Components() {
                   <Level level={component.level} />
                 </td>
                 <td>{component.state ?? "–"}</td>
-                <td>{controllerOf(component, state?.own ?? "")}</td>
                 <td>
                   <Age seconds={state?.ages[component.id] ?? null} limit={SILENCE_S} />
                 </td>
+                <td>{controllerOf(component, state?.own ?? "")}</td>
               </tr>
             ))}
           </tbody>

@@ -233,10 +233,10 @@ export async function stop(): Promise<void> {
   const components = chosen && isForAll ? [chosen] : [];
   const pressed = { since: performance.now(), outcome: "" };
   put({ stopping: pressed });
-  // It stands there until the next one: what it tells of may be otherwise since.
+  // With its time: it stands there until the next one, and may be true no more.
   const become = (outcome: string) => {
-    const told = `${clock(Date.now() / 1000)} ${outcome}`;
-    if (unit().stopping === pressed) put({ stopping: { ...pressed, outcome: told } });
+    const timed = `${clock(Date.now() / 1000)} ${outcome}`;
+    if (unit().stopping === pressed) put({ stopping: { ...pressed, outcome: timed } });
   };
   try {
     const { stopped } = await ask("stop", { components });
