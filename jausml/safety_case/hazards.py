@@ -87,12 +87,13 @@ def _owner(carrier: Carrier) -> bridge.Bridge:
     return cast("bridge.Bridge", carrier.eContainer())
 
 
-def _after(seconds: float, text: str) -> Answer | None:
-    return Answer(text.format(seconds), float(seconds)) if seconds > 0 else None
+def _after(seconds: float, before: str, after: str = "") -> Answer | None:
+    """Returns an answer that names its seconds between two texts; None for no time."""
+    return Answer(f"{before} {seconds:g} s{after}", float(seconds)) if seconds > 0 else None
 
 
-def _stated(feature: str, text: str) -> Callable[[Any], Answer | None]:
-    return lambda element: _after(float(getattr(element, feature)), text)
+def _stated(feature: str, before: str, after: str = "") -> Callable[[Any], Answer | None]:
+    return lambda element: _after(float(getattr(element, feature)), before, after)
 
 
 def _limited(feature: str, text: str) -> Callable[[Any], Answer | None]:
@@ -118,12 +119,12 @@ def _stop(commander: Commander) -> str:
 def _on_silence(commander: Commander) -> Answer | None:
     if not isinstance(commander, bridge.Connection) or not stops.has_stop(commander):
         return None
-    return _after(stops.silence_timeout(commander), f"{_stop(commander)} after {{:g}} s of silence")
+    return _after(stops.silence_timeout(commander), f"{_stop(commander)} after", " of silence")
 
 
 def _on_lapse(commander: Commander) -> Answer | None:
     what, seconds = _stop(commander), int(_owner(commander).controlTimeout)
-    return _after(seconds if what else 0, f"{what} when control is not renewed for {{:g}} s")
+    return _after(seconds if what else 0, f"{what} when control is not renewed for")
 
 
 def _on_end(commander: Commander) -> Answer | None:
@@ -152,7 +153,7 @@ def _peers_lapse(commander: Commander) -> Answer | None:
     lapse = max(times) if times and all(times) and commander.control else 0
     is_external = any(peer.external for peer in commander.peers)
     said = " (external: if they do what the model says)" if is_external else ""
-    return _after(lapse, f"control of its peers lapses when it is not renewed for {{:g}} s{said}")
+    return _after(lapse, "control of its peers lapses when it is not renewed for", said)
 
 
 def _moving(component: jaus.Component) -> Iterator[tuple[jaus.MessageDef, jaus.Service]]:
@@ -175,15 +176,15 @@ def _known_hosts(element: Carrier | bridge.Bridge) -> Answer | None:
 
 def _fresh(connection: bridge.Connection) -> Answer | None:
     seconds = freshness_of(connection) or stops.silence_timeout(connection)
-    return _after(seconds, "reports nothing older than {:g} s, but what is safe in its place")
+    return _after(seconds, "reports nothing older than", ", but what is safe in its place")
 
 
 def _loss_told(connection: bridge.Connection) -> Answer | None:
     silence = stops.silence_timeout(connection) if connection.safeValue else 0.0
     topics = [topic.qos for topic in connection.topics if topic.join is None]
     deadline = min((float(qos.deadline) if qos is not None else 0.0 for qos in topics), default=0)
-    answer = _after(silence, "publishes its safe value after {:g} s of silence")
-    return answer or _after(deadline, "its topic has a deadline of {:g} s")
+    answer = _after(silence, "publishes its safe value after", " of silence")
+    return answer or _after(deadline, "its topic has a deadline of")
 
 
 def _unknown(carrier: Carrier) -> dict[str, str]:
@@ -293,9 +294,9 @@ _meaning = _when(
     lambda e: not _unknown(e),
     "rules know units, axes and names of both ends, or test vectors say what is right",
 )
-_lapses = _stated("controlTimeout", "its control lapses when it is not renewed for {:g} s")
-_age = _stated("ageLimit", "passes no message older than {:g} s")
-_told = _stated("silenceTimeout", "is told after {:g} s of silence")
+_lapses = _stated("controlTimeout", "its control lapses when it is not renewed for")
+_age = _stated("ageLimit", "passes no message older than")
+_told = _stated("silenceTimeout", "is told after", " of silence")
 _cap = _limited("rateCap", "takes {:g} messages/s of one source at most")
 _rate = _limited("maxRate", "passes {:g} messages/s at most")
 
