@@ -131,7 +131,7 @@ def _hazard(case: SafetyCase, hazard: HazardCase) -> _Argument:
         by = f"S{goal.number[1:]}"
         if goal.answers:
             argument.add(by, _STRATEGY, "; ".join(one.text for one in goal.answers), goal.number)
-        for reason in (one.reason for one in goal.answers if one.reason):
+        if reason := "; ".join(one.reason for one in goal.answers if one.reason):
             argument.add(f"J{goal.number[1:]}", _JUSTIFICATION, reason, by, "right")
         for said in goal.supports:
             one = evidence[said.evidence]
@@ -230,18 +230,18 @@ def render(case: SafetyCase, pictures: Mapping[str, str]) -> str:
         },
     }
     text = page("jausml.safety_case", "case", f"Safety case of {case.system}", known, [STYLE])
-    return f"{text}{_SEAL}{_digest(text)} -->\n"
+    return _sealed(text)
 
 
 def is_untouched(document: str) -> bool:
-    """Tells whether a document is unchanged since it was made."""
-    text, seal, rest = document.rpartition(_SEAL)
-    return bool(seal) and rest.startswith(_digest(text))
+    """Tells whether a document is unchanged since it was made, to its last line end."""
+    return document == _sealed(document.rpartition(_SEAL)[0])
 
 
-def _digest(text: str) -> str:
-    """Returns the digest of a text as it is written, paths that are no text included."""
-    return hashlib.sha256(text.encode("utf-8", "backslashreplace")).hexdigest()
+def _sealed(text: str) -> str:
+    """Returns a text with the digest of how it is written, paths that are no text included."""
+    digest = hashlib.sha256(text.encode("utf-8", "backslashreplace")).hexdigest()
+    return f"{text}{_SEAL}{digest} -->\n"
 
 
 def _place(goal: Goal) -> str:
