@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -122,6 +122,10 @@ class ObeyingProduct:
     def place(self, _state: Obeying) -> str:
         """Returns an empty text, as there is no machine."""
         return ""
+
+    def omissions(self, _states: Sequence[Obeying]) -> tuple[str, ...]:
+        """Returns nothing: all steps are searched."""
+        return ()
 
     def fault(self, state: Obeying, step: Step, after: Obeying) -> str:
         """Returns the fault of a transition; empty for none."""
@@ -374,6 +378,10 @@ class CommandingProduct:
     def place(self, _state: Commanding) -> str:
         """Returns an empty text, as there is no machine."""
         return ""
+
+    def omissions(self, _states: Sequence[Commanding]) -> tuple[str, ...]:
+        """Returns nothing: all steps are searched."""
+        return ()
 
     def fault(self, state: Commanding, step: Step, after: Commanding) -> str:
         """Returns the fault of a transition; empty for none."""

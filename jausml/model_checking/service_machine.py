@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import product as combinations
@@ -182,6 +182,23 @@ class MachineProduct:
             ]
         return self._guarded[key]
 
+    def omissions(self, states: Sequence[Behaving]) -> Iterator[str]:
+        """Yields the limits of this module that searched states have met, in words."""
+        triggers = (*self.messages(), *self.events(), _LAPSE)
+        for path in dict.fromkeys(state.path for state in states):
+            if any(len(self._own(path, trigger)) > MOST_CONDITIONS for trigger in triggers):
+                yield f"of the conditions in {path} only {MOST_CONDITIONS} at once were tried"
+        full = dict.fromkeys(state.path for state in states if len(state.remembered) == REMEMBERED)
+        for path in full:
+            if any(transition.kind.name == "push" for _, transition in self.machine.tried(path)):
+                yield f"of the pushes before {path} only {REMEMBERED} were remembered"
+
+    def _own(self, path: str, trigger: str) -> list[str]:
+        """Returns the user's conditions that decide what a trigger does."""
+        guards = (guard for _, guard in self._candidates(path, trigger))
+        names = {name: None for guard in guards for name in conditions(guard)}
+        return [name for name in names if name not in _OF_THE_CORE]
+
     def _taken(self, state: Behaving, trigger: str, sender: str) -> Iterator[tuple[Step, Behaving]]:
         """Yields the steps that a trigger may cause, each with the state after it.
 
@@ -199,13 +216,11 @@ class MachineProduct:
         """Yields each result of the user's conditions for a trigger, and the transition then."""
         if not self.is_obeyed(state, trigger, sender):
             return
-        guards = (guard for _, guard in self._candidates(state.path, trigger))
-        names = {name: True for guard in guards for name in conditions(guard)}
-        free = [name for name in names if name not in _OF_THE_CORE][:MOST_CONDITIONS]
+        own = self._own(state.path, trigger)
+        free = own[:MOST_CONDITIONS]
         for values in combinations((True, False), repeat=len(free)):
-            said = {**names, **dict(zip(free, values, strict=True))}
-            own = {name: value for name, value in said.items() if name not in _OF_THE_CORE}
-            yield own, self.chosen(state, trigger, sender, said)
+            said = {**dict.fromkeys(own, True), **dict(zip(free, values, strict=True))}
+            yield said, self.chosen(state, trigger, sender, said)
 
     def is_obeyed(self, state: Behaving, trigger: str, sender: str) -> bool:
         """Returns whether a trigger reaches the machine, as internal events always do."""
