@@ -104,7 +104,7 @@ class ObeyingProduct:
         return self.services.timeout if self.connection.guard != "ANY" else 0
 
     @property
-    def late(self) -> str:
+    def late_stop(self) -> str:
         """The fault when the stop does not come in time."""
         if not self.bound:
             return f"nothing stops {self.command} when its source is lost"
@@ -353,7 +353,7 @@ class CommandingProduct:
         return self.connection.silence + min(filter(None, ends)) if any(ends) else 0
 
     @property
-    def late(self) -> str:
+    def late_stop(self) -> str:
         """The fault when the stop does not come in time."""
         if not self.bound:
             return f"nothing stops {self.command} at {self.peer} when the radio is lost"

@@ -48,7 +48,7 @@ class Product(Protocol):
         """Ticks after the loss of a source in which its stop is due; 0 for never."""
 
     @property
-    def late(self) -> str:
+    def late_stop(self) -> str:
         """The fault when the stop is late; `{bound}` in it stands for the time."""
 
     def source(self, state: Any) -> str:
@@ -201,7 +201,7 @@ def _late_stop(product: Product, graph: Graph) -> Violation | None:
         still = _after_tick(lasting, still)
         if not still:
             return None
-    return Violation(LATE_STOP, product.late, _late_way(product, graph, lasting))
+    return Violation(LATE_STOP, product.late_stop, _late_way(product, graph, lasting))
 
 
 # For each state with a command in effect, the transitions without its source that keep it so:
