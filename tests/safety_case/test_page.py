@@ -4,8 +4,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from jausml.language.validation.engine import check_project
+from jausml.safety_case.answers import Answer
 from jausml.safety_case.argument import safety_case
-from jausml.safety_case.hazards import Answer
 from jausml.safety_case.page import pictures
 
 GUARDS = ("jausml/safety_case",)
