@@ -1,4 +1,4 @@
-"""Documents and pictures of safety cases."""
+"""Pictures of safety cases."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -6,7 +6,7 @@ from pathlib import Path
 from jausml.language.validation.engine import check_project
 from jausml.safety_case.answers import Answer
 from jausml.safety_case.argument import safety_case
-from jausml.safety_case.page import pictures
+from jausml.safety_case.pictures import pictures
 
 GUARDS = ("jausml/safety_case",)
 
