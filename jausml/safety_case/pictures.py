@@ -90,7 +90,7 @@ def pictures(case: SafetyCase) -> dict[str, str]:
     """Returns pictures in SVG by their names: `case` of all hazards, and `names_of` of each.
 
     Raises:
-        LayoutError: Graphviz could not place the shapes.
+        LayoutError: Graphviz is missing or failed; the message says which.
     """
     arguments_by_name = {"case": _overview(case)}
     for hazard in case.hazards:
