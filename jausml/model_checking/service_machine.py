@@ -187,14 +187,12 @@ class MachineProduct:
     def outcomes(
         self, state: Behaving, trigger: str, sender: str
     ) -> Iterator[tuple[dict[str, bool], jaus.Transition | None]]:
-        """Yields the transition of a trigger for each value of the user's conditions.
+        """Yields what the user's conditions may say for a trigger, and the transition then.
+
+        It is None where no guard holds; there is no pair where the trigger is not obeyed.
 
         Args:
             sender: Name of the client that sends the message; empty for an internal event.
-
-        Returns:
-            Whether each condition that decides holds, by name, and the transition then; None where
-            none is taken, and nothing at all where the trigger is not obeyed.
         """
         if not self.is_obeyed(state, trigger, sender):
             return
@@ -231,7 +229,7 @@ class MachineProduct:
     def step(
         self, state: Behaving, transition: jaus.Transition, trigger: str, sender: str
     ) -> tuple[Step, Behaving]:
-        """Returns a transition as a step, and the state after it."""
+        """Returns a transition as a step, and the state after it; `sender` as in `outcomes`."""
         actor, to = (sender, self.component) if sender else (self.component, "")
         after = self._after(state, transition)
         message = transition.message
