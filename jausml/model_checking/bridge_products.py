@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -104,7 +104,7 @@ class ObeyingProduct:
         return self.services.timeout if self.connection.guard != "ANY" else 0
 
     @property
-    def late(self) -> str:
+    def late_stop(self) -> str:
         """The fault when the stop does not come in time."""
         if not self.bound:
             return f"nothing stops {self.command} when its source is lost"
@@ -122,6 +122,10 @@ class ObeyingProduct:
     def place(self, _state: Obeying) -> str:
         """Returns an empty text, as there is no machine."""
         return ""
+
+    def omissions(self, _states: Sequence[Obeying]) -> tuple[str, ...]:
+        """Returns nothing: all steps are searched."""
+        return ()
 
     def fault(self, state: Obeying, step: Step, after: Obeying) -> str:
         """Returns the fault of a transition; empty for none."""
@@ -349,7 +353,7 @@ class CommandingProduct:
         return self.connection.silence + min(filter(None, ends)) if any(ends) else 0
 
     @property
-    def late(self) -> str:
+    def late_stop(self) -> str:
         """The fault when the stop does not come in time."""
         if not self.bound:
             return f"nothing stops {self.command} at {self.peer} when the radio is lost"
@@ -374,6 +378,10 @@ class CommandingProduct:
     def place(self, _state: Commanding) -> str:
         """Returns an empty text, as there is no machine."""
         return ""
+
+    def omissions(self, _states: Sequence[Commanding]) -> tuple[str, ...]:
+        """Returns nothing: all steps are searched."""
+        return ()
 
     def fault(self, state: Commanding, step: Step, after: Commanding) -> str:
         """Returns the fault of a transition; empty for none."""

@@ -109,9 +109,7 @@ def check_subject(subject: Subject, bounds: Bounds) -> Outcome:
         _counter_example(subject, graph, violation)
         for violation in violations(subject.product, graph)
     ]
-    if not graph.is_complete:
-        message = f"only {len(graph.states)} states were searched"
-        counterexamples.append(CounterExample(BOUND_MET, message))
+    counterexamples += [CounterExample(BOUND_MET, omission) for omission in graph.omissions]
     transitions = sum(map(len, graph.edges))
     return Outcome(subject, len(graph.states), transitions, tuple(counterexamples))
 

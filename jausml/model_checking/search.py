@@ -6,7 +6,7 @@ These are safety, stops in time, no deadlock, no livelock.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, Protocol
 
@@ -48,7 +48,7 @@ class Product(Protocol):
         """Ticks after the loss of a source in which its stop is due; 0 for never."""
 
     @property
-    def late(self) -> str:
+    def late_stop(self) -> str:
         """The fault when the stop is late; `{bound}` in it stands for the time."""
 
     def source(self, state: Any) -> str:
@@ -62,6 +62,9 @@ class Product(Protocol):
 
     def fault(self, state: Any, step: Step, after: Any) -> str:
         """Returns the fault of a transition; empty for none."""
+
+    def omissions(self, states: Sequence[Any]) -> Iterable[str]:
+        """Yields what of the steps in searched states was left out, in words."""
 
 
 class Bounds(NamedTuple):
@@ -78,13 +81,14 @@ class Graph:
     Attributes:
         edges: For each state the numbers of steps and of the states after them.
         before: For each state the number of the one before it, and of the step between.
+        omissions: What was not searched, in words; empty if all was.
     """
 
     states: list[Any] = field(default_factory=list)
     steps: list[Step] = field(default_factory=list)
     edges: list[tuple[tuple[int, int], ...]] = field(default_factory=list)
     before: list[tuple[int, int]] = field(default_factory=list)
-    is_complete: bool = True
+    omissions: list[str] = field(default_factory=list)
 
     def way_to(self, state: int) -> list[tuple[int, int]]:
         """Returns the shortest way from the start: numbers of steps and of states after them."""
@@ -111,12 +115,14 @@ def explore(product: Product, bounds: Bounds) -> Graph:
     numbers: dict[Any, int] = {}
     steps: dict[Step, int] = {}
     pending: deque[int] = deque()
+    is_cut = False
 
     def number_of(state: Any, before: int, step: int) -> int | None:
+        nonlocal is_cut
         number = numbers.get(state)
         if number is None:
             if len(graph.states) >= bounds.states:
-                graph.is_complete = False
+                is_cut = True
                 return None
             number = numbers[state] = len(graph.states)
             graph.states.append(state)
@@ -128,7 +134,7 @@ def explore(product: Product, bounds: Bounds) -> Graph:
     while pending:
         at = pending.popleft()
         if at % _LOOKS_AT_CLOCK_EVERY == 0 and bounds.is_over():
-            graph.is_complete = False
+            is_cut = True
             break
         edges = []
         for step, after in product.steps(graph.states[at]):
@@ -141,6 +147,8 @@ def explore(product: Product, bounds: Bounds) -> Graph:
     # Reached states beyond the bounds have no edges.
     graph.edges += [()] * (len(graph.states) - len(graph.edges))
     graph.steps = list(steps)
+    graph.omissions += product.omissions(graph.states)
+    graph.omissions += [f"only {len(graph.states)} states were searched"] if is_cut else []
     return graph
 
 
@@ -168,7 +176,7 @@ def violations(product: Product, graph: Graph) -> list[Violation]:
     What is not to be reached in what was not searched to its end is not judged.
     """
     candidates = [_unsafe(product, graph), _late_stop(product, graph)]
-    if graph.is_complete:
+    if not graph.omissions:
         candidates += [
             _deadlock(product, graph) or _trap(product, graph),
             _livelock(product, graph),
@@ -193,7 +201,7 @@ def _late_stop(product: Product, graph: Graph) -> Violation | None:
         still = _after_tick(lasting, still)
         if not still:
             return None
-    return Violation(LATE_STOP, product.late, _late_way(product, graph, lasting))
+    return Violation(LATE_STOP, product.late_stop, _late_way(product, graph, lasting))
 
 
 # For each state with a command in effect, the transitions without its source that keep it so:

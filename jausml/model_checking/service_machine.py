@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+import itertools
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from itertools import product as combinations
 from typing import NamedTuple, TypeAlias
 
 from jausml.language.attributes.guards import (
@@ -20,16 +20,8 @@ from jausml.language.attributes.guards import (
 from jausml.language.metamodel.classes import jaus
 from jausml.language.semantics.jaus.commands import needs_control
 from jausml.language.semantics.jaus.inherited_machines import Machine, event_name, is_core_trigger
-from jausml.model_checking.runtime_machines import (
-    EMERGENCY,
-    FINAL,
-    PASSIVE,
-    READY,
-    STANDBY,
-    Core,
-    CoreServices,
-    core_steps,
-)
+from jausml.model_checking.core_states import core_path, request_state
+from jausml.model_checking.runtime_machines import FINAL, PASSIVE, Core, CoreServices, core_steps
 from jausml.model_checking.search import TIME, Step
 
 _Guarded: TypeAlias = "tuple[jaus.Transition, Guard | None]"
@@ -43,23 +35,6 @@ _OF_THE_CORE = ("isControllingClient", "isControlAvailable", "isIDStored")
 
 _LAPSE = "Timedout"
 """The event by which an independent machine learns that control has lapsed."""
-
-_OUTER = "Receiving.Ready"
-# Paths of services whose state does not depend on control.
-_WITHOUT_CONTROL = {"Events": _OUTER, "Transport": "Receiving"}
-_LEAVES = {EMERGENCY: "Emergency", "FAILURE": "Failure", "SHUTDOWN": "Shutdown"}
-
-
-def core_path(core: Core, of: str) -> str:
-    """Returns the path of the state of ReceiveFSM for a state of the core services."""
-    outer = "Controlled" if core.controller else "NotControlled"
-    if of == "AccessControl":
-        return f"{_OUTER}.{outer}.{'Available' if core.is_available else 'NotAvailable'}"
-    if of != "Management":
-        return _WITHOUT_CONTROL[of]
-    if core.status in PASSIVE:
-        return f"{_OUTER}.{outer}.NotAvailable.{_LEAVES[core.status]}"
-    return f"{_OUTER}.{outer}.Available.{'Ready' if core.status == READY else 'Standby'}"
 
 
 class Behaving(NamedTuple):
@@ -100,38 +75,37 @@ class MachineProduct:
     def initial(self) -> Behaving:
         """Returns the state at the start."""
         core = Core()
-        return Behaving(
-            core, self.machine.innermost(self._path(core) if self.machine.extends_core else "")
-        )
-
-    def _path(self, core: Core) -> str:
-        return core_path(core, self.machine.core.name)
+        outer = core_path(core, self.machine.core) if self.machine.extends_core else ""
+        return Behaving(core, self.machine.innermost(outer))
 
     def steps(self, state: Behaving) -> Iterator[tuple[Step, Behaving]]:
         """Yields the possible steps, each with the state after it."""
         core, services = state.core, self.services
         for step, after in core_steps(services, core, self.component, self.clients):
-            yield step, self.followed(state, after)
-        for message, client in combinations(self.messages(), self.clients):
+            yield step, self.follow(state, after)
+        for message, client in itertools.product(self.messages(), self.clients):
             yield from self._taken(state, message, client)
         for event in self.events():
             yield from self._taken(state, event, "")
-        for later in self.later(state):
-            yield TIME, later
+        for after_tick in self.let_time_pass(state):
+            yield TIME, after_tick
 
-    def later(self, state: Behaving, said: Mapping[str, bool] | None = None) -> Iterator[Behaving]:
+    def let_time_pass(
+        self, state: Behaving, said: Mapping[str, bool] | None = None
+    ) -> Iterator[Behaving]:
         """Yields the states that are possible one tick later.
 
         They are several where an independent machine may take a lapse of control in several ways.
 
         Args:
-            said: Values of the user's conditions; None for all of them.
+            said: Whether each of the user's conditions holds, by name, where one that is missing
+                does not; None for each value that they may have.
         """
         core = self.services.tick(state.core)
         transitions: Iterable[jaus.Transition | None] = (None,)
         if state.core.controller and not core.controller and not self.machine.extends_core:
             if said is not None:
-                transitions = (self.chosen(state, _LAPSE, "", said),)
+                transitions = (self.choose(state, _LAPSE, "", said),)
             else:
                 outcomes = self.outcomes(state, _LAPSE, "")
                 transitions = dict.fromkeys(transition for _, transition in outcomes)
@@ -139,7 +113,7 @@ class MachineProduct:
             before = state
             if transition is not None:
                 _, before = self.step(state, transition, _LAPSE, "")
-            yield self.followed(before, core)
+            yield self.follow(before, core)
 
     # ------------------------------------------------------------------ the machine
 
@@ -182,6 +156,23 @@ class MachineProduct:
             ]
         return self._guarded[key]
 
+    def omissions(self, states: Sequence[Behaving]) -> Iterator[str]:
+        """Yields the limits of this module that searched states have met, in words."""
+        triggers = (*self.messages(), *self.events(), _LAPSE)
+        for path in dict.fromkeys(state.path for state in states):
+            if any(len(self._own(path, trigger)) > MOST_CONDITIONS for trigger in triggers):
+                yield f"of the conditions in {path} only {MOST_CONDITIONS} at once were tried"
+        full = dict.fromkeys(state.path for state in states if len(state.remembered) == REMEMBERED)
+        for path in full:
+            if any(transition.kind.name == "push" for _, transition in self.machine.tried(path)):
+                yield f"of the pushes before {path} only {REMEMBERED} were remembered"
+
+    def _own(self, path: str, trigger: str) -> list[str]:
+        """Returns the user's conditions that decide what a trigger does."""
+        guards = (guard for _, guard in self._candidates(path, trigger))
+        names = {name: None for guard in guards for name in conditions(guard)}
+        return [name for name in names if name not in _OF_THE_CORE]
+
     def _taken(self, state: Behaving, trigger: str, sender: str) -> Iterator[tuple[Step, Behaving]]:
         """Yields the steps that a trigger may cause, each with the state after it.
 
@@ -196,35 +187,41 @@ class MachineProduct:
     def outcomes(
         self, state: Behaving, trigger: str, sender: str
     ) -> Iterator[tuple[dict[str, bool], jaus.Transition | None]]:
-        """Yields each result of the user's conditions for a trigger, and the transition then."""
+        """Yields what the user's conditions may say for a trigger, and the transition then.
+
+        It is None where no guard holds; there is no pair where the trigger is not obeyed.
+
+        Args:
+            sender: Name of the client that sends the message; empty for an internal event.
+        """
         if not self.is_obeyed(state, trigger, sender):
             return
-        guards = (guard for _, guard in self._candidates(state.path, trigger))
-        names = {name: True for guard in guards for name in conditions(guard)}
-        free = [name for name in names if name not in _OF_THE_CORE][:MOST_CONDITIONS]
-        for values in combinations((True, False), repeat=len(free)):
-            said = {**names, **dict(zip(free, values, strict=True))}
-            own = {name: value for name, value in said.items() if name not in _OF_THE_CORE}
-            yield own, self.chosen(state, trigger, sender, said)
+        own = self._own(state.path, trigger)
+        free = own[:MOST_CONDITIONS]
+        for values in itertools.product((True, False), repeat=len(free)):
+            said = {**dict.fromkeys(own, True), **dict(zip(free, values, strict=True))}
+            yield said, self.choose(state, trigger, sender, said)
 
     def is_obeyed(self, state: Behaving, trigger: str, sender: str) -> bool:
         """Returns whether a trigger reaches the machine, as internal events always do."""
         return not sender or self.services.allows(state.core, self.obeyed[trigger], sender)
 
-    def chosen(
+    def choose(
         self, state: Behaving, trigger: str, sender: str, said: Mapping[str, bool]
     ) -> jaus.Transition | None:
-        """Returns the transition of an obeyed trigger, for given values of the user's conditions.
+        """Returns the transition of an obeyed trigger; None if no guard holds.
 
-        A condition of which nothing is said does not hold.
+        Args:
+            sender: Name of the client that sends the message; empty for an internal event.
+            said: Whether each of the user's conditions holds, by name; one that is missing does
+                not. Those that the core services decide have their present values.
         """
-        known = {
+        facts = {
+            **said,
             "isControllingClient": bool(sender) and sender == state.core.controller,
             "isControlAvailable": state.core.is_available,
             "isIDStored": sender in state.core.emergencies,
         }
-        # Conditions that the core services decide have their present values.
-        facts = {**said, **known}
         candidates = self._candidates(state.path, trigger)
         holding = (transition for transition, guard in candidates if _holds(guard, facts))
         return next(holding, None)
@@ -232,7 +229,7 @@ class MachineProduct:
     def step(
         self, state: Behaving, transition: jaus.Transition, trigger: str, sender: str
     ) -> tuple[Step, Behaving]:
-        """Returns a transition as a step, and the state after it."""
+        """Returns a transition as a step, and the state after it; `sender` as in `outcomes`."""
         actor, to = (sender, self.component) if sender else (self.component, "")
         after = self._after(state, transition)
         message = transition.message
@@ -261,39 +258,25 @@ class MachineProduct:
         return self._entered(state, self.machine.innermost(resolved or state.path))
 
     def _entered(self, state: Behaving, target: str) -> Behaving:
-        if not self.machine.extends_core or _lies_in(target, self._path(state.core)):
+        if self._agrees(target, state.core):
             return state._replace(path=target)
         # The core services change first; if they may not, the machine follows them.
-        core = self._requested(state.core, target)
-        path = target if _lies_in(target, self._path(core)) else self._path(core)
+        machine = self.machine.core
+        core = request_state(self.services, state.core, machine, target)
+        path = target if self._agrees(target, core) else core_path(core, machine)
         return state._replace(core=core, path=self.machine.innermost(path))
 
-    def _requested(self, core: Core, path: str) -> Core:
-        """Returns the core services after a component asks for the state of a path.
-
-        They are unchanged where it may not enter that state.
-        """
-        inner = path.removeprefix(f"{_OUTER}.")
-        if self.machine.core.name == "AccessControl":
-            core = self.services.drop(core) if inner.startswith("NotControlled") else core
-            return core._replace(is_active=".Available" in inner)
-        if inner.startswith("Controlled.Available.Standby"):
-            return core._replace(status=STANDBY) if core.status == READY else core
-        if inner.startswith("NotControlled.Available.Standby"):
-            return self.services.drop(core)
-        if inner.startswith("NotControlled.NotAvailable.Failure"):
-            return self.services.fail(core)
-        if inner.startswith("NotControlled.NotAvailable.Shutdown"):
-            return self.services.drop(core._replace(status="SHUTDOWN"))
-        return core
-
-    def followed(self, state: Behaving, core: Core) -> Behaving:
-        """Returns the state after the machine follows the core services."""
-        state = state._replace(core=core)
-        if not self.machine.extends_core or _lies_in(state.path, self._path(core)):
-            return state
+    def follow(self, state: Behaving, core: Core) -> Behaving:
+        """Returns the state after the core services have changed and the machine follows them."""
+        if self._agrees(state.path, core):
+            return state._replace(core=core)
         # Nothing remains remembered: a pop must not lead back, as in the runtime.
-        return Behaving(core, self.machine.innermost(self._path(core)))
+        return Behaving(core, self.machine.innermost(core_path(core, self.machine.core)))
+
+    def _agrees(self, path: str, core: Core) -> bool:
+        """Returns whether a state of the machine is possible in a state of the core services."""
+        machine = self.machine
+        return not machine.extends_core or machine.core.leaf(path) == core_path(core, machine.core)
 
     # ------------------------------------------------------------------ what must hold
 
@@ -303,7 +286,7 @@ class MachineProduct:
         return self.demanded or self.services.timeout
 
     @property
-    def late(self) -> str:
+    def late_stop(self) -> str:
         """The fault when the stop is late; `{bound}` in it stands for the time."""
         if not self.bound:
             return f"{self.component} stays as it was commanded when its client is lost"
@@ -365,7 +348,3 @@ def _holds(guard: Guard | None, said: Mapping[str, bool]) -> bool:
             return all(_holds(operand, said) for operand in guard.operands)
         case AnyOf():
             return any(_holds(operand, said) for operand in guard.operands)
-
-
-def _lies_in(path: str, outer: str) -> bool:
-    return path == outer or path.startswith(f"{outer}.")

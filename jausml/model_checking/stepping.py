@@ -133,9 +133,9 @@ def choices(product: MachineProduct, state: Behaving, said: Mapping[str, bool]) 
     clients = product.clients
     for step, core in core_steps(product.services, state.core, product.component, clients):
         why_not = "" if core != state.core else f"it changes nothing in {_standing(state)}"
-        after = product.followed(state, core)
+        after = product.follow(state, core)
         yield Choice("core", step.actor, step.what, after, why_not=why_not)
-    yield Choice("time", TIME.actor, TIME.what, next(product.later(state, said)))
+    yield Choice("time", TIME.actor, TIME.what, next(product.let_time_pass(state, said)))
 
 
 def _of_the_machine(
@@ -146,7 +146,7 @@ def _of_the_machine(
     if not product.is_obeyed(state, trigger, sender):
         why_not = f"{actor} is not obeyed in {_standing(state)}"
         return Choice(kind, actor, trigger, state, why_not=why_not)
-    transition = product.chosen(state, trigger, sender, said)
+    transition = product.choose(state, trigger, sender, said)
     if transition is None:
         why_not = f"no transition takes it in {state.path.rpartition('.')[2]}"
         return Choice(kind, actor, trigger, state, why_not=why_not)

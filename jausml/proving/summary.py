@@ -1,11 +1,10 @@
-"""Summaries of proofs: counts of both forms, extremes, and pages with pictures of errors."""
+"""Summaries of proofs: what became of the values of a number in both forms, and extremes."""
 
 from __future__ import annotations
 
 import math
-import re
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from jausml.proving.compiled_form import CompiledForm, PythonForm, Tally, Trip
@@ -15,20 +14,17 @@ from jausml.proving.positions import spread_positions
 from jausml.proving.results import (
     Extreme,
     FieldResult,
-    MapResult,
     Mixed,
     Reached,
-    outcome_text,
-    unit_of,
 )
 from jausml.proving.round_trips import RoundTrip, assignment_of, is_alone, is_held
-from jausml.views.pages import page
 
 _COMPARED = 300  # how many values go through both forms, besides those that Python alone treats
 
 EXAMPLES = 64
 """Of how many values of wide numbers the Python form tells what it does with them."""
 
+# A value that is rounded twice may come back as a neighbour, and computes to a bit more than that.
 _STEPS = 1.5
 _SINGLE = 2.0**-23  # part of a number by which its neighbour in single precision differs
 
@@ -54,7 +50,14 @@ class Swept:
 def summed_up(
     trip: RoundTrip, planned: Field, sweep_result: Swept, python: PythonForm, form: CompiledForm
 ) -> FieldResult:
-    """Returns the result for the values of a number of a map."""
+    """Returns the result for the values of a number of a map.
+
+    Both forms run again: Python takes the values around that the compiled form leaves to it, and
+    some go through both, which have to agree.
+
+    Raises:
+        ProgramError: The program of the compiled form has ended.
+    """
     number, tally = planned.number, sweep_result.wide or sweep_result.tally
     assignment = assignment_of(trip, planned.side, planned.path)
     is_constant = tally.result.seen > 1 and not (tally.result.rises or tally.result.falls)
@@ -125,7 +128,7 @@ def _mixed(number: Number, tally: Tally) -> Mixed:
 
 def _reached(planned: Field, tally: Tally) -> list[Reached]:
     reached_numbers = []
-    for number, course in zip(planned.watched, tally.watched, strict=False):
+    for number, course in zip(planned.watched, tally.watched, strict=True):
         is_monotonic = not (course.rises and course.falls)
         distinct = course.rises + course.falls + 1 if is_monotonic and course.seen else 0
         ends = course.least, course.greatest
@@ -180,8 +183,10 @@ def _count(result: FieldResult, planned: Field, index: int, last: bytes) -> None
     else:
         back = number.read(last)
         error = _distance(planned, raw, back)
-        result.unchanged += not error
-        result.changed += bool(error)
+        if error:
+            result.changed += 1
+        else:
+            result.unchanged += 1
         if error > (0.0 if result.largest is None else result.largest.error):
             result.largest = Extreme(error, raw, number.value(raw), {}, number.value(back))
 
@@ -216,67 +221,5 @@ def _compare(result: FieldResult, planned: Field, python: PythonForm, form: Comp
         if sweep.has_back:
             back = form.translate(between + sweep.joins_back, to_ros=not sweep.to_ros)
         result.compared += 1
-        is_alike = between == trip.between and back in (None, trip.back)
-        result.differing += not is_alike
-
-
-_LONGEST = 100
-_WIDTH, _HEIGHT, _TOP = 720, 150, 18
-
-
-def pages(
-    results: Sequence[MapResult], faults: Mapping[str, Sequence[str]]
-) -> Iterator[tuple[str, str]]:
-    """Yields the names and texts of the pages."""
-    files = dict.fromkeys(["index.html"])
-    rows = []
-    for result in results:
-        file = _file(result.name, files)
-        findings = faults.get(result.name, ())
-        rows.append({"file": file, "map": result, "findings": len(findings)})
-        pictures = [(one, outcome_text(one), _picture(one)) for one in result.fields]
-        yield file, _page(result.name, map=result, findings=findings, fields=pictures)
-    yield "index.html", _page("Proofs", rows=rows)
-
-
-def _page(title: str, **known: object) -> str:
-    sizes = {"wide": _WIDTH, "top": _TOP, "bottom": _TOP + _HEIGHT}
-    return page("jausml.proving", "proofs", title, {**sizes, **known})
-
-
-def _file(name: str, taken: dict[str, None]) -> str:
-    """Returns the name of the file for a page, whatever maps are called."""
-    plain = re.sub(r"\W", "_", name, flags=re.ASCII)[:_LONGEST] or "map"
-    file, count = f"{plain}.html", 2
-    while file.lower() in taken:
-        file, count = f"{plain}_{count}.html", count + 1
-    taken[file.lower()] = None
-    return file
-
-
-@dataclass(frozen=True)
-class _Picture:
-    """The errors over the values, in their order, as bars: x, y, width and height of each."""
-
-    bars: list[tuple[str, ...]]
-    limit: str
-    title: str
-    ends: tuple[str, ...]
-
-
-def _picture(result: FieldResult) -> _Picture | None:
-    """Returns the picture of a number; None for one without errors."""
-    most = max((value for value in result.bins if value != float("inf")), default=0.0)
-    if not most:
-        return None
-    bins = result.bins[: min(len(result.bins), result.total)]
-    wide, shown, bottom = _WIDTH / len(bins), max(most, result.precision), _TOP + _HEIGHT
-    bars = []
-    for at, value in enumerate(bins):
-        if high := min(value / shown, 1.0) * _HEIGHT:
-            sizes = (at * wide, bottom - high, max(wide, 1), high)
-            bars.append(tuple(f"{size:.2f}" for size in sizes))
-    limit = f"{bottom - _HEIGHT * result.precision / shown:.2f}" if result.precision else ""
-    order = "" if result.step else ", in the order of the values that the type has"
-    ends = (f"{end:.6g}{unit_of(result)}" for end in result.ends)
-    return _Picture(bars, limit, f"error up to {shown:.3g}{unit_of(result)}{order}", tuple(ends))
+        if between != trip.between or back not in (None, trip.back):
+            result.differing += 1

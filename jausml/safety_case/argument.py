@@ -16,8 +16,10 @@ from jausml.language.model import Location
 from jausml.language.model.model import digests
 from jausml.language.semantics.subject import Subject, remembering
 from jausml.language.validation.rule import Report
+from jausml.safety_case.answers import Answer
+from jausml.safety_case.elements import carried_maps
 from jausml.safety_case.evidence import RULES, Evidence, GeneratedTests
-from jausml.safety_case.hazards import HAZARDS, Answer, Hazard, Row, carried_maps
+from jausml.safety_case.hazards import HAZARDS, Hazard, Row
 from jausml.safety_case.supports import Concern, Support, is_of_a_person, supports
 from jausml_generators.python.names import snake_case
 

@@ -9,6 +9,7 @@ from fnmatch import fnmatchcase
 from typing import Any
 
 from jausml.language.validation.rule import Report
+from jausml.safety_case.answers import Answer
 from jausml.safety_case.evidence import (
     FAULT_RUNS,
     MODEL_CHECK,
@@ -19,7 +20,7 @@ from jausml.safety_case.evidence import (
     Evidence,
     EvidenceError,
 )
-from jausml.safety_case.hazards import Answer, Hazard, Row
+from jausml.safety_case.hazards import Hazard, Row
 
 _ASSIGNMENT = re.compile(r"/to(Ros|Jaus)\[")
 MARGIN = 1.0
@@ -106,7 +107,7 @@ _Statement = tuple[bool, str]
 
 
 def _rules(concern: Concern, report: Report) -> _Statement:
-    rules = concern.hazard.rules.split()
+    rules = concern.hazard.rules
     findings = [
         f"{diagnostic.rule} {diagnostic.message}"
         for diagnostic in report.diagnostics

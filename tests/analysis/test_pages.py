@@ -1,5 +1,6 @@
 """Pages by templates: what models and files say is text, and nothing is loaded or run."""
 
+import math
 import re
 from html.parser import HTMLParser
 
@@ -8,8 +9,8 @@ import pytest
 
 from jausml.mutating.outcomes import Campaign, Outcome
 from jausml.mutating.outcomes import page as campaign_page
-from jausml.proving.results import MapResult
-from jausml.proving.summary import pages as proof_pages
+from jausml.proving.html_pages import pages as proof_pages
+from jausml.proving.results import FieldResult, MapResult
 from jausml.views.pages import hashed, markdown_table, page
 
 NASTY = "<b>it & me</b>"
@@ -50,6 +51,14 @@ def test_what_proofs_say_is_text():
         found = Words(text)
         assert "b" not in found.tags
         assert NASTY in found.words
+
+
+def test_errors_without_end_have_a_picture():
+    """Also where no error has one."""
+    field = FieldResult("JAUS", "speed", "", 1, 1.0, (0.0, 1.0), 2, bins=[0.0, math.inf])
+    text = dict(proof_pages([MapResult("drive", "a", "b", [field])], {}))["drive.html"]
+    assert 'class="error" x="360.00" y="18.00" width="360.00" height="150.00"' in text
+    assert "error up to inf" in text
 
 
 def test_the_style_of_a_page_is_the_one_that_it_allows():

@@ -263,10 +263,13 @@ def test_a_case_out_of_date_fails(jausml, mower, begun):
     assert "case/case.json:1:1: error: JML944 the case is not what is found now" in told
 
 
-def test_a_document_that_was_filled_in_stays(refused, mower, begun):
+@pytest.mark.parametrize("is_below", [False, True])
+def test_a_document_that_was_filled_in_stays(is_below, refused, mower, begun):
     begun()
     page = Path("case/case.html")
-    signed = page.read_text(encoding="utf-8").replace("name <span></span>", "name Ada", 1)
+    made = page.read_text(encoding="utf-8")
+    within = made.replace("name <span></span>", "name Ada", 1)
+    signed = f"{made}<p>signed: Ada</p>\n" if is_below else within
     page.write_text(signed, encoding="utf-8")
     told = "case.html has been changed by hand: move it away to keep it"
     refused(told, "case", mower, "-o", "case")

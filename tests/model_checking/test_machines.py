@@ -25,12 +25,17 @@ def test_the_generated_winch_goes_the_same_ways(run_script):
     assert happened["steps"] > 2000
 
 
-def found_in(path):
-    """Returns the rules that each subject of a model breaks."""
+def outcomes_of(path):
+    """Returns the outcome of each subject of a model, by its name."""
     bounds = Bounds(100_000, lambda: False)
     subjects = subjects_of(system_of(read_models([path]).model))
-    outcomes = [check_subject(subject, bounds) for subject in subjects]
-    return {outcome.subject.name: {found.rule for found in outcome.found} for outcome in outcomes}
+    return {subject.name: check_subject(subject, bounds) for subject in subjects}
+
+
+def found_in(path):
+    """Returns the rules that each subject of a model breaks."""
+    outcomes = outcomes_of(path).items()
+    return {name: {example.rule for example in outcome.found} for name, outcome in outcomes}
 
 
 def changed_winch(folder, file, old, new):
@@ -84,6 +89,31 @@ def test_a_state_that_nothing_leaves_is_found(tmp_path):
     (tmp_path / "lamp.xmi").write_text(text.replace(way_out, ""), encoding="utf-8")
     assert found_in(LAMP)["spot: LampFSM of Lamp"] == set()
     assert DEADLOCK in found_in(tmp_path / "lamp.xmi")["spot: LampFSM of Lamp"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "omission"),
+    [
+        (
+            'event="Burnt" guard="isOld"',
+            f'event="Burnt" guard="{" &amp;&amp; ".join("abcdefgh")} &amp;&amp; !i"',
+            "of the conditions in On.Dim only 8 at once were tried",
+        ),
+        (
+            '<transitions message="ToggleLamp" kind="pop"/>',
+            '<transitions message="ToggleLamp" kind="push" target="On"/>',
+            "of the pushes before Broken only 4 were remembered",
+        ),
+    ],
+    ids=["conditions", "pushes"],
+)
+def test_what_a_machine_is_too_large_for_is_no_pass(tmp_path, old, new, omission):
+    text = LAMP.read_text(encoding="utf-8")
+    assert text.count(old) == 1
+    (tmp_path / "lamp.xmi").write_text(text.replace(old, new), encoding="utf-8")
+    outcome = outcomes_of(tmp_path / "lamp.xmi")["spot: LampFSM of Lamp"]
+    assert not outcome.is_complete
+    assert omission in [example.message for example in outcome.found]
 
 
 def test_all_ways_are_searched_in_which_a_lapse_of_control_may_be_taken(tmp_path):

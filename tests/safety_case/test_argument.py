@@ -223,6 +223,15 @@ def test_a_stop_is_told_with_what_it_sends():
     assert any("sends its stop (PropulsiveLinearEffortX = 0)" in answer.text for answer in answers)
 
 
+def test_what_a_stop_sends_may_have_braces(tmp_path):
+    own = 'PropulsiveLinearEffortX  value: "{effort}"'
+    answers = goals(changed(MOWER, tmp_path, "PropulsiveLinearEffortX  value: 0", own))
+    (silence, *_) = answers["operator/mower.spin"].answers
+    assert silence.text == (
+        "sends its stop (PropulsiveLinearEffortX = {effort}) after 0.6 s of silence"
+    )
+
+
 def says(goal, kind, content, *, tests=()):
     """Returns what a piece of evidence says of a goal of the car, and what that still lacks."""
     found = goals(CAR, Evidence("E1", kind, content=content), tests=tests)[goal]

@@ -153,7 +153,8 @@ def _former(folder: Path) -> Former:
 
 def _drawn(case: SafetyCase) -> dict[str, str]:
     """Returns the document and the pictures of a case, by file."""
-    from jausml.safety_case.page import pictures, render
+    from jausml.safety_case.page import render
+    from jausml.safety_case.pictures import pictures
     from jausml.views.diagrams.layout.sheet import LayoutError
 
     with ending_at(LayoutError), step("drawing"):

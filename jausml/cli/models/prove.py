@@ -125,8 +125,8 @@ def _proved(model: Model, trips: Sequence[RoundTrip], settings: Settings) -> lis
 
 
 def _write_pages(results: Sequence[MapResult], judged: Report, folder: Path) -> None:
+    from jausml.proving.html_pages import pages
     from jausml.proving.results import by_map
-    from jausml.proving.summary import pages
 
     made_folder(folder)
     for name, page in pages(results, by_map(judged)):

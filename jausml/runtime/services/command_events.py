@@ -115,7 +115,9 @@ class CommandEvents:
         """Fails commands whose clients are not allowed to command any more."""
         for command in list(self._commands.values()):
             # One without a completion is being executed, and may end control itself, as Reset does.
-            if command.completion is not None and not self._permits(command):
+            if command.completion is None:
+                continue
+            if not self._permits(command.handler, command.message, command.client):
                 self._finish(command, Result.UNSUCCESSFUL)
 
     def stop(self) -> None:
@@ -127,7 +129,7 @@ class CommandEvents:
         """Confirms a command event and executes its command, or rejects it."""
         try:
             handler, message = self._check(request.command_message, sender)
-            command = self._replaced_event(sender, message)
+            command = self._event_of(sender, message)
             if command is None:
                 event_id = self._ids.take(sender)
                 command = _Command(event_id, sender, message, request.command_message, handler)
@@ -135,6 +137,8 @@ class CommandEvents:
         except RequestError as error:
             reject(self._component, sender, request.request_id, error)
             return
+        # What a former command of the event began is not reported any more.
+        self._detach(command)
         command.message, command.payload = message, request.command_message
         # Confirmed before execution, so that the client knows the id before the result.
         confirm = ConfirmEventRequest(request_id=request.request_id, event_id=command.event_id)
@@ -156,20 +160,19 @@ class CommandEvents:
         except DecodeError as error:
             raise RequestError(RejectCode.INVALID_EVENT_SETUP, f"bad command: {error}") from error
         # Checked before an id is taken.
-        if not self._permits(_Command(0, sender, message, payload, handler)):
+        if not self._permits(handler, message, sender):
             self._component.counters.add("component.command_refused")
             raise RequestError(RejectCode.CONNECTION_REFUSED, "not controlled by you and ready")
         return handler, message
 
-    def _permits(self, command: _Command) -> bool:
-        guard = self._component.call(command.handler.guard_for, command.message)
-        return guard is not None and self._component.allows(guard, command.client)
+    def _permits(self, handler: Handler, message: Message, client: JausAddress) -> bool:
+        guard = self._component.call(handler.guard_for, message)
+        return guard is not None and self._component.allows(guard, client)
 
-    def _replaced_event(self, client: JausAddress, message: Message) -> _Command | None:
-        """Returns the event of a client with the same kind of command, which is detached."""
+    def _event_of(self, client: JausAddress, message: Message) -> _Command | None:
+        """Returns the event of a client with the same kind of command; None without one."""
         for command in self._commands.values():
             if command.client == client and command.message.CODE == message.CODE:
-                self._detach(command)
                 return command
         return None
 

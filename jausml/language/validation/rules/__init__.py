@@ -84,8 +84,9 @@ PRODUCT_RULES: Mapping[str, RuleInfo] = {
     ),
     "JML935": RuleInfo(
         "product: not searched to the end",
-        "jausml model-check has met the bound of --states or --budget: what it has not seen may "
-        "be wrong. Raise the bound.",
+        "jausml model-check has met the bound of --states or --budget, or more conditions or "
+        "pushes of a machine than it tries: what it has not seen may be wrong. Raise the bound, "
+        "or make the machine smaller.",
         Severity.WARNING,
     ),
 }
