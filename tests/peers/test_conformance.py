@@ -296,12 +296,14 @@ def _request(authority):
     return RequestControl(authority_code=authority)
 
 
+@pytest.mark.parametrize("cranes", [0, 222], ids=["in one packet", "in several packets"])
 def test_services_of_a_target_without_discovery_come_from_its_subsystem(
-    component, network, catalogue
+    component, network, catalogue, cranes
 ):
     server = component()
     target = JausAddress(100, 1, 2)
-    names = ("core:Events", "core:Liveness", "acme:Winch")
+    names = ["core:Events", "core:Liveness", "acme:Winch"]
+    names += [f"acme:Crane{number}" for number in range(cranes)]
     services = [ServiceIdentity(f"urn:jaus:jss:{name}", 1, 1) for name in names]
     other = JausComponent(server.transport, target, name="other", services=services)
     other.start()
