@@ -337,6 +337,15 @@ def test_evidence_says_what_a_payload_is(payload, text, catalogue):
 # -- what a client has caused is owed until it is undone -------------------------------------------
 
 
+def test_an_emergency_is_undone_though_a_datagram_is_lost(peer, network, catalogue, wait_until):
+    target = peer("loses each first command")
+    with opened(network, TARGET, catalogue, **QUICK) as session:
+        for _ in range(2):
+            session.client(1).send(SetEmergency(emergency_code=1))
+        assert session.reaches(Status.EMERGENCY)
+    wait_until(lambda: target.state == Status.STANDBY)
+
+
 def test_ctrl_c_while_it_is_undone_leaves_nothing_behind(
     component, network, catalogue, monkeypatch
 ):
