@@ -17,7 +17,10 @@ SERVICES = ("Transport", "Events", "AccessControl", "Management", "Discovery", "
 STANDBY, READY, EMERGENCY = 2, 1, 5
 MANAGEMENT = tuple(
     message_class.CODE.to_bytes(2, "little")
-    for message_class in (core.Shutdown, core.Standby, core.Resume, core.Reset, core.SetEmergency)
+    for message_class in (
+        *(core.Shutdown, core.Standby, core.Resume, core.Reset),
+        *(core.SetEmergency, core.ClearEmergency),
+    )
 )
 CONTROL_TIMEOUT = 1
 INPUTS = {

@@ -296,12 +296,14 @@ def _request(authority):
     return RequestControl(authority_code=authority)
 
 
+@pytest.mark.parametrize("cranes", [0, 222], ids=["in one packet", "in several packets"])
 def test_services_of_a_target_without_discovery_come_from_its_subsystem(
-    component, network, catalogue
+    component, network, catalogue, cranes
 ):
     server = component()
     target = JausAddress(100, 1, 2)
-    names = ("core:Events", "core:Liveness", "acme:Winch")
+    names = ["core:Events", "core:Liveness", "acme:Winch"]
+    names += [f"acme:Crane{number}" for number in range(cranes)]
     services = [ServiceIdentity(f"urn:jaus:jss:{name}", 1, 1) for name in names]
     other = JausComponent(server.transport, target, name="other", services=services)
     other.start()
@@ -333,6 +335,15 @@ def test_evidence_says_what_a_payload_is(payload, text, catalogue):
 
 
 # -- what a client has caused is owed until it is undone -------------------------------------------
+
+
+def test_an_emergency_is_undone_though_a_datagram_is_lost(peer, network, catalogue, wait_until):
+    target = peer("loses each first command")
+    with opened(network, TARGET, catalogue, **QUICK) as session:
+        for _ in range(2):
+            session.client(1).send(SetEmergency(emergency_code=1))
+        assert session.reaches(Status.EMERGENCY)
+    wait_until(lambda: target.state == Status.STANDBY)
 
 
 def test_ctrl_c_while_it_is_undone_leaves_nothing_behind(

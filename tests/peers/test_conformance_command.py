@@ -38,6 +38,12 @@ def test_a_failure_shows_its_evidence_and_exits_with_1(jausml, peer):
     assert "0222" in result.stdout  # the bytes of the query
 
 
+def test_a_choice_without_any_check_of_the_target_exits_with_1(jausml, component):
+    component()
+    result = jausml("conformance", "100.1.1", "--only", "codecs.Livenes", *QUICK)
+    assert (result.exit_code, result.stdout.splitlines()[-1]) == (1, "0 checks: 0 failed")
+
+
 @pytest.mark.needs("setsid")
 def test_an_emergency_ends_when_the_terminal_goes(component, free_port, wait_until):
     target = component()

@@ -106,8 +106,8 @@ def command(
     after it. Checks that a fragile target may not survive come last; when the target is started
     again, testing continues.
 
-    Exit status: 0 no check failed, 1 checks failed, 2 the target cannot be reached or an option is
-    wrong, 3 internal error.
+    Exit status: 0 no check failed, 1 checks failed or there were none, 2 the target cannot be
+    reached or an option is wrong, 3 internal error.
     """
     from jausml.live.peers.conformance.run import CheckFilter, opened
     from jausml.live.peers.conformance.session import Limits

@@ -232,8 +232,8 @@ class Component(Host):
             starters, self._jaus_starters = self._jaus_starters, []
             for starter in starters:
                 starter()
-            self._jaus_liveness.start()
             if self._jaus_running:
+                self._jaus_liveness.start()
                 self._jaus_registration.start()
 
     def stop(self) -> None:

@@ -13,7 +13,7 @@ import socket
 import struct
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any, TypeVar
 
 from .page import Page, read_frame, steady_ns
@@ -55,6 +55,7 @@ class Guardian:
         self._name = name
         self._bridge = bridge
         self._stops: dict[int, Stops] = {}
+        self._deliveries: list[Iterator[None]] = []  # under way; each step sends what is due
         self._goals: dict[bytes, str] = {}
         self._sent: set[int] = set()  # numbers of stops
         self._last_beat = 0  # before which they were sent
@@ -70,6 +71,9 @@ class Guardian:
         """Watches until the bridge has died or ends the guardian."""
         try:
             self._watch()
+            while self._deliveries and not self._is_over:
+                self._go_on()
+                time.sleep(_PAUSE)
         finally:
             if self._ros is not None:
                 self._ros.close()
@@ -80,7 +84,8 @@ class Guardian:
         poll.register(self._death, select.POLLIN)
         last, was_halted = steady_ns(), False
         while not self._is_over:
-            ready = {descriptor for descriptor, _ in poll.poll(POLL * 1000)}
+            pause = _PAUSE if self._deliveries else POLL
+            ready = {descriptor for descriptor, _ in poll.poll(pause * 1000)}
             now = steady_ns()
             # If this process stood still itself, maybe with the bridge, it checks the beat only in
             # the next turn; but not twice in a row, as on a slow machine.
@@ -96,6 +101,14 @@ class Guardian:
                 self._read()
             if not was_halted:
                 self._judge()
+            self._go_on()
+
+    def _go_on(self) -> None:
+        """Goes on with all deliveries, none of which waits for another."""
+        ended = object()
+        self._deliveries = [
+            delivery for delivery in self._deliveries if next(delivery, ended) is not ended
+        ]
 
     # ------------------------------------------------------------------ frames
 
@@ -193,7 +206,7 @@ class Guardian:
             self._send_stops(due, goals=goals, why="does not run its loop")
 
     def _send_stops(self, numbers: list[int], *, goals: bool, why: str) -> None:
-        """Sends stops and cancels goals, until all are delivered or the bridge is back."""
+        """Begins to send stops and cancel goals."""
         # First `taken`, then the beat: the bridge does it the other way round, so that at least
         # one of both notices the other.
         self._page.taken += 1
@@ -213,7 +226,7 @@ class Guardian:
         _log(f"the {self._name} (process {self._bridge}) {why}: {amount}")
         datagrams = [datagram for stop in stops for datagram in stop.datagrams]
         topics = [topic for stop in stops for topic in stop.topics]
-        self._deliver(datagrams, topics, cancelled, is_halted=is_halted)
+        self._deliveries.append(self._deliver(datagrams, topics, cancelled, is_halted=is_halted))
 
     # ------------------------------------------------------------------ sending
 
@@ -224,7 +237,8 @@ class Guardian:
         goals: dict[bytes, str],
         *,
         is_halted: bool,
-    ) -> None:
+    ) -> Iterator[None]:
+        """Sends stops and cancels goals, until all are delivered or the bridge is back."""
         self._number(datagrams)
         start = time.monotonic()
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as outlet:
@@ -260,7 +274,7 @@ class Guardian:
                 ]
                 if is_halted and self._age() <= POLL * 2:
                     break  # the bridge is back, and sends its own stops and commands
-                time.sleep(_PAUSE)
+                yield
         for announcement in announcements:
             self._attempt(announcement.topic.name, self._known_ros.destroy, announcement.publisher)
 

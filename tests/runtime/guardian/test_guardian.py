@@ -6,8 +6,10 @@ import signal
 import socket
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from guardians import guardian_of
@@ -15,7 +17,9 @@ from suspended_clocks import SuspendedClocks
 from sweeps import sweep
 
 from jausml.generation.native import compiler
-from jausml.runtime.guardian.page import Page, frame, read_frame
+from jausml.runtime.guardian.page import Page, frame, read_frame, steady_ns
+from jausml.runtime.guardian.process import SEARCH_TIME, Guardian
+from jausml.runtime.guardian.rcl import Publisher
 
 ROOT = Path(__file__).parents[3]
 PATIENCE = 20.0
@@ -235,6 +239,39 @@ def test_signals_for_the_bridge_do_not_end_the_guardian(bridge, number):
     assert guarded.said() == "taken"
     guarded.process.kill()
     assert guarded.stop() == STOP
+
+
+def unheard():
+    """A library of ROS whose topics never have a subscriber."""
+    names = ("type", "check", "destroy", "close", "publishers", "subscribers")
+    return SimpleNamespace(
+        publisher=lambda topic, *_: Publisher(None, topic),
+        **dict.fromkeys(names, lambda *_: 0),
+    )
+
+
+def test_a_stop_does_not_wait_for_subscribers_of_an_earlier_one():
+    descriptor, death = Page.descriptor(), os.pidfd_open(os.getpid())
+    page = Page.at(descriptor)
+    page.beat, page.armed[0], page.armed[1] = steady_ns(), True, True
+    own, other = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+    with own, other, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as vehicle:
+        vehicle.bind(("127.0.0.1", 0))
+        topic = {"topic": "/drive", "library": "", "type": "a/msg/A", "data": "", "stamps": []}
+        datagram = {"data": b"stop..".hex(), "endpoint": vehicle.getsockname(), "slot": 0}
+        topics, datagrams = [{**topic, "qos": {}}], [datagram]
+        for number, contents in enumerate(([topics, []], [[], datagrams])):
+            stops = dict(zip(("topics", "datagrams"), contents, strict=True))
+            own.send(frame("stops", {"number": number, "patience": 0.2 + 0.3 * number, **stops}))
+        guardian = Guardian(other, page, death, "bridge", os.getpid())
+        guardian._ros = unheard()
+        thread = threading.Thread(target=guardian.run)
+        thread.start()
+        assert select.select([vehicle], [], [], SEARCH_TIME / 2)[0], "the search comes first"
+        own.send(frame("bye", {}))
+        thread.join()
+    os.close(death)
+    os.close(descriptor)
 
 
 def test_both_sides_read_the_same_page():

@@ -66,3 +66,11 @@ def test_component_starts_once(server):
     with pytest.raises(RuntimeError, match="runs already"):
         server.start()
     assert server.address == JausAddress(1, 1, 1)
+
+
+def test_a_component_that_stops_while_it_starts_sends_no_heartbeat(world):
+    component = world.component("1.1.1", heartbeat_rate=1.0)
+    component.when_started(component.stop)
+    component.start()
+    world.run(3.0)
+    assert world.count(ReportHeartbeatPulse.CODE) == 0

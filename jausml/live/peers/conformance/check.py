@@ -102,5 +102,5 @@ class ConformanceReport:
 
     @property
     def passed(self) -> bool:
-        """Whether the run came to its end, and nothing failed."""
-        return not self.interrupted and self.count(Verdict.FAIL) == 0
+        """Whether the run came to its end, there were checks, and none failed."""
+        return bool(self.results) and not self.interrupted and self.count(Verdict.FAIL) == 0

@@ -17,6 +17,8 @@ M = TypeVar("M", bound=Message)
 UNDO_ORDER = (core.DeleteElement, core.ClearEmergency, core.ReleaseControl)
 """Elements are deleted while control is held; in an emergency control cannot be released."""
 
+_ATTEMPTS_TO_UNDO = 3  # a lost datagram must not leave the target in an emergency
+
 
 _CREATING = tuple(
     codec.CODE.to_bytes(2, "little") for codec in (core.CreateEvent, core.CreateCommandEvent)
@@ -241,10 +243,18 @@ class Client:
         self._events.clear()
 
     def undo(self, kind: type[Message]) -> None:
-        """Sends the message that undoes an effect, if there is one."""
-        if kind in self._owes:
-            self.put(self.packet(self._owes[kind]))
-            del self._owes[kind]  # last, for Ctrl-C may come between
+        """Sends the message that undoes an effect, if there is one, until it is acknowledged."""
+        if kind not in self._owes:
+            return
+        packet = self.packet(self._owes[kind], acknowledge=AckNak.REQUESTED)
+        for _ in range(_ATTEMPTS_TO_UNDO):
+            self.put(packet)
+            if self._exchange.wait(lambda: self._is_acknowledged(packet), self._exchange.quiet):
+                break
+        del self._owes[kind]  # last, for Ctrl-C may come between
+
+    def _is_acknowledged(self, packet: Packet) -> bool:
+        return any(answer.sequence == packet.sequence for answer in self.acknowledgements)
 
 
 def decoded(message_class: type[M], payload: bytes) -> M:

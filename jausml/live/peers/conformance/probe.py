@@ -257,8 +257,10 @@ class Probe:
                 self._from_target(arrival, packet)
                 continue
             self.others.add(packet.source)
-            if packet.destination in self._clients:
-                self._bystanders.append((arrival.sender, packet))
+            if packet.destination in self._clients and packet.acknowledge < AckNak.NAK:
+                payload = self._whole(arrival, packet)
+                if payload is not None:
+                    self._bystanders.append((arrival.sender, packet._replace(payload=payload)))
 
     def _from_target(self, arrival: ReceivedDatagram, packet: Packet) -> None:
         self.endpoint = arrival.sender
@@ -269,19 +271,22 @@ class Probe:
         if packet.acknowledge >= AckNak.NAK:
             client.acknowledgements.append(packet)
             return
-        if packet.acknowledge is AckNak.REQUESTED:
-            self._acknowledge(packet)
-        if self._is_repetition(packet):
-            return
-        payload = packet.payload
-        if packet.data_flags is not DataFlags.SINGLE:
-            whole = self._reassembly.add(packet, arrival.time)
-            if whole is None:
-                return
-            payload = whole.payload
-        client.take(ReceivedMessage(arrival.time, packet, payload))
+        payload = self._whole(arrival, packet)
+        if payload is not None:
+            client.take(ReceivedMessage(arrival.time, packet, payload))
 
-    def _acknowledge(self, packet: Packet) -> None:
+    def _whole(self, arrival: ReceivedDatagram, packet: Packet) -> bytes | None:
+        """Returns the payload of a message that is complete now; acknowledges what asks for it."""
+        if packet.acknowledge is AckNak.REQUESTED:
+            self._acknowledge(packet, arrival.sender)
+        if self._is_repetition(packet):
+            return None
+        if packet.data_flags is DataFlags.SINGLE:
+            return packet.payload
+        whole = self._reassembly.add(packet, arrival.time)
+        return None if whole is None else whole.payload
+
+    def _acknowledge(self, packet: Packet, endpoint: Endpoint) -> None:
         answer = Packet(
             packet.source,
             packet.destination,
@@ -290,10 +295,10 @@ class Probe:
             packet.priority,
             acknowledge=AckNak.ACK,
         )
-        self.put(answer)
+        self.put(answer, endpoint)
 
     def _is_repetition(self, packet: Packet) -> bool:
-        """Whether the target sent this packet again because it missed our acknowledgement."""
+        """Whether this packet came again since its source missed our acknowledgement."""
         if packet.acknowledge is not AckNak.REQUESTED:
             return False
         key = (packet.source, packet.destination, packet.sequence, packet.payload)
