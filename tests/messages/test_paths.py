@@ -3,7 +3,7 @@
 import pytest
 
 from jausml.live.messages import EncodeError
-from jausml.live.messages.entries import by_name, parse_fields
+from jausml.live.messages.field_paths import by_name, parse_fields
 from jausml.live.messages.text import paths_of
 from jausml.live.peers.rendering import shown_fields
 
@@ -110,11 +110,29 @@ def test_what_is_wrong_in_several_records_is_named(kinds):
         ({"A[1]": 1}, r"A\[1\]: element 0 is not given before"),
         ({"A.B": 1, "A[0]": 1}, r"A\[0\]: this contradicts another field"),
         ({"A": 1, "A.B": 1}, r"A\.B: this contradicts another field"),
+        ({"A.B": 1, "A": 1}, "A: this contradicts another field"),
+        ({"A[0]": 1, "A": [2]}, "A: this contradicts another field"),
+        ({"A.B": 1, "A": {"B": 2}}, "A: this contradicts another field"),
+        ({".".join("A" * 9999): 1}, "nested too deep"),
     ],
 )
 def test_paths_that_lead_nowhere(fields, error):
     with pytest.raises(EncodeError, match=error):
         by_name(fields)
+
+
+def test_objects_and_paths_are_joined_in_any_order_and_remain_as_they_were():
+    inner = {"X": 1, "Y": {"Z": 2}}
+    whole = {"A": {"X": 1, "Y": {"Z": 2, "W": 3}}}
+    assert by_name({"A": inner, "A.Y.W": 3}) == by_name({"A.Y.W": 3, "A": inner}) == whole
+    assert by_name({"L": [inner], "L[0].W": 3}) == {"L": [{**inner, "W": 3}]}
+    assert inner == {"X": 1, "Y": {"Z": 2}}
+
+
+def test_a_field_by_its_whole_path_and_by_the_end_of_it_is_refused(catalogue):
+    lamps = catalogue.named("SetIlluminationState")[0]
+    with pytest.raises(EncodeError, match=r"illumination\.Headlights: this is there twice"):
+        lamps.completed({"Headlights": 1, "illumination.Headlights": 0})
 
 
 @pytest.mark.parametrize(
@@ -133,6 +151,11 @@ def test_fields_in_words(text, fields):
 def test_what_are_no_fields(text):
     with pytest.raises(ValueError, match="fields"):
         parse_fields(text)
+
+
+def test_a_field_is_assigned_once():
+    with pytest.raises(ValueError, match=r"A\.B: this is there twice"):
+        parse_fields("A.B=1 C=2 A.B=1")
 
 
 def test_paths_of_a_message(catalogue):

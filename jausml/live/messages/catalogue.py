@@ -8,11 +8,9 @@ from functools import partial
 from typing import Any
 
 from jausml.live.messages.entries import (
-    MAXIMUM_DEPTH,
     DecodedMessage,
     MessageEntry,
     ServiceEntry,
-    as_it_is,
     read_code,
 )
 from jausml.live.messages.errors import (
@@ -27,8 +25,15 @@ from jausml.live.messages.errors import (
 )
 from jausml.live.messages.values import check_names, shown
 
+MAXIMUM_DEPTH = 8
+"""Messages inside messages that are decoded; what stands deeper remains hex."""
+
 _KEYS = ("message", "code", "service", "service_version", "fields")
 _CODE = re.compile(r"(?:0[xX])?[0-9A-Fa-f]{4}")
+
+
+def as_it_is(_payload: bytes, /) -> None:
+    """Leaves a message inside another as hex, where it takes the place of `Catalogue.decode`."""
 
 
 class Catalogue:
