@@ -1,5 +1,7 @@
 """What is shown of a message is taken back; errors name all fields that are wrong."""
 
+from time import process_time
+
 import pytest
 
 from jausml.live.messages import EncodeError
@@ -74,6 +76,27 @@ def test_another_unit_is_no_number(catalogue, value):
     entry = catalogue.message("SetWrenchEffort")
     with pytest.raises(EncodeError, match="PropulsiveLinearEffortX: "):
         entry.encode(entry.completed({"PropulsiveLinearEffortX": value}))
+
+
+@pytest.mark.parametrize("value", ["1" * 100_000, "1" * 5000 + " (READY)", "1 (STANDBY)"])
+def test_a_text_that_is_no_shown_value_is_refused_at_once(catalogue, value):
+    begin = process_time()
+    with pytest.raises(EncodeError, match="Status: '1"):
+        catalogue.encode({"message": "ReportStatus", "fields": {"Status": value, "Reserved": 0}})
+    with pytest.raises(EncodeError, match="LinearEffortX: '1"):
+        catalogue.encode(
+            {"message": "SetWrenchEffort", "fields": {"PropulsiveLinearEffortX": value}}
+        )
+    assert process_time() - begin < 1
+
+
+def test_a_version_that_contradicts_that_of_the_service_is_refused(catalogue):
+    message = {"message": "QueryStatus", "service": "Management/1.0", "service_version": "1.1"}
+    with pytest.raises(
+        EncodeError, match=r"service_version: '1\.1' is not that of Management/1\.0"
+    ):
+        catalogue.encode(message)
+    assert catalogue.encode({**message, "service_version": "1.0"}) == bytes.fromhex("0220")
 
 
 def test_all_wrong_fields_are_named(catalogue):

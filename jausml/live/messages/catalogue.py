@@ -75,7 +75,7 @@ class Catalogue:
             versions = [f"{name}/{s.version}" for s in named]
             raise UnknownServiceError(f"service {name} has no version {version}", versions)
         known = {identifier for s in every for identifier in (s.urn, s.name)}
-        raise UnknownServiceError(f"no service '{shown(name)[1:-1]}'", similar(name, known))
+        raise UnknownServiceError(f"no service {shown(name)}", similar(name, known))
 
     def find(self, code: int, service: str | None = None) -> tuple[MessageEntry, ...]:
         """Returns the messages of a code; several when it has several meanings."""
@@ -268,9 +268,12 @@ def _service_of(message: Mapping[str, Any]) -> str | None:
             raise EncodeError(f"{shown(value)} is not a string", key)
     if version is not None and service is None:
         raise EncodeError("says nothing without a service", "service_version")
-    if service is None or version is None or "/" in service:
+    if service is None or not version:
         return service
-    return f"{service}/{version}"
+    name, _, own = service.partition("/")
+    if own not in ("", version):
+        raise EncodeError(f"{shown(version)} is not that of {service}", "service_version")
+    return f"{name}/{version}"
 
 
 def _choices(entries: Sequence[MessageEntry]) -> list[str]:
