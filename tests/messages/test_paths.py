@@ -99,6 +99,14 @@ def test_a_version_that_contradicts_that_of_the_service_is_refused(catalogue):
     assert catalogue.encode({**message, "service_version": "1.0"}) == bytes.fromhex("0220")
 
 
+@pytest.mark.parametrize("other", [{"ReportStatus": {"Status": 1, "Reserved": 0}}, {"x": 1}])
+@pytest.mark.parametrize("whole", [{"message": {"message": "QueryStatus"}}, {"hex": "0220"}])
+def test_what_stands_beside_a_message_is_not_lost(catalogue, whole, other):
+    event = {"EventID": 1, "SequenceNumber": 2, "ReportMessage": {**whole, **other}}
+    with pytest.raises(EncodeError, match=rf"ReportMessage\.{next(iter(other))}: unknown field"):
+        catalogue.encode({"message": "Event", "fields": event})
+
+
 def test_all_wrong_fields_are_named(catalogue):
     entry = catalogue.message("SetWrenchEffort")
     fields = {
