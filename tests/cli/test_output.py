@@ -43,9 +43,19 @@ def test_output_without_room_is_told(shell, words):
     assert result.stderr == "Error: cannot write the output: No space left on device\n"
 
 
+def test_output_without_room_is_no_file_of_a_new_project(shell):
+    origin = "--from topics scan:sensor_msgs/LaserScan --yes"
+    result = shell(f"PYTHONUNBUFFERED=1 jausml init rover {origin} > /dev/full")
+    assert result.returncode == 2
+    assert result.stderr.endswith("Error: cannot write the output: No space left on device\n")
+
+
 def test_a_file_for_which_there_is_no_room_stays_as_it_was(shell, folder):
     before = (folder / "good.xmi").read_bytes()
-    result = shell("ulimit -f 1; jausml merge good.xmi good.xmi bad.xmi -o good.xmi")
+    # Modules that are compiled here would be cut off, and no later process could load them.
+    result = shell(
+        "ulimit -f 1; PYTHONDONTWRITEBYTECODE=1 jausml merge good.xmi good.xmi bad.xmi -o good.xmi"
+    )
     assert (result.returncode, result.stderr) == (
         2,
         "Error: cannot write good.xmi: File too large\n",

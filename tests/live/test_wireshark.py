@@ -14,7 +14,7 @@ from wire_vectors import golden_vectors, payload_of, vectors
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models
 from jausml.live.messages import load_catalogue
-from jausml.live.messages.entries import as_it_is
+from jausml.live.messages.catalogue import as_it_is
 from jausml.live.messages.values import as_numbers
 from jausml_generators.common.components import library_services
 from jausml_generators.wireshark.target import DissectorView

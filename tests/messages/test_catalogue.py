@@ -157,6 +157,17 @@ def test_an_own_service_takes_the_place_of_the_library_s(tmp_path):
     assert catalogue.message("SetLamp0", "Management").name == "SetLamp0"
 
 
+def test_it_has_nothing_of_the_service_whose_place_it_takes(tmp_path):
+    path = model(tmp_path, urn="urn:jaus:jss:core:AccessControl", name="AccessControl")
+    path.write_text(path.read_text("utf-8").replace('version="1.0"', 'version="1.1"'), "utf-8")
+    catalogue = load_catalogue([path])
+    service = catalogue.services["urn:jaus:jss:core:AccessControl", "1.1"]
+    assert service.inherits is None
+    assert catalogue.services[MANAGEMENT, "1.1"].inherits is service
+    relations = {message.name: message.relations for message in catalogue.messages}
+    assert relations["SetLamp0"].exchange is None
+
+
 def test_a_model_that_cannot_be_read_says_where(tmp_path):
     path = model(tmp_path, "<nonsense/>")
     with pytest.raises(CatalogueError, match=r"own\.xmi:6:\d+: JML103"):

@@ -15,8 +15,8 @@ from sweeps import sweep
 
 from jausml.language.model import read_models
 from jausml.live.messages import CodecError
+from jausml.live.messages.catalogue import as_it_is
 from jausml.live.messages.defined import DefinedCatalogue
-from jausml.live.messages.entries import as_it_is
 from jausml.live.messages.values import as_numbers
 from jausml.runtime.wire.message import DecodeError, EncodeError
 

@@ -6,7 +6,7 @@ import pytest
 from wire_vectors import close, golden_vectors
 
 from jausml.live.messages import AmbiguousMessageError
-from jausml.live.messages.entries import as_it_is
+from jausml.live.messages.catalogue import as_it_is
 
 pytestmark = pytest.mark.beside("golden/jaus_messages.jsonl")
 

@@ -1,9 +1,11 @@
 """What is shown of a message is taken back; errors name all fields that are wrong."""
 
+from time import process_time
+
 import pytest
 
 from jausml.live.messages import EncodeError
-from jausml.live.messages.entries import by_name, parse_fields
+from jausml.live.messages.field_paths import by_name, parse_fields
 from jausml.live.messages.text import paths_of
 from jausml.live.peers.rendering import shown_fields
 
@@ -76,6 +78,35 @@ def test_another_unit_is_no_number(catalogue, value):
         entry.encode(entry.completed({"PropulsiveLinearEffortX": value}))
 
 
+@pytest.mark.parametrize("value", ["1" * 100_000, "1" * 5000 + " (READY)", "1 (STANDBY)"])
+def test_a_text_that_is_no_shown_value_is_refused_at_once(catalogue, value):
+    begin = process_time()
+    with pytest.raises(EncodeError, match="Status: '1"):
+        catalogue.encode({"message": "ReportStatus", "fields": {"Status": value, "Reserved": 0}})
+    with pytest.raises(EncodeError, match="LinearEffortX: '1"):
+        catalogue.encode(
+            {"message": "SetWrenchEffort", "fields": {"PropulsiveLinearEffortX": value}}
+        )
+    assert process_time() - begin < 1
+
+
+def test_a_version_that_contradicts_that_of_the_service_is_refused(catalogue):
+    message = {"message": "QueryStatus", "service": "Management/1.0", "service_version": "1.1"}
+    with pytest.raises(
+        EncodeError, match=r"service_version: '1\.1' is not that of Management/1\.0"
+    ):
+        catalogue.encode(message)
+    assert catalogue.encode({**message, "service_version": "1.0"}) == bytes.fromhex("0220")
+
+
+@pytest.mark.parametrize("other", [{"ReportStatus": {"Status": 1, "Reserved": 0}}, {"x": 1}])
+@pytest.mark.parametrize("whole", [{"message": {"message": "QueryStatus"}}, {"hex": "0220"}])
+def test_what_stands_beside_a_message_is_not_lost(catalogue, whole, other):
+    event = {"EventID": 1, "SequenceNumber": 2, "ReportMessage": {**whole, **other}}
+    with pytest.raises(EncodeError, match=rf"ReportMessage\.{next(iter(other))}: unknown field"):
+        catalogue.encode({"message": "Event", "fields": event})
+
+
 def test_all_wrong_fields_are_named(catalogue):
     entry = catalogue.message("SetWrenchEffort")
     fields = {
@@ -110,11 +141,29 @@ def test_what_is_wrong_in_several_records_is_named(kinds):
         ({"A[1]": 1}, r"A\[1\]: element 0 is not given before"),
         ({"A.B": 1, "A[0]": 1}, r"A\[0\]: this contradicts another field"),
         ({"A": 1, "A.B": 1}, r"A\.B: this contradicts another field"),
+        ({"A.B": 1, "A": 1}, "A: this contradicts another field"),
+        ({"A[0]": 1, "A": [2]}, "A: this contradicts another field"),
+        ({"A.B": 1, "A": {"B": 2}}, "A: this contradicts another field"),
+        ({".".join("A" * 9999): 1}, "nested too deep"),
     ],
 )
 def test_paths_that_lead_nowhere(fields, error):
     with pytest.raises(EncodeError, match=error):
         by_name(fields)
+
+
+def test_objects_and_paths_are_joined_in_any_order_and_remain_as_they_were():
+    inner = {"X": 1, "Y": {"Z": 2}}
+    whole = {"A": {"X": 1, "Y": {"Z": 2, "W": 3}}}
+    assert by_name({"A": inner, "A.Y.W": 3}) == by_name({"A.Y.W": 3, "A": inner}) == whole
+    assert by_name({"L": [inner], "L[0].W": 3}) == {"L": [{**inner, "W": 3}]}
+    assert inner == {"X": 1, "Y": {"Z": 2}}
+
+
+def test_a_field_by_its_whole_path_and_by_the_end_of_it_is_refused(catalogue):
+    lamps = catalogue.named("SetIlluminationState")[0]
+    with pytest.raises(EncodeError, match=r"illumination\.Headlights: this is there twice"):
+        lamps.completed({"Headlights": 1, "illumination.Headlights": 0})
 
 
 @pytest.mark.parametrize(
@@ -133,6 +182,11 @@ def test_fields_in_words(text, fields):
 def test_what_are_no_fields(text):
     with pytest.raises(ValueError, match="fields"):
         parse_fields(text)
+
+
+def test_a_field_is_assigned_once():
+    with pytest.raises(ValueError, match=r"A\.B: this is there twice"):
+        parse_fields("A.B=1 C=2 A.B=1")
 
 
 def test_paths_of_a_message(catalogue):

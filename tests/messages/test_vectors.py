@@ -14,7 +14,7 @@ from wire_vectors import close, given, payload_of, vectors
 
 from jausml.live import messages
 from jausml.live.messages import load_catalogue
-from jausml.live.messages.entries import as_it_is
+from jausml.live.messages.catalogue import as_it_is
 from jausml.runtime import wire
 
 # What the interpreter and the generated classes say of each kind of error.

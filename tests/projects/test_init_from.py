@@ -86,6 +86,8 @@ def test_eclipse_opens_services_without_a_word(tmp_path, jausml):
         (("--from", "topics", "a:std_msgs/String"), 2, "no ready map carries std_msgs/String"),
         (("--from", "jsidl", WINCH / "Winch.jsidl"), 1, "nothing written"),
         (("--from", "jsidl", "missing.jsidl"), 2, "missing.jsidl"),
+        (("--copies", "odom:nav_msgs/Odometry"), 2, "Error: --copies takes no SOURCE\n"),
+        (("--copies", "--yes"), 2, "--yes: not with --copies"),
     ],
 )
 def test_what_cannot_be_begun_writes_nothing(tmp_path, jausml, options, status, told):

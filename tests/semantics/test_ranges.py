@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from jausml.language.attributes import intervals
 from jausml.language.attributes.expressions import evaluate, parse_expression
 from jausml.language.metamodel.classes import bridge
+from jausml.language.semantics.assignments.ranges import sent_through
 from jausml.language.semantics.assignments.steps import steps_of
-from jausml.language.semantics.assignments.units import sent_through
 from jausml.language.semantics.conversions import NoValueError
 from jausml.language.semantics.paths.scopes import place
 from jausml.runtime import conversions as runtime

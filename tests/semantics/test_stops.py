@@ -4,7 +4,7 @@ import pytest
 from generated import model_in
 
 from jausml.language.metamodel.classes import bridge
-from jausml.language.semantics.assignments.units import fills_rates_alone
+from jausml.language.semantics.assignments.rates import fills_rates_alone
 from jausml.language.semantics.connections import stops
 from jausml.language.semantics.paths.scopes import target_paths
 from jausml.language.validation.engine import check_project

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -10,12 +11,12 @@ import click
 
 from jausml.authoring.projects.starting import EXAMPLE, STARTING_POINTS, starting_point
 from jausml.cli.authoring.new import topic_options
-from jausml.cli.shared.files import PROBLEMS, EnvironmentFault
+from jausml.cli.shared.files import PROBLEMS, EnvironmentFault, ending_at
 from jausml.cli.shared.models import show_findings
 from jausml.cli.shared.options import quiet_option, refuse_options
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     from jausml.authoring.projects.creating import Wish
     from jausml.authoring.proposals.topics import Crossing
@@ -75,29 +76,28 @@ def command(
     from jausml.authoring.projects.errors import ProjectError
 
     if copies:
-        refuse_options("not with --copies", "name", "notation", "origin")
-    _check_origin(origin, sources)
-    if copies:
+        refused = ("name", "notation", "origin", "side", "yes", "holds", "joints")
+        refuse_options("not with --copies", *refused)
+        if sources:
+            raise click.UsageError("--copies takes no SOURCE")
         _renew(folder, quiet=quiet)
         return
+    _check_origin(origin, sources)
     point = starting_point(origin)
     is_text_only = point is not None and point.is_text_only
     if is_text_only and notation == "xmi":
         text = f"--from {origin} uses ready maps, which are text; leave out --notation"
         raise click.UsageError(text)
     chosen: Sequence[Crossing] = ()
-    try:
+    with ending_at(ProjectError):
         wish = Wish(name or name_for(folder), notation == "text" or is_text_only, origin)
         if origin == _TOPICS:
             written, chosen = _from_topics(folder, wish, sources, choosing)
         elif origin == _JSIDL:
             written = _from_jsidl(folder, wish, sources)
         else:
-            written = create(folder, wish)
-    except ProjectError as error:
-        raise EnvironmentFault(str(error)) from error
-    except OSError as error:
-        raise EnvironmentFault(f"{error.filename} cannot be written: {error.strerror}") from error
+            with _writing():
+                written = create(folder, wish)
     if not quiet:
         _show_next(folder, len(written), wish)
     if chosen:
@@ -110,14 +110,25 @@ def _check_origin(origin: str, sources: Sequence[str]) -> None:
     """Refuses sources and options that do not fit an origin, and missing sources."""
     if origin != _TOPICS:
         refuse_options(f"only with --from {_TOPICS}", "side", "yes", "holds", "joints")
-    if bool(sources) is not (origin in _EXAMPLES):
-        what = f"needs SOURCEs, such as {_EXAMPLES[origin]}" if not sources else "takes no SOURCE"
-        if sources and all(":" in source for source in sources):
-            what += "; did you mean --from topics?"
-        raise click.UsageError(f"--from {origin} {what}")
+    if not sources and origin in _EXAMPLES:
+        raise click.UsageError(f"--from {origin} needs SOURCEs, such as {_EXAMPLES[origin]}")
+    if sources and origin not in _EXAMPLES:
+        are_topics = all(":" in source for source in sources)
+        hint = f"; did you mean --from {_TOPICS}?" if are_topics else ""
+        raise click.UsageError(f"--from {origin} takes no SOURCE{hint}")
+
+
+@contextmanager
+def _writing() -> Iterator[None]:
+    """Ends the verb where a file of the project cannot be written, with its path."""
+    try:
+        yield
+    except OSError as error:
+        raise EnvironmentFault(f"{error.filename} cannot be written: {error.strerror}") from error
 
 
 def _show_next(folder: Path, count: int, wish: Wish) -> None:
+    """Shows how many files were written, and the commands that one types next."""
     click.echo(f"{count} files in {folder}; next:")
     if folder.resolve() != Path.cwd().resolve():
         where = f"./{folder}" if str(folder).startswith("-") else str(folder)
@@ -128,15 +139,14 @@ def _show_next(folder: Path, count: int, wish: Wish) -> None:
 
 
 def _renew(folder: Path, *, quiet: bool) -> None:
+    """Renews the copies in a project; shows which stay, as somebody has changed them."""
     from jausml.authoring.projects.creating import is_project, renew_copies
 
     if not is_project(folder):
         shown = click.format_filename(folder)
         raise click.UsageError(f"{shown} is no project whose copies could be renewed")
-    try:
+    with _writing():
         written, kept = renew_copies(folder)
-    except OSError as error:
-        raise EnvironmentFault(f"{error.filename} cannot be written: {error.strerror}") from error
     for path in kept:
         click.echo(f"{path} stays: it was changed here", err=True)
     if not quiet:
@@ -146,6 +156,10 @@ def _renew(folder: Path, *, quiet: bool) -> None:
 def _from_topics(
     folder: Path, wish: Wish, sources: Sequence[str], choosing: Choosing
 ) -> tuple[list[str], Sequence[Crossing]]:
+    """Begins with a bridge of topics, and shows the maps that it uses.
+
+    Returns the files that were written, and how each topic crosses.
+    """
     from jausml.authoring.projects.adding import start_from_topics
     from jausml.cli.authoring.topics import (
         chosen_crossings,
@@ -159,7 +173,8 @@ def _from_topics(
     topics = topics_of(sources)
     maps = library().instances(bridge.AttributeMap)
     chosen = chosen_crossings(topics, maps, choosing)
-    written = start_from_topics(folder, wish, chosen, topics)
+    with _writing():
+        written = start_from_topics(folder, wish, chosen, topics)
     show_chosen(chosen, topics)
     show_unanswered(chosen)
     return written, chosen
@@ -168,7 +183,9 @@ def _from_topics(
 def _from_jsidl(folder: Path, wish: Wish, sources: Sequence[str]) -> list[str]:
     from jausml.authoring.projects.adding import start_from_services
 
-    return start_from_services(folder, wish, _imported(sources))
+    imported = _imported(sources)
+    with _writing():
+        return start_from_services(folder, wish, imported)
 
 
 def _imported(paths: Sequence[str]) -> ImportResult:

@@ -372,7 +372,7 @@ class _LineError(ValueError):
 
 
 def _message(line: str) -> dict[str, Any]:
-    from jausml.live.messages.entries import parse_fields
+    from jausml.live.messages.field_paths import parse_fields
     from jausml.live.messages.values import shown
 
     name, _, fields = line.strip().partition(" ")

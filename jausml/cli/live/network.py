@@ -258,7 +258,7 @@ def _fields(
         return context.meta.get(_FIELDS_BESIDE) or None
     if _FIELDS_BESIDE in context.meta:
         raise click.BadParameter("the fields stand in the object of the message already")
-    from jausml.live.messages.entries import parse_fields
+    from jausml.live.messages.field_paths import parse_fields
 
     with ending_at(ValueError, kind=click.BadParameter):
         return parse_fields(" ".join(words))

@@ -8,11 +8,9 @@ from functools import partial
 from typing import Any
 
 from jausml.live.messages.entries import (
-    MAXIMUM_DEPTH,
     DecodedMessage,
     MessageEntry,
     ServiceEntry,
-    as_it_is,
     read_code,
 )
 from jausml.live.messages.errors import (
@@ -27,8 +25,15 @@ from jausml.live.messages.errors import (
 )
 from jausml.live.messages.values import check_names, shown
 
+MAXIMUM_DEPTH = 8
+"""Messages inside messages that are decoded; what stands deeper remains hex."""
+
 _KEYS = ("message", "code", "service", "service_version", "fields")
 _CODE = re.compile(r"(?:0[xX])?[0-9A-Fa-f]{4}")
+
+
+def as_it_is(_payload: bytes, /) -> None:
+    """Leaves a message inside another as hex, where it takes the place of `Catalogue.decode`."""
 
 
 class Catalogue:
@@ -70,7 +75,7 @@ class Catalogue:
             versions = [f"{name}/{s.version}" for s in named]
             raise UnknownServiceError(f"service {name} has no version {version}", versions)
         known = {identifier for s in every for identifier in (s.urn, s.name)}
-        raise UnknownServiceError(f"no service '{shown(name)[1:-1]}'", similar(name, known))
+        raise UnknownServiceError(f"no service {shown(name)}", similar(name, known))
 
     def find(self, code: int, service: str | None = None) -> tuple[MessageEntry, ...]:
         """Returns the messages of a code; several when it has several meanings."""
@@ -263,9 +268,12 @@ def _service_of(message: Mapping[str, Any]) -> str | None:
             raise EncodeError(f"{shown(value)} is not a string", key)
     if version is not None and service is None:
         raise EncodeError("says nothing without a service", "service_version")
-    if service is None or version is None or "/" in service:
+    if service is None or not version:
         return service
-    return f"{service}/{version}"
+    name, _, own = service.partition("/")
+    if own not in ("", version):
+        raise EncodeError(f"{shown(version)} is not that of {service}", "service_version")
+    return f"{name}/{version}"
 
 
 def _choices(entries: Sequence[MessageEntry]) -> list[str]:

@@ -129,9 +129,10 @@ def formatted_of(kind: wire.FormattedOctets, encode_message: EncodeMessage) -> C
 
 
 def _by_message(fields: dict[str, Any]) -> dict[str, Any]:
-    """Returns an object in which `{NAME: FIELDS}` has become a message of this name."""
+    """Returns an object in which `{NAME: FIELDS}`, alone, has become a message of this name."""
     others = [name for name in fields if name not in ("format", "hex", MESSAGE)]
-    if len(others) != 1 or not isinstance(fields[others[0]], dict):
+    is_given = "hex" in fields or MESSAGE in fields
+    if is_given or len(others) != 1 or not isinstance(fields[others[0]], dict):
         return fields
     message = {MESSAGE: others[0], "fields": fields[others[0]]}
     return {name: value for name, value in fields.items() if name != others[0]} | {MESSAGE: message}
@@ -144,14 +145,16 @@ def _bytes_of(fields: Mapping[str, Any], encode_inner: EncodeMessage | None, *mo
         fields: The object: `hex`, and for an embedded message its decoded form, which counts only
             when there is no `hex`.
     """
-    if encode_inner is not None and MESSAGE in fields and "hex" not in fields:
+    known = ("hex", *more) if encode_inner is None else ("hex", MESSAGE, *more)
+    encode = encode_inner if MESSAGE in fields and "hex" not in fields else None
+    instead = "" if encode_inner is None else f", or {MESSAGE} in its stead an object of one"
+    needed = ("hex",) if encode is None else ()
+    check_names(fields, known, needed, lambda _: f"bytes in hexadecimal{instead}")
+    if encode is not None:
         try:
-            return encode_inner(fields[MESSAGE])
+            return encode(fields[MESSAGE])
         except EncodeError as error:
             raise error.inside(MESSAGE) from None
-    known = ("hex", *more) if encode_inner is None else ("hex", MESSAGE, *more)
-    instead = "" if encode_inner is None else f", or {MESSAGE} in its stead an object of one"
-    check_names(fields, known, ("hex",), lambda _: f"bytes in hexadecimal{instead}")
     text = fields["hex"]
     if not isinstance(text, str):
         raise EncodeError(f"{shown(text)} is not a string", "hex")

@@ -78,14 +78,16 @@ class DefinedCatalogue(Catalogue):
         self._entry_of: dict[jaus.MessageDef, MessageEntry] = {}
         self._owners: dict[MessageEntry, list[jaus.Service]] = {}
         services: dict[jaus.Service, ServiceEntry] = {}
+        listed: list[tuple[jaus.Service, ServiceEntry]] = []
         for definition in model.instances(jaus.Service):
             entry = _service(definition, partial(self._entries_of, definition))
             key = (entry.urn, entry.version)
             if key not in self.services:
                 self.services[key] = entry
                 self._list_messages(definition, entry)
+                listed.append((definition, entry))
             services[definition] = self.services[key]
-        for definition, entry in services.items():
+        for definition, entry in listed:
             if definition.inherits is not None:
                 entry.inherits = services.get(definition.inherits)
 
@@ -98,7 +100,7 @@ class DefinedCatalogue(Catalogue):
                 codes.append(code)
 
     def entry(self, definition: jaus.MessageDef) -> MessageEntry:
-        """Returns the message of a definition."""
+        """Returns the message of a definition in a service that is listed."""
         self._with_code(int(str(definition.code), 16))
         return self._entry_of[definition]
 
@@ -132,13 +134,20 @@ class DefinedCatalogue(Catalogue):
     def _relations_of(self, definition: jaus.MessageDef) -> Relations:
         owners = self._owners[self.entry(definition)]
         answers = (answer for owner in owners for answer in responses(definition, owner))
-        reports = (told_after(definition, owner) for owner in owners)
-        report = next(filter(None, reports), None)
+        reports = filter(None, (told_after(definition, owner) for owner in owners))
+        exchanges = (
+            (self._listed(report.query), self._listed(report.report)) for report in reports
+        )
         return Relations(
             any(obeys_controller_alone(definition, owner) for owner in owners),
-            tuple(dict.fromkeys(map(self.entry, answers))),
-            None if report is None else (self.entry(report.query), self.entry(report.report)),
+            tuple(dict.fromkeys(filter(None, map(self._listed, answers)))),
+            next(((query, report) for query, report in exchanges if query and report), None),
         )
+
+    def _listed(self, definition: jaus.MessageDef) -> MessageEntry | None:
+        """Returns the message of a definition; None where its service has lost its place."""
+        self._with_code(int(str(definition.code), 16))
+        return self._entry_of.get(definition)
 
 
 def _service(definition: jaus.Service, messages: partial[Any]) -> ServiceEntry:

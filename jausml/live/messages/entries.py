@@ -1,12 +1,7 @@
-"""Entries of the catalogue: services, messages also inside messages, and their fields by paths.
-
-A path is written as messages are shown: `ElementList[0].ElementUID=3`.
-"""
+"""Entries of the catalogue: services and messages, also messages inside messages."""
 
 from __future__ import annotations
 
-import json
-import re
 import struct
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -14,52 +9,12 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 from jausml.language import wire
-from jausml.live.messages.codec import PRESENCE, TAG, codec_of, may_hold
+from jausml.live.messages.codec import PRESENCE, codec_of, may_hold
 from jausml.live.messages.counted import MESSAGE, EncodeMessage
 from jausml.live.messages.errors import DecodeError, DefinitionError, EncodeError, MessageError
+from jausml.live.messages.field_paths import completed
 from jausml.live.messages.items import Codec
-
-MAXIMUM_DEPTH = 8
-"""Messages inside messages that are decoded; what stands deeper remains hex."""
-
-
-def as_it_is(_payload: bytes, /) -> None:
-    """Decodes no embedded message."""
-
-
-def holds(kind: wire.Octets | wire.FormattedOctets, value: Mapping[str, Any]) -> bool:
-    """Tells whether a decoded byte field holds a message."""
-    if isinstance(kind, wire.Octets):
-        return kind.holds_message
-    return kind.holds_message(int(value["format"]))
-
-
-def holders(kind: wire.Kind, value: Any) -> Iterator[dict[str, Any]]:
-    """Yields the objects of a decoded field that hold a message."""
-    if isinstance(kind, wire.Octets | wire.FormattedOctets):
-        if holds(kind, value):
-            yield value
-        return
-    for _, inner, part in parts(kind, value):
-        yield from holders(inner, part)
-
-
-def parts(kind: wire.Kind, value: Any) -> Iterator[tuple[str, wire.Kind, Any]]:
-    """Yields the fields inside a decoded field: their names or `[index]`, kinds and values."""
-    match kind:
-        case wire.Record():
-            for member in kind.members:
-                if member.name in value:
-                    yield member.name, member.kind, value[member.name]
-        case wire.List() | wire.Array():
-            for index, item in enumerate(value):
-                yield f"[{index}]", kind.element.kind, item
-        case wire.Variant() if kind.options:
-            option = kind.options[value[TAG]]
-            yield option.name, option.kind, value[option.name]
-        case _:
-            pass  # a leaf
-
+from jausml.live.messages.walking import holders
 
 _CODE = struct.Struct("<H")
 # Two definitions that differ in these alone decode and encode the same.
@@ -89,11 +44,11 @@ class ServiceEntry:
         output_names: tuple[str, ...],
         messages: Callable[[], tuple[tuple[MessageEntry, ...], tuple[MessageEntry, ...]]],
     ) -> None:
-        """Is what a catalogue lists.
+        """Describes a service.
 
         Args:
-            names: What `NAMES` lists.
-            messages: Returns the entries of its inputs and outputs.
+            names: A text for each of `NAMES`.
+            messages: Returns the entries of its inputs and of its outputs, when these are used.
         """
         self.urn, self.version, self.name = names["urn"], names["version"], names["name"]
         self.documentation = names["documentation"]
@@ -172,11 +127,14 @@ class MessageEntry:
         *,
         is_command: bool,
     ) -> None:
-        """Is what a catalogue lists.
+        """Describes a message; whoever lists it sets its `services`.
 
         Args:
             layout: Returns how it is laid out, when that is used (`wire.LayoutError`: it is not).
+            encode_message: Encodes a message inside it.
+            decode_message: Decodes a message inside it where `decode` gets nothing else.
             relations: Returns what belongs to it, when that is used.
+            is_command: Whether it commands its receiver.
         """
         self.name, self.code, self.documentation = name, code, documentation
         self.is_command = is_command
@@ -246,11 +204,7 @@ class MessageEntry:
             fields: The one record of a body need not be named; names may be paths, as they are
                 shown: `NodeList[0].NodeID`, or their ends, where one path alone has them.
         """
-        members = self.record.members
-        is_whole = len(members) != 1 or any(_first(field) == members[0].name for field in fields)
-        kind = self.record if is_whole else members[0].kind
-        fields = by_name(_from_ends(kind, fields))
-        return fields if is_whole else {members[0].name: fields}
+        return completed(self.record, fields)
 
     def shortened(self, fields: dict[str, Any]) -> dict[str, Any]:
         """Returns fields without the one record of a body, and without its presence vector."""
@@ -258,7 +212,7 @@ class MessageEntry:
         inner = fields.get(members[0].name) if len(members) == 1 else None
         shown = inner if isinstance(inner, dict) else fields
         there = {name: value for name, value in shown.items() if name != PRESENCE}
-        return dict(shortened(there)) if self.may_hold_messages else there
+        return dict(_with_short_messages(there)) if self.may_hold_messages else there
 
     def decode(self, payload: bytes, decode_message: DecodeMessage | None = None) -> dict[str, Any]:
         """Returns the fields of the body.
@@ -344,114 +298,14 @@ def put_in_place(record: wire.Record, fields: dict[str, Any], decode: DecodeMess
             holder[MESSAGE] = EmbeddedMessage(message)
 
 
-def shortened(value: Any) -> Any:
+def _with_short_messages(value: Any) -> Any:
     """Returns a value in which messages have the fields of `MessageEntry.shortened`."""
     match value:
         case EmbeddedMessage(decoded=DecodedMessage() as decoded):
             return {**value, "fields": decoded.entry.shortened(decoded.fields)}
         case dict():
-            return {name: shortened(member) for name, member in value.items()}
+            return {name: _with_short_messages(member) for name, member in value.items()}
         case list():
-            return [shortened(item) for item in value]
+            return [_with_short_messages(item) for item in value]
         case _:
             return value
-
-
-_PATH = r"\w+(?:\[\d+\])*(?:\.\w+(?:\[\d+\])*)*"
-_STEP = re.compile(r"(\w+)|\[(\d+)\]")
-_ASSIGNMENT = re.compile(rf"(?:^|(?<=\s))({_PATH})=")
-
-
-def _first(path: str) -> str:
-    return re.split(r"[.\[]", path, maxsplit=1)[0]
-
-
-def _from_ends(kind: wire.Kind, fields: dict[str, Any]) -> dict[str, Any]:
-    """Returns fields by whole paths, where a path left out its beginning and is unique."""
-    places: dict[str, list[str]] = {}
-    for name, path in _named_inside(kind, ""):
-        places.setdefault(name, []).append(path)
-    direct = {member.name for member in kind.members} if isinstance(kind, wire.Record) else set()
-    fields_by_path = {}
-    for path, value in fields.items():
-        first = _first(str(path))
-        prefixes = [] if first in direct else places.get(first, [])
-        fields_by_path[f"{prefixes[0]}{path}" if len(prefixes) == 1 else path] = value
-    return fields_by_path
-
-
-def _named_inside(kind: wire.Kind, before: str) -> Iterator[tuple[str, str]]:
-    """Yields the names in records and bit fields, with the paths before them."""
-    if isinstance(kind, wire.BitField):
-        yield from ((group.name, before) for group in kind.groups)
-    if isinstance(kind, wire.Record):
-        for member in kind.members:
-            yield member.name, before
-            yield from _named_inside(member.kind, f"{before}{member.name}.")
-
-
-def by_name(fields: dict[str, Any]) -> dict[str, Any]:
-    """Returns fields in which names that are paths have become objects and lists."""
-    nested_fields: dict[str, Any] = {}
-    for path, value in fields.items():
-        steps = [name or int(index) for name, index in _STEP.findall(str(path))]
-        if len(steps) < 2 or not re.fullmatch(_PATH, str(path)):
-            nested_fields[path] = value
-            continue
-        _put(nested_fields, steps, value, str(path))
-    return nested_fields
-
-
-def _put(holder: Any, steps: list[str | int], value: Any, path: str) -> None:
-    """Puts a value where steps lead, and makes what is on the way."""
-    for step, following in zip(steps, [*steps[1:], None], strict=True):
-        inner = value if following is None else ([] if isinstance(following, int) else {})
-        if isinstance(step, int) and isinstance(holder, list):
-            if step > len(holder):
-                raise EncodeError(f"element {len(holder)} is not given before", path)
-            if step == len(holder):
-                holder.append(inner)
-        elif isinstance(step, str) and isinstance(holder, dict):
-            holder.setdefault(step, inner)
-        else:
-            raise EncodeError("this contradicts another field", path)
-        if following is None:
-            holder[step] = value
-        holder = holder[step]
-
-
-def parse_fields(text: str) -> dict[str, Any]:
-    """Returns fields from an object of JSON, or from `PATH=VALUE PATH=VALUE`, as they are shown.
-
-    A value behind a path is JSON, or text up to the next path.
-
-    Raises:
-        ValueError: It is neither.
-    """
-    matches = list(_ASSIGNMENT.finditer(text))
-    try:
-        if matches and not text[: matches[0].start()].strip():
-            return _assigned(text, matches)
-        fields = json.loads(text)
-    except json.JSONDecodeError as error:
-        raise ValueError(f"the fields are no JSON: {error}") from error
-    except RecursionError:
-        raise ValueError("the fields are nested too deep") from None
-    if not isinstance(fields, dict):
-        raise ValueError('the fields must be a JSON object, e.g. {"AuthorityCode": 5}')
-    return fields
-
-
-def _assigned(text: str, matches: list[re.Match[str]]) -> dict[str, Any]:
-    ends = [*(match.start() for match in matches[1:]), len(text)]
-    return {
-        match[1]: _value(text[match.end() : end].strip())
-        for match, end in zip(matches, ends, strict=True)
-    }
-
-
-def _value(text: str) -> Any:
-    try:
-        return json.loads(text)
-    except ValueError:
-        return text[1:-1] if text[:1] == text[-1:] == "'" and len(text) > 1 else text

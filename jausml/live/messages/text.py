@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Any, SupportsInt
 from jausml.language import wire
 from jausml.live.messages.codec import TAG
 from jausml.live.messages.counted import MESSAGE
-from jausml.live.messages.entries import DecodedMessage, EmbeddedMessage, MessageEntry, parts
+from jausml.live.messages.entries import DecodedMessage, EmbeddedMessage, MessageEntry
 from jausml.live.messages.errors import DefinitionError
 from jausml.live.messages.values import in_units, integers_in_words
+from jausml.live.messages.walking import parts
 
 if TYPE_CHECKING:
     from jausml.language.metamodel.classes import jaus

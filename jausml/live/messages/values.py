@@ -11,8 +11,8 @@ from typing import Any
 from jausml.language import wire
 from jausml.live.messages.errors import EncodeError, did_you_mean, similar
 
-_SHOWN = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s+(\S.*)")
-_NAMED = re.compile(r"([+-]?\d+) \(.*\)")
+_SHOWN = re.compile(r"([+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?)\s+(\S.*)")
+_NAMED = re.compile(r"(-?\d{1,20}) \((.*)\)")  # no integer of a message has more digits
 
 _SYMBOLS = {
     "ampere": "A",
@@ -53,15 +53,9 @@ def with_unit(text: str, unit: str) -> str:
 
 
 def number_of(value: Any, unit: str = "") -> Any:
-    """Returns the number of a text such as `1.25 m/s` or `1 (READY)`; any other value as it is."""
-    if not isinstance(value, str):
-        return value
-    if (named := _NAMED.fullmatch(value)) is not None:
-        return int(named[1])
-    match = _SHOWN.fullmatch(value)
-    if match is None or not unit or match[2] not in (unit, symbol(unit)):
-        return value
-    return float(match[1])
+    """Returns the number of a text such as `1.25 m/s`; any other value as it is."""
+    match = _SHOWN.fullmatch(value) if unit and isinstance(value, str) else None
+    return float(match[1]) if match and match[2] in (unit, symbol(unit)) else value
 
 
 class NamedValue(str):
@@ -172,10 +166,13 @@ def legal_integer(
 
     Args:
         value: The value; a real without a fraction counts as an integer, as in JSON, and so does
-            a text as the integer is shown, with its name or its unit.
+            a text as the integer is shown, with its name, such as `1 (READY)`, or its unit.
     """
     if isinstance(value, NamedValue) and value not in names.values():
         value = int(value)
+    match = _NAMED.fullmatch(value) if isinstance(value, str) else None
+    if match and names.get(int(match[1])) == match[2]:
+        value = int(match[1])
     value = number_of(value, unit)
     if isinstance(value, str) and names:
         return _named(value, ranges, names)

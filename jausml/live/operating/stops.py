@@ -12,7 +12,7 @@ from dataclasses import replace
 from typing import Any
 
 from jausml.live.messages import Catalogue, MessageEntry
-from jausml.live.messages.entries import by_name, parse_fields
+from jausml.live.messages.field_paths import by_name, parse_fields
 from jausml.live.messages.text import sample
 from jausml.live.operating.knowledge import Declarations, DeclaredStop
 from jausml.live.peers.operator import Operator

@@ -10,8 +10,8 @@ from functools import partial
 from typing import Any
 
 from jausml.live.messages import MessageEntry, MessageError
-from jausml.live.messages.entries import parse_fields
 from jausml.live.messages.errors import did_you_mean, similar
+from jausml.live.messages.field_paths import parse_fields
 from jausml.live.messages.text import paths_of
 from jausml.live.peers.discovery import label_of
 from jausml.live.peers.operator import Operator

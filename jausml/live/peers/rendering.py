@@ -11,9 +11,9 @@ from jausml.language import wire
 from jausml.live.messages import EmbeddedMessage, MessageEntry
 from jausml.live.messages.codec import TAG
 from jausml.live.messages.counted import MESSAGE
-from jausml.live.messages.entries import parts
 from jausml.live.messages.text import named
 from jausml.live.messages.values import with_unit
+from jausml.live.messages.walking import parts
 from jausml.live.peers.discovery import KnownComponent, KnownSubsystem, controller_of, type_name
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.messages import ReportControl

@@ -15,7 +15,7 @@ from jausml.authoring.proposals.named_elements import FRAME_IDS
 from jausml.authoring.proposals.new_elements import OpenPoint, blocking, pending
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.model.names import name_of
-from jausml.language.semantics.assignments.units import fills_rates_alone
+from jausml.language.semantics.assignments.rates import fills_rates_alone
 from jausml.language.semantics.conversions.conversion import FLU, UP
 from jausml.language.semantics.jaus.commands import is_command
 from jausml.language.semantics.paths.jaus_paths import JausPlace

@@ -17,7 +17,7 @@ from jausml.authoring.proposals.quick_fixes.found import (
 )
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.model.names import name_of
-from jausml.language.semantics.assignments.units import fills_rates_alone
+from jausml.language.semantics.assignments.rates import fills_rates_alone
 from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.jaus.services import find_same, inputs, outputs
 from jausml.language.semantics.paths.attributes import NUMBER, Attribute

@@ -12,9 +12,9 @@ from jausml.language import wire
 from jausml.language.metamodel.classes import jaus
 from jausml.language.semantics.jaus.fields import is_group
 from jausml.live.messages import MessageEntry, MessageError
+from jausml.live.messages.catalogue import as_it_is
 from jausml.live.messages.codec import TAG
 from jausml.live.messages.defined import defined_message
-from jausml.live.messages.entries import as_it_is
 from jausml.live.messages.text import sample
 from jausml.live.peers.rendering import field_texts
 

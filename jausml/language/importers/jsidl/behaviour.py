@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from jausml.language.attributes.guards import GuardError, parse_guard
+from jausml.language.importers.findings import ImportFindings
 from jausml.language.importers.jsidl.building import DEEPEST, Builder
 from jausml.language.importers.jsidl.services import BehaviourNames
 from jausml.language.importers.jsidl.vocabulary import (
@@ -23,7 +24,7 @@ from jausml.language.importers.jsidl.vocabulary import (
     joined,
 )
 from jausml.language.metamodel.classes import jaus
-from jausml.language.model.reading.problems import Findings, NodePlace
+from jausml.language.model.reading.problems import NodePlace
 from jausml.language.model.values import show, suggest
 from jausml.language.model.xmi.parsing import Node
 from jausml.language.semantics.names import parts, snake_case
@@ -39,7 +40,7 @@ class BehaviourBuilder:
     """Builder of the state machines of one service."""
 
     def __init__(
-        self, names: BehaviourNames, builder: Builder, values: Values, findings: Findings
+        self, names: BehaviourNames, builder: Builder, values: Values, findings: ImportFindings
     ) -> None:
         self._builder = builder
         self._values = values

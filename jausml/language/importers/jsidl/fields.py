@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any, TypeAlias
 
+from jausml.language.importers.findings import ImportFindings
 from jausml.language.importers.jsidl.building import DEEPEST, Builder
 from jausml.language.importers.jsidl.scopes import Declaration, MissingError, Scope, Scopes
 from jausml.language.importers.jsidl.vocabulary import (
@@ -24,7 +25,7 @@ from jausml.language.importers.jsidl.vocabulary import (
     largest,
 )
 from jausml.language.metamodel.classes import jaus
-from jausml.language.model.reading.problems import Findings, NodePlace
+from jausml.language.model.reading.problems import NodePlace
 from jausml.language.model.values import show
 
 _ROUNDINGS = {name: name for name in ("round", "floor", "ceiling")}
@@ -39,7 +40,7 @@ Made: TypeAlias = "tuple[type[jaus.Field], dict[str, Any]]"
 class FieldBuilder:
     """Makes fields."""
 
-    def __init__(self, builder: Builder, scopes: Scopes, findings: Findings) -> None:
+    def __init__(self, builder: Builder, scopes: Scopes, findings: ImportFindings) -> None:
         self._builder = builder
         self._scopes = scopes
         self._findings = findings

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
+from jausml.language.importers.findings import ImportFindings
 from jausml.language.importers.jsidl.behaviour import BehaviourBuilder
 from jausml.language.importers.jsidl.building import (
     JSIDL_RULES,
@@ -38,7 +39,7 @@ from jausml.language.model.diagnostics import Diagnostic, Location, Severity
 from jausml.language.model.documents import Document
 from jausml.language.model.inputs import read_input
 from jausml.language.model.model import Model
-from jausml.language.model.reading.problems import Findings, NodePlace
+from jausml.language.model.reading.problems import NodePlace
 from jausml.language.model.values import show
 from jausml.language.model.xmi.parsing import Node, parse
 from jausml.language.project import library
@@ -134,7 +135,7 @@ class _Import:
         self._name = name
         self._version = version
         self._with_behaviour = with_behaviour
-        self._findings = Findings(JSIDL_RULES)
+        self._findings = ImportFindings(JSIDL_RULES)
         self._model = Model([], load_metamodels())
         self._builder = Builder(self._model)
         self._scopes = Scopes(self._findings)

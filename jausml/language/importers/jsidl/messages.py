@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 
+from jausml.language.importers.findings import ImportFindings
 from jausml.language.importers.jsidl.building import Builder
 from jausml.language.importers.jsidl.fields import FieldBuilder
 from jausml.language.importers.jsidl.scopes import Declaration, Scope, Scopes
@@ -16,7 +17,7 @@ from jausml.language.importers.jsidl.vocabulary import (
     joined,
 )
 from jausml.language.metamodel.classes import jaus
-from jausml.language.model.reading.problems import Findings, NodePlace
+from jausml.language.model.reading.problems import NodePlace
 from jausml.language.model.values import show
 
 _HEADER_NOT_FOUND = "JML628"
@@ -28,7 +29,7 @@ class MessageBuilder:
     """Makes messages and internal events."""
 
     def __init__(
-        self, builder: Builder, fields: FieldBuilder, scopes: Scopes, findings: Findings
+        self, builder: Builder, fields: FieldBuilder, scopes: Scopes, findings: ImportFindings
     ) -> None:
         self._builder = builder
         self._fields = fields

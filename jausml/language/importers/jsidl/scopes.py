@@ -11,9 +11,10 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 
 from jausml.language.attributes.cursor import Language, TokenCursor
+from jausml.language.importers.findings import ImportFindings
 from jausml.language.model.diagnostics import Related
 from jausml.language.model.documents import Document
-from jausml.language.model.reading.problems import Findings, NodePlace
+from jausml.language.model.reading.problems import NodePlace
 from jausml.language.model.values import show, suggest
 from jausml.language.model.xmi.parsing import Node
 
@@ -170,7 +171,7 @@ class MissingError(LookupError):
 class Scopes:
     """The scopes of all files."""
 
-    def __init__(self, findings: Findings) -> None:
+    def __init__(self, findings: ImportFindings) -> None:
         self._findings = findings
         self._by_id: dict[str, dict[str, dict[str, Scope]]] = {kind: {} for kind in _SETS}
         self._all: list[Scope] = []

@@ -8,6 +8,7 @@ from collections.abc import Callable, Container, Hashable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import TypeAlias, TypeVar, cast
 
+from jausml.language.importers.findings import ImportFindings
 from jausml.language.importers.jsidl.building import Builder
 from jausml.language.importers.jsidl.messages import MessageBuilder
 from jausml.language.importers.jsidl.scopes import Scope, matches, pick_version
@@ -22,7 +23,7 @@ from jausml.language.metamodel.classes import jaus
 from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model.diagnostics import Related
 from jausml.language.model.model import Model
-from jausml.language.model.reading.problems import Findings, NodePlace
+from jausml.language.model.reading.problems import NodePlace
 from jausml.language.model.values import show, suggest
 from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
 from jausml.language.semantics.jaus.inheritance import lineage
@@ -57,7 +58,7 @@ class ServiceBuilder:
     """Builder of services, without inheritance and behaviour."""
 
     def __init__(
-        self, builder: Builder, messages: MessageBuilder, values: Values, findings: Findings
+        self, builder: Builder, messages: MessageBuilder, values: Values, findings: ImportFindings
     ) -> None:
         self._builder = builder
         self._messages = messages
@@ -114,7 +115,10 @@ def _definitions(
 
 
 def find_inherited(
-    service: ImportedService, imported: ByUrn, library: Callable[[], ByUrn], findings: Findings
+    service: ImportedService,
+    imported: ByUrn,
+    library: Callable[[], ByUrn],
+    findings: ImportFindings,
 ) -> jaus.Service | None:
     """Returns the service that a service inherits, None without one or after a report.
 
@@ -152,7 +156,7 @@ def find_inherited(
     return candidates[taken]
 
 
-def index(services: Iterable[ImportedService], findings: Findings) -> ByUrn:
+def index(services: Iterable[ImportedService], findings: ImportFindings) -> ByUrn:
     """Returns services by URN and version, and reports those that are there twice."""
     versions_by_urn: ByUrn = {}
     first: dict[tuple[str, str], NodePlace] = {}
@@ -294,7 +298,9 @@ class BehaviourNames:
         return name in self._declared
 
 
-def finish_machines(services: Iterable[ImportedService], model: Model, findings: Findings) -> None:
+def finish_machines(
+    services: Iterable[ImportedService], model: Model, findings: ImportFindings
+) -> None:
     """Takes out transitions to states that do not exist, and marks missing initial states."""
     # Each follows those that it inherits.
     jaus_services = (imported.service for imported in services)
@@ -304,7 +310,7 @@ def finish_machines(services: Iterable[ImportedService], model: Model, findings:
         _check_initial(machine, model, findings)
 
 
-def _check_targets(machine: Machine, model: Model, findings: Findings) -> None:
+def _check_targets(machine: Machine, model: Model, findings: ImportFindings) -> None:
     for path, node in machine.nodes.items():
         for state in node.elements:
             for transitions in (state.transitions, state.defaults):
@@ -318,7 +324,7 @@ def _check_targets(machine: Machine, model: Model, findings: Findings) -> None:
                         written.remove(transition)
 
 
-def _check_initial(machine: Machine, model: Model, findings: Findings) -> None:
+def _check_initial(machine: Machine, model: Model, findings: ImportFindings) -> None:
     for path in ["", *machine.nodes]:
         inside = machine.children(path)
         if any(substate in machine.core_states for substate in inside):

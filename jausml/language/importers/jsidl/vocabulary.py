@@ -7,9 +7,10 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from types import MappingProxyType
 
+from jausml.language.importers.findings import ImportFindings
 from jausml.language.importers.jsidl.scopes import MissingError, NumberError, Scope, Scopes
 from jausml.language.model.documents import Document
-from jausml.language.model.reading.problems import Findings, NodePlace
+from jausml.language.model.reading.problems import NodePlace
 from jausml.language.model.values import nearest, show, suggest
 from jausml.language.model.xmi.parsing import Node
 
@@ -175,7 +176,7 @@ def is_jsidl(root: Node) -> bool:
     return root.namespace in (*NAMESPACES, PLUS)
 
 
-def check_document(document: Document, root: Node, findings: Findings) -> bool:
+def check_document(document: Document, root: Node, findings: ImportFindings) -> bool:
     """Checks all elements and attributes of a file, and drops what editors added.
 
     Args:
@@ -213,7 +214,7 @@ def check_document(document: Document, root: Node, findings: Findings) -> bool:
     return True
 
 
-def _is_known(place: NodePlace, rule: ElementRule, findings: Findings) -> bool:
+def _is_known(place: NodePlace, rule: ElementRule, findings: ImportFindings) -> bool:
     node = place.node
     if node.namespace in NAMESPACES or (node.namespace == PLUS and node.tag in rule.children):
         if node.tag in rule.children:
@@ -227,7 +228,7 @@ def _is_known(place: NodePlace, rule: ElementRule, findings: Findings) -> bool:
     return False
 
 
-def _check_attributes(place: NodePlace, rule: ElementRule, findings: Findings) -> None:
+def _check_attributes(place: NodePlace, rule: ElementRule, findings: ImportFindings) -> None:
     node = place.node
     names = [name for name in node.attributes[::2] if " " not in name]
     missing = sorted(name for name in rule.required if name not in names)
@@ -305,7 +306,7 @@ def joined(*texts: str | None) -> str | None:
 class Values:
     """Reads values and reports those that are none."""
 
-    def __init__(self, scopes: Scopes, findings: Findings) -> None:
+    def __init__(self, scopes: Scopes, findings: ImportFindings) -> None:
         self._scopes = scopes
         self._findings = findings
 

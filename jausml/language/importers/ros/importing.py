@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from jausml.language.importers.findings import ImportFindings
 from jausml.language.importers.ros import definitions
 from jausml.language.interfaces.definitions import is_package_name, is_type_name
 from jausml.language.interfaces.idl import parse_interface
@@ -17,7 +18,6 @@ from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model.diagnostics import Diagnostic, Location, Severity
 from jausml.language.model.documents import Document
 from jausml.language.model.model import Model
-from jausml.language.model.reading.problems import Findings
 from jausml.language.model.values import suggest
 from jausml.language.model.xmi.parsing import Node
 from jausml.language.project import library
@@ -79,7 +79,7 @@ class _Import:
         self._types: dict[tuple[str, str], ros.MessageType] = {}
         self._library: dict[tuple[str, str], ros.MessageType] | None = None
         self._packages: dict[str, ros.InterfacePackage] = {}
-        self._findings = Findings(definitions.ROS_RULES)
+        self._findings = ImportFindings(definitions.ROS_RULES)
         self._report = self._findings.report
 
     def run(self, sources: list[definitions.PackageSource]) -> ImportResult:

@@ -16,7 +16,7 @@ from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.metamodel.filling import count
 from jausml.language.model.documents import Document
 from jausml.language.model.model import Model
-from jausml.language.model.reading.problems import NodePlace, Problems
+from jausml.language.model.reading.problems import NodePlace, ReadingProblems
 from jausml.language.model.values import show, suggest
 from jausml.language.model.xmi.parsing import Node
 from jausml.language.model.xmi.printing import XSI
@@ -42,7 +42,9 @@ def target_class(feature: FeatureTable) -> ClassTable:
 class ClassFinder:
     """Finds the classes that one document names, and reports names that stand for none."""
 
-    def __init__(self, metamodels: Metamodels, problems: Problems, document: Document) -> None:
+    def __init__(
+        self, metamodels: Metamodels, problems: ReadingProblems, document: Document
+    ) -> None:
         self._metamodels = metamodels
         self._problems = problems
         self._document = document
@@ -190,7 +192,7 @@ def _type_attribute(node: Node) -> tuple[str, str] | None:
     return None
 
 
-def check_bounds(documents: Iterable[Document], model: Model, problems: Problems) -> None:
+def check_bounds(documents: Iterable[Document], model: Model, problems: ReadingProblems) -> None:
     """Checks the lower and upper bounds of all features of the elements of documents.
 
     A feature with another finding is left alone: one cause is one error.
@@ -219,7 +221,7 @@ def _report(
     table: ClassTable,
     feature: FeatureTable,
     number: int,
-    problems: Problems,
+    problems: ReadingProblems,
 ) -> None:
     # A later check of the same feature would report the same cause once more.
     problems.mark_unread(node.obj, feature.name)

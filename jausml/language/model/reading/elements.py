@@ -24,7 +24,7 @@ from jausml.language.model.documents import Document
 from jausml.language.model.model import Model
 from jausml.language.model.notation import BY_NAME
 from jausml.language.model.reading.classes import ClassFinder, is_xmi, target_class
-from jausml.language.model.reading.problems import NodePlace, Problems, XmlAttribute
+from jausml.language.model.reading.problems import NodePlace, ReadingProblems, XmlAttribute
 from jausml.language.model.values import convert, nearest, show, suggest_or_list
 from jausml.language.model.xmi.parsing import Node
 from jausml.language.model.xmi.printing import XSI
@@ -67,7 +67,7 @@ class ElementBuilder:
         self,
         metamodels: Metamodels,
         model: Model,
-        problems: Problems,
+        problems: ReadingProblems,
         references: list[Reference | Mention],
         document: Document,
     ) -> None:

@@ -51,8 +51,8 @@ class _Draft:
     hides: bool
 
 
-class Problems:
-    """The findings of one run, and which features they concern.
+class ReadingProblems:
+    """The findings of the reader in one run, and which features they concern.
 
     A feature with a finding is not checked further: one cause is one error.
     """
@@ -75,8 +75,9 @@ class Problems:
         """Reports a finding; its severity is that of the rule.
 
         Args:
-            hides: Whether any feature of the element may have another value than the one written;
-                else those alone that are marked as unread.
+            hides: Whether the finding casts doubt on every feature of the element, so that rules
+                look at none of them. Else they leave out those alone that `mark_unread` names,
+                before this or after.
         """
         self._drafts.append(_Draft(rule, place, message, hint, related, hides))
 
@@ -97,48 +98,19 @@ class Problems:
     def _finish(self, draft: _Draft, severity: Severity, model: Model) -> Diagnostic:
         place = draft.place
         obj = None if isinstance(place, Location) else _nearest(place.node)
-        unread = self.unread.get(id(obj), set())
+        unread = self.unread.get(id(obj), set()) if obj is not None else set()
         return Diagnostic(
-            draft.rule,
-            severity,
-            place if isinstance(place, Location) else place.location,
-            draft.message,
-            draft.hint,
-            model.element_path(obj) if obj is not None else "",
-            model.fragment(obj) if obj is not None else "",
-            draft.related,
+            rule=draft.rule,
+            severity=severity,
+            location=place if isinstance(place, Location) else place.location,
+            message=draft.message,
+            hint=draft.hint,
+            element=model.element_path(obj) if obj is not None else "",
+            fragment=model.fragment(obj) if obj is not None else "",
+            related=draft.related,
             # None tells the validation that every feature is in doubt, a set that these alone are.
-            None if draft.hides or "" in unread else frozenset(unread),
+            unread=None if draft.hides or "" in unread else frozenset(unread),
         )
-
-
-class Findings:
-    """The findings of one import, each once, by the rules of an importer and the reader."""
-
-    def __init__(self, rules: Mapping[str, RuleInfo]) -> None:
-        self._rules = {**READER_RULES, **rules}
-        self._diagnostics: dict[Diagnostic, None] = {}
-        self.has_errors = False
-
-    def report(
-        self,
-        rule: str,
-        place: NodePlace | Location,
-        message: str,
-        hint: str = "",
-        related: tuple[Related, ...] = (),
-    ) -> None:
-        """Reports a finding; its severity is that of the rule."""
-        location = place if isinstance(place, Location) else place.location
-        severity = self._rules[rule].severity
-        self.has_errors = self.has_errors or severity is Severity.ERROR
-        self._diagnostics[Diagnostic(rule, severity, location, message, hint, related=related)] = (
-            None
-        )
-
-    def diagnostics(self) -> list[Diagnostic]:
-        """Returns the findings, sorted by place."""
-        return sorted(self._diagnostics)
 
 
 def _nearest(node: Node | None) -> EObject | None:

@@ -20,7 +20,7 @@ from jausml.language.model.project import find_project_root
 from jausml.language.model.reading.classes import check_bounds
 from jausml.language.model.reading.elements import ElementBuilder, Mention, Reference
 from jausml.language.model.reading.library_cache import LibraryCache, NotShareableError
-from jausml.language.model.reading.problems import NodePlace, Problems
+from jausml.language.model.reading.problems import NodePlace, ReadingProblems
 from jausml.language.model.reading.references import (
     KnownNames,
     NameResolution,
@@ -132,7 +132,7 @@ class _Reading:
         self._documents: dict[Path, Document] = {}
         self._targets: dict[tuple[str, str], FileTarget | ReadFault] = {}
         rules = {id_: rule for notation in notations for id_, rule in notation.rules.items()}
-        self._problems = Problems(rules)
+        self._problems = ReadingProblems(rules)
         self._model = Model([], metamodels)
         self._references: list[Reference | Mention] = []
         self._written: dict[Document, Written] = {}
@@ -318,10 +318,11 @@ class _Reading:
             place = NodePlace(document, node)
             hides = not fault.feature and fault.rule != _BESIDE
             self._problems.report(fault.rule, place, fault.message, fault.hint, hides=hides)
-            if fault.owner is not None and fault.feature:
-                self._problems.mark_unread(fault.owner.obj, fault.feature)
-            if fault.owner is not None and fault.hides and fault.owner.obj is not None:
-                self._problems.mark_unread(fault.owner.obj)
+            owner = fault.owner.obj if fault.owner is not None else None
+            if owner is not None and fault.feature:
+                self._problems.mark_unread(owner, fault.feature)
+            if owner is not None and fault.hides:
+                self._problems.mark_unread(owner)
 
     def _import(self, document: Document) -> None:
         written = self._written.get(document)

@@ -28,7 +28,7 @@ from jausml.language.model.notation import Explanation
 from jausml.language.model.reading.classes import target_class
 from jausml.language.model.reading.elements import Mention, Reference
 from jausml.language.model.reading.library_cache import NotShareableError
-from jausml.language.model.reading.problems import Problems
+from jausml.language.model.reading.problems import ReadingProblems
 from jausml.language.model.refs import Found, FragmentFinder
 from jausml.language.model.values import show
 from jausml.language.model.xmi.parsing import Node
@@ -42,7 +42,7 @@ _FEW = 6
 class NameResolution:
     """Finds the elements that references by name mean."""
 
-    def __init__(self, names: NameFinder, problems: Problems, explain: Explain) -> None:
+    def __init__(self, names: NameFinder, problems: ReadingProblems, explain: Explain) -> None:
         self._names = names
         self._problems = problems
         self._explain = explain
@@ -172,7 +172,7 @@ class Resolution:
     """Resolves the references of all documents."""
 
     def __init__(
-        self, model: Model, problems: Problems, open_document: Open, names: NameResolution
+        self, model: Model, problems: ReadingProblems, open_document: Open, names: NameResolution
     ) -> None:
         self._model = model
         self._names = names

@@ -6,14 +6,9 @@ from collections.abc import Iterable, Iterator, Mapping
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.assignments.frames import axis_of, passage
+from jausml.language.semantics.assignments.ranges import sent_through, source_range
 from jausml.language.semantics.assignments.steps import steps_of
-from jausml.language.semantics.assignments.units import (
-    Measure,
-    attribute_measure,
-    result_measure,
-    sent_through,
-    source_range,
-)
+from jausml.language.semantics.assignments.units import Measure, attribute_measure, result_measure
 from jausml.language.semantics.conversions import NoValueError
 from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.names import joined, words

@@ -1,36 +1,23 @@
-"""Numbers along assignments: units, ranges, and rates, such as velocities, that zero stops."""
+"""Units along assignments: of sources, of what conversions make of them, and of targets."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator
 from dataclasses import dataclass
-from fractions import Fraction
 from functools import lru_cache
 
-from jausml.language.attributes import intervals
-from jausml.language.attributes.intervals import EVERYTHING, Interval
 from jausml.language.attributes.units import Unit, UnitError, conversion_between, parse_unit
-from jausml.language.metamodel.classes import bridge, ros
+from jausml.language.metamodel.classes import bridge
 from jausml.language.metamodel.classes.ecore import EObject
-from jausml.language.semantics.assignments.steps import steps_of
-from jausml.language.semantics.conversions import VALUE, NoValueError, UnitEffect, conversion_of
-from jausml.language.semantics.conversions.conversion import OWN, linear_interval
+from jausml.language.semantics.conversions import UnitEffect, conversion_of
+from jausml.language.semantics.conversions.conversion import OWN
 from jausml.language.semantics.conversions.numbers import Linear, Scale
 from jausml.language.semantics.paths import attributes
-from jausml.language.semantics.paths.jaus_paths import JausPlace
-from jausml.language.semantics.paths.ros_paths import RosPlace
-from jausml.language.semantics.paths.scopes import (
-    Placed,
-    outer_scope,
-    place,
-    source_paths,
-    spelled_out,
-    target_paths,
-)
+from jausml.language.semantics.paths.scopes import Placed, place
 from jausml.language.semantics.subject import remembered
 
-_NUMERIC = (attributes.NUMBER, attributes.NUMBERS)
+NUMERIC = (attributes.NUMBER, attributes.NUMBERS)
+"""Kinds of attributes that may have a unit."""
+
 _OF_ONE_UNIT = (UnitEffect.SAME, UnitEffect.SQUARE, UnitEffect.ROOT)
 
 
@@ -99,11 +86,10 @@ def result_measure(placed: Placed[bridge.FieldAssignment]) -> Measure | UnitFaul
         return fault
     current = _common(measures)
     for conversion in placed.assignment.conversions:
-        following = _converted(conversion, current)
-        if following is None or isinstance(following, Measure):
-            current = following
-        else:
-            return following
+        result = _converted(conversion, current)
+        if isinstance(result, UnitFault):
+            return result
+        current = result
     return current
 
 
@@ -123,7 +109,7 @@ def units_clash(placed: Placed[bridge.FieldAssignment]) -> bool:
 
 def attribute_measure(attribute: attributes.Found) -> Measure | None:
     """Returns the unit at the end of a path, when it is a number with a known one."""
-    if isinstance(attribute, attributes.Attribute) and attribute.kind in _NUMERIC:
+    if isinstance(attribute, attributes.Attribute) and attribute.kind in NUMERIC:
         return measure(attribute.units)
     return None
 
@@ -137,6 +123,7 @@ def _source_fault(placed: Placed[bridge.FieldAssignment], known: list[Measure]) 
     if isinstance(effect, tuple):
         results = (_between(first, source_measure, *effect) for source_measure in known)
         faults = (result for result in results if isinstance(result, UnitFault))
+        # Without the hint: the conversion that it puts before takes one source alone.
         return next((UnitFault(first, fault.message) for fault in faults), None)
     if effect in _OF_ONE_UNIT and len({source_measure.unit for source_measure in known}) > 1:
         units = " and ".join(dict.fromkeys(source_measure.text for source_measure in known))
@@ -203,108 +190,3 @@ def _unit(text: str) -> Unit | None:
         return parse_unit(text) if text else None
     except UnitError:
         return None
-
-
-_WITHOUT_NUMBERS = (attributes.BOOL, attributes.TEXT, attributes.TIME, attributes.TIME_STAMP)
-
-
-def fills_rates_alone(map_: bridge.AttributeMap, *, to_ros: bool) -> bool:
-    """Tells whether each number that a map fills is a rate, so that zeros are its stop.
-
-    A map that fills a number of unknown unit, or none, does not.
-    """
-    units = list(_units(map_, to_ros=to_ros))
-    return bool(units) and all(unit is not None and is_rate(unit) for unit in units)
-
-
-def is_rate(unit: Unit) -> bool:
-    """Tells whether a unit is that of a change in time: m/s, rad/s, and 1/s."""
-    return dict(unit.dimension).get("s") == Fraction(-1)
-
-
-def _units(map_: bridge.AttributeMap, *, to_ros: bool) -> Iterator[Unit | None]:
-    """Yields the unit of each number with an assignment: of the target, else of the source.
-
-    Of lists, and of wholes of numbers such as an orientation, it is none.
-    """
-    scope = outer_scope(map_, to_ros=to_ros)
-    for assignment in spelled_out(map_, to_ros=to_ros):
-        if isinstance(assignment, bridge.ListAssignment):
-            yield None
-        if not isinstance(assignment, bridge.FieldAssignment):
-            continue
-        sources = [scope.find_source(path) for path in source_paths(assignment)]
-        known = next(filter(None, (_known_unit(_attribute(place)) for place in sources)), None)
-        for path in target_paths(assignment):
-            attribute = _attribute(scope.find_target(path))
-            if attribute is None or attribute.kind not in (*_NUMERIC, *_WITHOUT_NUMBERS):
-                yield None
-            elif attribute.kind in _NUMERIC:
-                yield _known_unit(attribute) or known
-
-
-def _attribute(place: object) -> attributes.Attribute | None:
-    return place.attribute() if isinstance(place, JausPlace | RosPlace) else None
-
-
-def _known_unit(attribute: attributes.Attribute | None) -> Unit | None:
-    known = measure(attribute.units) if attribute is not None else None
-    return known.unit if known is not None else None
-
-
-def result_ranges(placed: Placed[bridge.FieldAssignment]) -> list[Interval]:
-    """Returns the range of each value that an assignment yields, in the unit of its targets.
-
-    Returns:
-        One range for each target, `EMPTY` for a value that there never is; empty for what is no
-        number.
-    """
-    current = [source_range(source_attribute) for source_attribute in placed.source_attributes]
-    if None in current and not placed.assignment.conversions:
-        return []
-    known = [interval if interval is not None else EVERYTHING for interval in current]
-    for step in steps_of(placed):
-        known = step.ranges(known)
-    unit_step = result_step(placed)
-    if unit_step is not None:
-        known = [linear_interval(interval, *unit_step) for interval in known]
-    return known
-
-
-def source_range(attribute: attributes.Attribute) -> Interval | None:
-    """Returns the range of the values that an attribute may have; None for what is no number."""
-    if attribute.kind == attributes.BOOL:
-        return 0.0, 1.0
-    if attribute.kind != attributes.NUMBER:
-        return None
-    lower = -math.inf if attribute.lower is None else float(attribute.lower)
-    upper = math.inf if attribute.upper is None else float(attribute.upper)
-    # A float32 of ROS holds infinities too, unless the model narrows it.
-    if attribute.is_single and attribute.is_ros and not _is_narrowed(attribute):
-        return EVERYTHING
-    if attribute.values:
-        low, high = intervals.hull(*attribute.values)
-        return max(lower, float(low)), min(upper, float(high))
-    return lower, upper
-
-
-def _is_narrowed(attribute: attributes.Attribute) -> bool:
-    field = attribute.field
-    return isinstance(field, ros.PrimitiveField) and field.minimum < field.maximum
-
-
-def sent_through(placed: Placed[bridge.FieldAssignment], value: float) -> float:
-    """Returns the result of an assignment with one source and one target for a number.
-
-    Raises:
-        NoValueError: A conversion is not one of numbers, or limits this number.
-    """
-    for step in steps_of(placed):
-        if step.conversion.outputs not in ((attributes.NUMBER,), (VALUE,)) or step.loses([value]):
-            raise NoValueError(step.name)
-        (result,) = step.forward([value])
-        if not isinstance(result, float | int):
-            raise NoValueError(step.name)
-        value = result
-    factor, offset = result_step(placed) or (1.0, 0.0)
-    return value * factor + offset

@@ -10,7 +10,14 @@ from jausml.language.attributes import intervals
 from jausml.language.attributes.intervals import Interval
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.diagnostics import Severity
-from jausml.language.semantics.assignments import units
+from jausml.language.semantics.assignments.ranges import result_ranges, source_range
+from jausml.language.semantics.assignments.units import (
+    Measure,
+    attribute_measure,
+    measure,
+    result_measure,
+    units_clash,
+)
 from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.paths.attributes import (
     LARGEST_SINGLE,
@@ -172,20 +179,20 @@ def _find_assignments(
     return [
         (placed, _ends(placed))
         for placed in direction.of_kind(bridge.FieldAssignment)
-        if placed.source_attributes and placed.target_attributes and not units.units_clash(placed)
+        if placed.source_attributes and placed.target_attributes and not units_clash(placed)
     ]
 
 
 def _ends(placed: Placed[bridge.FieldAssignment]) -> list[_End]:
     if not any(target_attribute.kind == NUMBER for target_attribute in placed.target_attributes):
         return []
-    ranges = units.result_ranges(placed)
+    ranges = result_ranges(placed)
     if len(ranges) != len(placed.targets):
         return []
     number_ends = []
     ends = zip(placed.targets, placed.target_attributes, ranges, strict=True)
     for (path, _), attribute, values in ends:
-        carried = units.source_range(attribute) if attribute.kind == NUMBER else None
+        carried = source_range(attribute) if attribute.kind == NUMBER else None
         # Listed values have rules of their own.
         if carried is not None and not attribute.named:
             number_ends.append(_End(path, attribute, carried, values))
@@ -229,11 +236,11 @@ def _silent_loss(placed: Placed[bridge.FieldAssignment], end: _End, error: float
     Args:
         error: What rounding loses, in the unit of the target.
     """
-    end_measure = units.attribute_measure(end.attribute) or units.result_measure(placed)
-    if not isinstance(end_measure, units.Measure) or not end.attribute.is_ros:
+    end_measure = attribute_measure(end.attribute) or result_measure(placed)
+    if not isinstance(end_measure, Measure) or not end.attribute.is_ros:
         return ""
     ends = (end.attribute, *placed.source_attributes)
-    angle = units.measure("rad")
+    angle = measure("rad")
     if end.attribute.is_single and angle is not None and end_measure.unit.is_compatible(angle.unit):
         if any(attribute.frame == _GEODETIC for attribute in ends):
             return f"{error * end_measure.unit.factor * _EARTH_RADIUS:.2g} m on the ground"

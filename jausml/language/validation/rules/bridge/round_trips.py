@@ -8,7 +8,8 @@ from collections.abc import Iterable, Iterator
 
 from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.model.diagnostics import Severity
-from jausml.language.semantics.assignments.units import sent_through, source_range, units_clash
+from jausml.language.semantics.assignments.ranges import sent_through, source_range
+from jausml.language.semantics.assignments.units import units_clash
 from jausml.language.semantics.conversions import Effect, NoValueError, UnitEffect, conversion_of
 from jausml.language.semantics.conversions.numbers import Square, SquareRoot
 from jausml.language.semantics.paths.attributes import NUMBER, Attribute, Found
