@@ -1,6 +1,7 @@
 """What pages ask for is typed while the program runs: a name that is not there fails at the ask."""
 
 from inspect import signature
+from types import SimpleNamespace
 from typing import get_type_hints
 
 from jausml.authoring.editing.project import Project
@@ -19,7 +20,7 @@ def test_types_of_what_the_studio_answers_are_there(tmp_path):
 
 
 def test_types_of_what_an_operator_unit_answers_are_there():
-    methods = Seat(None, None, 1)._slow._methods
+    methods = Seat(SimpleNamespace(system=None), None, 1)._slow._methods
     assert "stick.move" in methods
     for method in methods.values():
         get_type_hints(method.answer)

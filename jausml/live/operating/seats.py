@@ -23,6 +23,7 @@ from jausml.live.serving.subscribers import Subscribers
 from jausml.runtime import HandoffDecision
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.api import JausError
+from jausml.runtime.base.standstill import steady
 from jausml.runtime.messages import Resume, Standby
 from jausml.runtime.services.definitions import Status
 
@@ -183,11 +184,12 @@ class Seat:
     ) -> dict[str, Any]:
         within = min(max(seconds, 0.0), LONGEST_HISTORY)
         most = min(max(points, 2), MOST_POINTS)
-        history = self._unit.values.history(component, report, path, within, most)
+        history, now = self._unit.values.history(component, report, path, within, most), steady()
         return {
             "times": [at for at, _ in history],
             "values": [value for _, value in history],
-            "now": time.time(),
+            "now": now,
+            "epoch": time.time() - now,
         }
 
     def _picture(self, component: str, report: str, path: str) -> dict[str, Any]:
@@ -295,7 +297,7 @@ class Seat:
     ) -> dict[str, Any]:
         """Starts the execution of a drawn list, which the component must have."""
         self._unit.lists.check(self._commanded(component), message, elements)
-        begin = time.time()
+        begin = steady()
         fields: dict[str, object] = {"Speed": speed, "ElementUID": first}
         self._send(before, component, "ExecuteList", fields)
         return {"time": begin}

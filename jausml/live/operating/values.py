@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import base64
-import time
 from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
@@ -161,15 +160,14 @@ class Values:
     ) -> list[Point]:
         """Returns the values of a number in the last `seconds`, decimated to `most` points.
 
-        Their times are seconds since 1970 by the clock of the computer as it goes now.
+        Their times are those of `standstill.steady`: values of one report have the same.
         """
-        now = steady()
-        begin, epoch = now - seconds, time.time() - now
+        begin = steady() - seconds
         with self._lock:
             known = self._watched.get((component, report))
             kept = known.history.get(path, ()) if known is not None else ()
             points = [point for point in kept if point[0] >= begin]
-        return [(epoch + at, value) for at, value in decimated(points, most)]
+        return decimated(points, most)
 
     def _take(self, key: tuple[str, str], entry: MessageEntry, fields: dict[str, Any]) -> None:
         now = steady()

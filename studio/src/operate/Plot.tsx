@@ -61,8 +61,8 @@ export function Plot({ series: { component, report, path }, seconds }: Props) {
         const points = size().width * POINTS;
         const history = await ask("history", { component, report, path, seconds, points });
         if (!isWanted) return;
-        now = history.now;
-        plot.setData([history.times, history.values]);
+        now = history.epoch + history.now;
+        plot.setData([history.times.map((time) => history.epoch + time), history.values]);
         const value = history.values.at(-1);
         setLast(value === undefined ? "no values" : `last ${value.toPrecision(4)}`);
       } catch (error) {

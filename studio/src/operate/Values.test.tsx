@@ -20,7 +20,7 @@ test("reports that the unit learns later are offered without choosing the compon
 });
 
 test("a place that was told long ago is told to be old", async () => {
-  setCaller({ call: async () => ({ times: [10, 20], values: [1, 2], now: 80 }) });
+  setCaller({ call: async () => ({ times: [10, 20], values: [1, 2], now: 80, epoch: 0 }) });
   render(<Plan values={[{ component: "1.1.1", report: "ReportLocalPose" } as Values]} />);
   expect(await screen.findByText("1.1.1 ✝ 60 s old")).toBeInTheDocument();
 });

@@ -117,8 +117,8 @@ export interface OperateMethods {
   values: [Record<string, never>, { values: Values[] }];
   history: [
     Of & { report: string; path: string; seconds: number; points: number },
-    /** `now`: when it was asked, by the clock of `times`. */
-    { times: number[]; values: number[]; now: number },
+    /** `now`: when it was asked, by the clock of `times`, which nobody sets; `epoch`: what makes seconds since 1970 of both. */
+    { times: number[]; values: number[]; now: number; epoch: number },
   ];
   picture: [Of & { report: string; path: string }, { url: string }];
   renew: [Record<string, never>, unknown];
@@ -136,6 +136,7 @@ export interface OperateMethods {
   handoff: [Of & { authority: number; reason: string }, unknown];
   decide: [Of & { number: number; decision: "grant" | "deny" | "defer" }, unknown];
   "list.set": [Drawn, unknown];
+  /** `time`: when it began, by the clock of `history`. */
   "list.execute": [Drawn & { speed: number; first: number }, { time: number }];
   "list.end": [Of, unknown];
   "stick.begin": [Of & { message: string }, { stick: number; timeout: number }];
