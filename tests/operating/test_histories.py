@@ -1,8 +1,5 @@
 """The values of numbers over time that plots and plans are drawn from."""
 
-import os
-import subprocess
-import sys
 import time
 from types import SimpleNamespace
 
@@ -68,11 +65,4 @@ print(monitor.state().now - before >= 200)
 
 @pytest.mark.needs("compiler")
 def test_what_was_heard_before_a_suspension_of_the_computer_is_old_after_it(tmp_path):
-    clocks = SuspendedClocks(tmp_path, compiler())
-    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
-    line = [sys.executable, "-c", AGES]
-    with subprocess.Popen(line, env={**os.environ, **clocks.environment}, **pipes) as process:
-        assert process.stdout.readline() == "\n"
-        clocks.suspend(200)
-        told, _ = process.communicate("\n")
-    assert told == "True\n"
+    assert SuspendedClocks(tmp_path, compiler()).told(AGES, 200) == "\nTrue\n"

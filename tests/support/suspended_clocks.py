@@ -7,6 +7,7 @@ processes load first adds to the latter what a file says.
 import os
 import struct
 import subprocess
+import sys
 from pathlib import Path
 
 _SOURCE = r"""
@@ -53,6 +54,16 @@ class SuspendedClocks:
         self._file = folder / "suspended"
         self.suspend(0)
         self.environment = {"LD_PRELOAD": str(library), "SUSPENDED_CLOCKS": str(self._file)}
+
+    def told(self, code: str, seconds: int) -> str:
+        """What a program says that prints a line, is suspended, and reads one before it goes on."""
+        pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
+        line, environment = [sys.executable, "-c", code], {**os.environ, **self.environment}
+        with subprocess.Popen(line, env=environment, **pipes) as process:
+            begin = process.stdout.readline()
+            self.suspend(seconds)
+            rest, _ = process.communicate("\n")
+        return begin + rest
 
     def suspend(self, seconds: int) -> None:
         """Says for how many seconds the computer was suspended since the processes began."""
