@@ -215,6 +215,20 @@ def test_a_stop_ends_what_is_being_set(commanding, port, lossy):
         assert vehicle.list == []
 
 
+def test_a_change_of_state_that_nobody_reports_is_not_called_done(commanding, port, lossy):
+    with Vehicle(port):
+        for transport in lossy:
+            transport.share = 0.0
+        take(commanding)
+        for transport in lossy:
+            transport.share = 1.0
+        for method in ("resume", "clear"):
+            with pytest.raises(RefusedError, match=r"but not (Resume|ClearEmergency)"):
+                commanding.ask(method, component=VEHICLE)
+        for transport in lossy:
+            transport.share = 0.0
+
+
 def is_done(page: Page, method: str, **params: Any) -> bool:
     try:
         page.ask(method, **params)

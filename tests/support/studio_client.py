@@ -112,7 +112,11 @@ class Page:
     def _next(self, wanted: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
         end = time.monotonic() + LONGEST
         while True:
-            text = self.socket.recv(max(0.0, end - time.monotonic()))
+            try:
+                text = self.socket.recv(max(0.0, end - time.monotonic()))
+            except TimeoutError:
+                errors = [reply["error"] for reply in self.told if "error" in reply]
+                raise TimeoutError(f"waited in vain; refused meanwhile: {errors}") from None
             message: dict[str, Any] = json.loads(text)
             if wanted(message):
                 return message

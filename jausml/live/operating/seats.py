@@ -24,8 +24,9 @@ from jausml.runtime import HandoffDecision
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.api import JausError
 from jausml.runtime.base.standstill import steady
-from jausml.runtime.messages import Resume, Standby
+from jausml.runtime.messages import ClearEmergency, Resume, Standby
 from jausml.runtime.services.definitions import Status
+from jausml.runtime.wire.message import Message
 
 LONGEST_NAME = 40
 MOST_POINTS = 2000
@@ -229,7 +230,15 @@ class Seat:
         if wanted is Status.STANDBY:
             self._system.act(target)
         self._unit.journal.note(self._name, f"{message.NAME} to {target}")
-        self._system.operator.change(target, message, wanted, gate=gate)
+        self._confirm(
+            target, message, self._system.operator.change(target, message, wanted, gate=gate)
+        )
+
+    def _confirm(self, target: JausAddress, message: Message, state: Status | None) -> None:
+        """Notes the state that a command led to (`NoAnswer`: the component does not tell it)."""
+        if state is None:
+            raise self._system.operator.unanswered(target, message.NAME, "ReportStatus")
+        self._unit.journal.note(str(target), f"{state.name} after {message.NAME}")
 
     def _send(
         self, before: int, component: str, message: str, fields: dict[str, object]
@@ -260,7 +269,8 @@ class Seat:
         target = component_address(component)
         self._system.act(target)
         self._unit.journal.note(self._name, f"clears our emergency of {target}")
-        self._system.operator.clear(target, self._unit.gate.unless_stopped(before))
+        state = self._system.operator.clear(target, self._unit.gate.unless_stopped(before))
+        self._confirm(target, ClearEmergency(), state)
 
     def _silence(self, numbers: tuple[int, ...], reason: str) -> None:
         if not reason.strip():
