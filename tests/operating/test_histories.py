@@ -1,5 +1,6 @@
 """The values of numbers over time that plots and plans are drawn from."""
 
+import math
 import time
 from types import SimpleNamespace
 
@@ -24,6 +25,14 @@ def test_peaks_and_the_last_value_are_kept(values, most):
     assert kept == sorted(kept)
     assert kept[-1] == points[-1]
     assert {min(values), max(values)} <= {value for _, value in kept}
+
+
+def test_what_is_no_number_is_a_gap_and_moves_no_other_value():
+    values = [3.0, math.nan, 5.0, 1.0, math.inf, *[2.0] * 20, 9.0, 0.5]
+    kept = dict(decimated(list(enumerate(values)), 9))
+    assert len(kept) <= 9
+    assert sum(not math.isfinite(value) for value in kept.values()) == 1
+    assert {9.0, 0.5} <= set(kept.values())
 
 
 def test_a_history_says_when_it_was_asked_by_the_clock_of_its_times(operated):

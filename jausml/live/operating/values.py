@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import base64
+import math
 from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from operator import itemgetter
 from threading import Lock
 from typing import Any
 
@@ -218,7 +220,10 @@ def _short(text: str) -> str:
 def decimated(points: Sequence[Point], most: int) -> list[Point]:
     """Returns at most `most` points: the least and the greatest value of each piece, and the last.
 
-    `most`: 1 or more.
+    A piece with values that are no finite numbers has one of these, which is a gap in a line.
+
+    Args:
+        most: 1 or more.
     """
     if len(points) <= most:
         return list(points)
@@ -227,9 +232,16 @@ def decimated(points: Sequence[Point], most: int) -> list[Point]:
     extremes: list[Point] = []
     for index in range(pieces):
         piece = before[index * len(before) // pieces : (index + 1) * len(before) // pieces]
-        ends = {min(piece, key=lambda point: point[1]), max(piece, key=lambda point: point[1])}
-        extremes.extend(sorted(ends))
+        extremes.extend(_extremes(piece))
     return [*extremes, last]
+
+
+def _extremes(piece: Sequence[Point]) -> list[Point]:
+    """Returns the points of the least and the greatest value, or one that is no finite number."""
+    gap = next((point for point in piece if not math.isfinite(point[1])), None)
+    if gap is not None:
+        return [gap]
+    return sorted({min(piece, key=itemgetter(1)), max(piece, key=itemgetter(1))})
 
 
 def picture_url(data: bytes) -> str:

@@ -64,7 +64,8 @@ export function Plot({ series: { component, report, path }, seconds }: Props) {
         now = history.epoch + history.now;
         plot.setData([history.times.map((time) => history.epoch + time), history.values]);
         const value = history.values.at(-1);
-        setLast(value === undefined ? "no values" : `last ${value.toPrecision(4)}`);
+        const text = value === null ? "is no number" : value?.toPrecision(4);
+        setLast(text === undefined ? "no values" : `last ${text}`);
       } catch (error) {
         if (isWanted) setLast(messageOf(error));
       }

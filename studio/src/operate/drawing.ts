@@ -105,11 +105,13 @@ export interface Progress {
 export function progressOf(
   { execution }: Drawing,
   count: number,
-  reports: { times: number[]; values: number[] },
+  reports: { times: number[]; values: (number | null)[] },
 ): Progress | undefined {
   if (!execution) return undefined;
   const { time, first } = execution;
-  const uids = reports.values.filter((_, index) => (reports.times[index] ?? 0) >= time);
+  const uids = reports.values.filter(
+    (uid, index): uid is number => uid !== null && (reports.times[index] ?? 0) >= time,
+  );
   const active = uids.at(-1);
   const last = uids.findLast((uid) => uid !== 0) ?? 0;
   const ends = last > count ? 0 : active === 0 && last === count ? count : last - 1;

@@ -110,13 +110,13 @@ export function lengthOf(frame: Frame, places: readonly Place[]): number {
 
 /** The values of two numbers of the same reports, in their order. */
 export function paired(
-  one: { times: number[]; values: number[] },
-  other: { times: number[]; values: number[] },
+  one: { times: number[]; values: (number | null)[] },
+  other: { times: number[]; values: (number | null)[] },
 ): Place[] {
   const byTime = new Map(other.times.map((time, index) => [time, other.values[index]]));
   return one.times.flatMap((time, index) => {
     const [first, second] = [one.values[index], byTime.get(time)];
-    return first === undefined || second === undefined ? [] : [[first, second]];
+    return first == null || second == null ? [] : [[first, second]];
   });
 }
 

@@ -117,8 +117,11 @@ export interface OperateMethods {
   values: [Record<string, never>, { values: Values[] }];
   history: [
     Of & { report: string; path: string; seconds: number; points: number },
-    /** `now`: when it was asked, by the clock of `times`, which nobody sets; `epoch`: what makes seconds since 1970 of both. */
-    { times: number[]; values: number[]; now: number; epoch: number },
+    /**
+     * `values`: null where one is no number. `now`: when it was asked, by the clock of `times`,
+     * which nobody sets; `epoch`: what makes seconds since 1970 of both.
+     */
+    { times: number[]; values: (number | null)[]; now: number; epoch: number },
   ];
   picture: [Of & { report: string; path: string }, { url: string }];
   renew: [Record<string, never>, unknown];
