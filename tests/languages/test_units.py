@@ -39,6 +39,8 @@ LIBRARY = Path(__file__).resolve().parents[2] / "models" / "library"
         ("m2", "square metre"),
         ("1/s", "hertz"),
         ("°C", "degree Celsius"),
+        ("°C", "deg C"),
+        ("°F", "degrees F"),
         ("deg", "degrees"),
         ("deg", "°"),
         ("%", "percent"),

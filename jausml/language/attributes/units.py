@@ -199,6 +199,10 @@ _WORDS = {
     "percent": "%", "celsius": "°C", "fahrenheit": "°F", "knot": "kn", "inch": "in",
     "foot": "ft", "feet": "ft", "inches": "in", "henries": "H", "mile": "mi", "pound": "lb",
 }  # fmt: skip
+# What follows "degree", and the symbol of both.
+_DEGREES = {
+    "c": "°C", "celsius": "°C", "f": "°F", "fahrenheit": "°F", "k": "K", "kelvin": "K",
+}  # fmt: skip
 
 _SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
 _LANGUAGE = Language(
@@ -280,8 +284,9 @@ class _Parser:
             raise cursor.error(f"a unit is missing before {token}")
         cursor.advance()
         name = token.text
-        if name.lower() in {"degree", "degrees"}:
-            name = cursor.take("celsius", "fahrenheit", "kelvin") or name
+        if name.lower() in {"degree", "degrees", "deg", "°"}:
+            # Nobody multiplies degrees by coulombs or farads.
+            name = _DEGREES.get(cursor.take(*_DEGREES), name)
         unit = _named(name)
         if unit is None:
             raise UnitError(f"'{name}' is no known unit", token.column, name)
