@@ -549,9 +549,9 @@ def test_an_argument_may_be_longer_than_the_name_of_a_file(jausml):
 def test_fields_that_are_nested_too_deep_are_told(jausml, form):
     result = jausml("encode", text=form.format("[" * 100_000))
     assert (result.exit_code, result.stdout) == (1, "")
-    assert result.stderr == "<stdin>:1: the fields are nested too deep\n"
+    assert result.stderr == "<stdin>:1: the fields are no JSON: nested too deep\n"
 
 
 def test_a_message_of_ocu_that_is_nested_too_deep_is_refused(refused):
-    told = "the message is no JSON: it is nested too deep"
+    told = "the message is no JSON: nested too deep"
     refused(told, "ocu", "query", "100.1.1", '{"a":' * 100_000)

@@ -282,6 +282,7 @@ def test_nobody_there(arguments, error, jausml):
         (("query", "100.1.1", "Time", "{"), "the fields are no JSON"),
         (("query", "100.1.1", "Time", '{"PresenceVectors": 1}'), "did you mean PresenceVector?"),
         (("command", "100.1.1", "SetWrenchEffort", '{"X": 1}'), "unknown field"),
+        (("command", "100.1.1", "SetTime", '{"Day": 1, "Day": 2}'), "'Day' stands twice"),
         (("command", "100.1.1", "Resume", "--rate", "5"), "--rate needs a --duration"),
         (("watch", "100.1.1", "Time", "--rate", "1", "--every-change"), "exclude each other"),
         (("status", "100.1.1", "--id", "1.1.255"), "does not name one component"),

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import json
 import re
 import sys
-from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import islice
@@ -372,7 +370,7 @@ class _LineError(ValueError):
 
 
 def _message(line: str) -> dict[str, Any]:
-    from jausml.live.messages.field_paths import parse_fields
+    from jausml.live.messages.field_paths import JsonError, parse_fields, parse_json
     from jausml.live.messages.values import shown
 
     name, _, fields = line.strip().partition(" ")
@@ -382,26 +380,11 @@ def _message(line: str) -> dict[str, Any]:
         except ValueError as error:
             raise _LineError(str(error)) from error
     try:
-        value = json.loads(line.rstrip(), object_pairs_hook=_object)
-    except json.JSONDecodeError as error:
-        raise _LineError(f"column {error.colno}: {error.msg}") from error
-    except _LineError:
-        raise
-    except ValueError:
-        raise _LineError("an integer has too many digits") from None
-    except RecursionError:
-        raise _LineError("nested too deep") from None
+        value = parse_json(line.rstrip())
+    except JsonError as error:
+        raise _LineError(str(error)) from error
     if isinstance(value, dict) and isinstance(value.get("message"), dict):
         value = value["message"]  # a line of `jausml decode --datagram`
     if not isinstance(value, dict):
         raise _LineError(f"an object is needed, this is {shown(value)}")
     return value
-
-
-def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    """Returns an object of JSON; a repeated name is an error."""
-    members = dict(pairs)
-    if len(members) < len(pairs):
-        ((twice, _),) = Counter(name for name, _ in pairs).most_common(1)
-        raise _LineError(f"{twice!r} stands twice in an object")
-    return members

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import signal
 from collections.abc import Callable, Iterator, Sequence
@@ -238,12 +237,12 @@ def _message_name(context: click.Context, _parameter: click.Parameter, word: str
     """Returns the name of a message; fields that stand beside it, as in `jausml encode`, wait."""
     if not word.lstrip().startswith("{"):
         return word
+    from jausml.live.messages.field_paths import JsonError, parse_json
+
     try:
-        content = json.loads(word)
-    except ValueError as error:
+        content = parse_json(word)
+    except JsonError as error:
         raise click.BadParameter(f"the message is no JSON: {error}") from error
-    except RecursionError as error:
-        raise click.BadParameter("the message is no JSON: it is nested too deep") from error
     fields = content.get("fields", {})
     if not (isinstance(content.get("message"), str) and isinstance(fields, dict)):
         raise click.BadParameter('an object has a name as "message", and an object as "fields"')

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
@@ -104,6 +105,37 @@ def _joined(before: Any, steps: Sequence[str | int], value: Any, path: str) -> A
     raise EncodeError("this contradicts another field", path)
 
 
+class JsonError(ValueError):
+    """Why a text is no JSON, or what of it has no one meaning."""
+
+
+def parse_json(text: str) -> Any:
+    """Returns a value of JSON (`JsonError`: it is none, or an object has a name twice)."""
+    try:
+        return _read(text)
+    except json.JSONDecodeError as error:
+        raise JsonError(f"column {error.colno}: {error.msg}") from error
+
+
+def _read(text: str) -> Any:
+    try:
+        return json.loads(text, object_pairs_hook=_object)
+    except (json.JSONDecodeError, JsonError):
+        raise
+    except ValueError:
+        raise JsonError("an integer has too many digits") from None
+    except RecursionError:
+        raise JsonError("nested too deep") from None
+
+
+def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    members = dict(pairs)
+    if len(members) < len(pairs):
+        ((name, _),) = Counter(name for name, _ in pairs).most_common(1)
+        raise JsonError(f"{name!r} stands twice in an object")
+    return members
+
+
 def parse_fields(text: str) -> dict[str, Any]:
     """Returns fields from an object of JSON, or from `PATH=VALUE PATH=VALUE`, as they are shown.
 
@@ -116,11 +148,9 @@ def parse_fields(text: str) -> dict[str, Any]:
     try:
         if matches and not text[: matches[0].start()].strip():
             return _assigned(text, matches)
-        fields = json.loads(text)
-    except json.JSONDecodeError as error:
+        fields = parse_json(text)
+    except JsonError as error:
         raise ValueError(f"the fields are no JSON: {error}") from error
-    except RecursionError:
-        raise ValueError("the fields are nested too deep") from None
     if not isinstance(fields, dict):
         raise ValueError('the fields must be a JSON object, e.g. {"AuthorityCode": 5}')
     return fields
@@ -142,6 +172,6 @@ def _add(fields: dict[str, Any], path: str, value: Any) -> None:
 
 def _value(text: str) -> Any:
     try:
-        return json.loads(text)
-    except ValueError:
+        return _read(text)
+    except json.JSONDecodeError:
         return text[1:-1] if text[:1] == text[-1:] == "'" and len(text) > 1 else text
