@@ -14,7 +14,8 @@ from jausml.language.attributes.expressions import (
     parse_expression,
 )
 from jausml.runtime.conversions import ConversionError, arithmetic
-from jausml_generators.python.expressions import python_expression
+from jausml_generators.python.expressions import FormulaPrinter, python_expression
+from jausml_generators.python.names import Scope
 
 
 def python(text):
@@ -60,7 +61,14 @@ def test_no_source():
         python("z")
 
 
-LEAVES = st.sampled_from(["x", "y", "0", "1", "-2", "0.5", "3", "pi", "nan", "inf"])
+def test_a_choice_that_fits_a_line_once_its_conditions_have_names_is_one_line():
+    steps, sources = [], {"x": 'self.up.clamp.single("j6", source.j6)'}
+    expression = parse_expression("if(3 < x and not x == 7, 1 - x, -2)")
+    assert FormulaPrinter(steps, Scope(), sources).code(expression) == "term"
+    assert [step.place for step in steps] == ["term_2", "term_3", "term"]
+
+
+LEAVES = st.sampled_from(["x", "y", "0", "1", "-2", "0.5", "3", "pi", "(nan + 0)", "inf"])
 OPERATORS = ["+", "-", "*", "/", "^", "<", "<=", ">", ">=", "==", "!=", "and", "or"]
 
 

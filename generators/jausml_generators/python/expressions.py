@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeGuard
 
-from jausml.generation.literals import python_literal
+from jausml.generation.literals import LINE_WIDTH, python_literal
 from jausml.language.attributes.expressions import (
     COMPARISONS,
     Call,
@@ -161,6 +161,8 @@ def _within(code: str, own: int, binding: int) -> str:
 
 # Characters of an expression that is read at a glance.
 _LONG = 72
+# How far the statements of a method are from the margin; those in loops are farther.
+_MARGIN = " " * 8
 # Characters of a part that needs no name of its own.
 _SHORT = 48
 
@@ -183,13 +185,17 @@ class FormulaPrinter:
         """One of two values as statements, under a name."""
         name = self.names.claim("term")
         condition = self._shortened(expression.condition)
-        test = python_condition(condition, self.sources)
         branches = []
         for value in (expression.then, expression.otherwise):
             branch = replace(self, statements=[])
             branch.statements.append(Assign(name, branch.code(value)))
             branches.append(tuple(branch.statements))
-        self.statements.append(If(test, *branches))
+        text = self._text(replace(expression, condition=condition))
+        is_line = all(len(branch) == 1 for branch in branches)
+        if is_line and len(f"{_MARGIN}{name} = {text}") <= LINE_WIDTH:
+            self.statements.append(Assign(name, text))
+        else:
+            self.statements.append(If(python_condition(condition, self.sources), *branches))
         return name
 
     def _shortened(self, expression: Expression) -> Expression:

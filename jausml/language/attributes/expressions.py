@@ -57,6 +57,12 @@ _LANGUAGE = Language(
 _WORDS = {"and", "or", "not"}
 
 
+_SAME = (
+    "a comparison with nan says the same of all values; value != value holds for nan alone, and "
+    "isfinite(value) for neither nan nor inf"
+)
+
+
 def parse_expression(text: str) -> Expression:
     """Returns the expression that a text describes."""
     return _Parser(text).whole()
@@ -81,9 +87,11 @@ class _Parser:
     def _negation(self) -> Expression:
         if self._cursor.take("not"):
             return Operation("not", (self._cursor.nested(self._negation),))
-        left = self._sum()
+        left, column = self._sum(), self._cursor.token.column
         if sign := self._cursor.take(*COMPARISONS):
             left = Operation(sign, (left, self._sum()))
+            if any(isinstance(side, Number) and math.isnan(side.value) for side in left.operands):
+                raise ExpressionError(_SAME, column)
             if self._cursor.token.text in COMPARISONS:
                 raise self._cursor.error("comparisons are joined by 'and' or 'or'")
         return left
