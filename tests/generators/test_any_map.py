@@ -4,6 +4,7 @@ import importlib
 import math
 import os
 import struct
+from array import array
 from datetime import datetime, timezone
 from fractions import Fraction
 from itertools import combinations, count
@@ -75,7 +76,10 @@ class DroppedError(Exception):
 
 
 class Field(NamedTuple):
-    """A member of an end: a number, several, or a time; only JAUS has scales and absent ones."""
+    """A member of an end: a number, several, or a time; only JAUS has scales and absent ones.
+
+    An array has three numbers, a list as many as there are; in JAUS, its elements are records.
+    """
 
     name: str
     shape: str
@@ -85,7 +89,12 @@ class Field(NamedTuple):
 
     def __str__(self) -> str:
         if self.name in ROS_NAMES:
-            kind = {"time": "builtin_interfaces/Time", "array": f"{self.type} [3]"}
+            bound = "" if self.most == 4 else f"<={self.most}"
+            kind = {
+                "time": "builtin_interfaces/Time",
+                "array": f"{self.type} [3]",
+                "list": f"{self.type} [{bound}]",
+            }
             return f"{kind.get(self.shape, self.type)} {self.name}"
         scale = "scale: {{ lower: {} upper: {} }}".format(*self.scale) if self.scale else ""
         number = f"type: {self.type}  {scale}"
@@ -95,9 +104,16 @@ class Field(NamedTuple):
         start = {
             "one": f"fixed_field {self.name} {{ {number}",
             "array": f"array {self.name} {{ dimensions: 3  element: new fixed_field e {{{number}}}",
+            "list": f"list {self.name} {{ maximumCount: {self.most}  "
+            f"element: new record {self.name}rec {{ fixed_field value {{ {number} }} }}",
             "time": f"bit_field {self.name} {{ type: uint32  {' '.join(bits)}",
         }[self.shape]
         return f"{start}  optional: {str(self.is_optional).lower()} }}"
+
+    @property
+    def most(self) -> int:
+        """The most elements of a list; 4 for one without a bound."""
+        return 3 if self.name not in ROS_NAMES else 2 if self.name[-1] in "13579" else 4
 
     @property
     def limits(self) -> Any:
@@ -112,7 +128,8 @@ class Field(NamedTuple):
             return None
         if self.shape == "time":
             return NOW[0] + chance.randint(-800_000, 800_000), chance.randrange(1000) * 10**6
-        values = [self._number(chance) for _ in range(3)]
+        length = chance.randint(0, self.most) if self.shape == "list" else 3
+        values = [self._number(chance) for _ in range(length)]
         return values[0] if self.shape == "one" else values
 
     def _number(self, chance: Random) -> Any:
@@ -164,7 +181,9 @@ class Line(NamedTuple):
         if shape == "one":
             return f"{ends} {inner} {absent} }}"
         index = ", index" if PAIRS.keys() & self.chain else ""
-        return f"{ends} {{ .{index} -> . {inner} }} {absent} }}"
+        element, filled = ("value", ".") if is_up else (".", "value")
+        element, filled = (element, filled) if shape == "list" else (".", ".")
+        return f"{ends} {{ {element}{index} -> {filled} {inner} }} {absent} }}"
 
     def result(self, values: dict[Field, Any]) -> Any:
         """Returns what becomes of the target."""
@@ -172,11 +191,13 @@ class Line(NamedTuple):
         if None in found and self.absent == "dropMessage":
             raise DroppedError
         if None in found:
-            return {"one": 0, "array": [0] * 3, "time": (0, 0)}[shape]
+            return {"one": 0, "array": [0] * 3, "list": [], "time": (0, 0)}[shape]
         if shape == "time":
             return found[0] if found else NOW
         if shape == "one":
             return self._number(*found) if found else 3
+        if shape == "list" and len(found[0]) > self.target.most:
+            raise DroppedError
         return [self._number(*entry) for entry in zip(found[0], count(), strict=False)]
 
     def _number(self, *values: Any) -> Any:
@@ -196,7 +217,7 @@ def maps(draw: st.DrawFn) -> tuple[list[Field], list[Field], list[Line]]:
     def fields(names: Any, types: list[str], scales: Any) -> list[Field]:
         drawn = []
         for name in names:
-            shape, kind = choice(["one", "one", "array", "time"]), choice(types)
+            shape, kind = choice(["one", "one", "array", "list", "time"]), choice(types)
             scale = choice(scales) if kind[0] == "u" and kind != "uint64" else None
             is_optional = name[0] == "j" and (shape == "time" or draw(st.booleans()))
             drawn.append(Field(name, shape, kind, scale, is_optional))
@@ -255,6 +276,10 @@ def test_both_forms_make_what_a_map_means(tmp_path_factory, drawn, chance):
             check(made, way, values, [line for line in lines if line.target not in sources])
 
 
+def rounded(field: Field, values: list[Any]) -> list[Any]:
+    return list(array(FORMATS[field.type], values))
+
+
 def check(made: Any, way: str, values: dict[Field, Any], lines: list[Line]) -> None:
     """Compares what becomes of values, by the method and by the core, with what it should be."""
     connection, method = getattr(made.bridge, way), getattr(made.bridge, f"translate_{way}")
@@ -264,8 +289,12 @@ def check(made: Any, way: str, values: dict[Field, Any], lines: list[Line]) -> N
 
     def stored(field: Field, value: Any) -> Any:
         """Returns a value as the messages have it."""
-        if field.shape != "time" or value is None:
+        if value is None or field.shape in ("one", "array"):
             return value
+        if field.shape == "list":
+            record = getattr(made.messages.SetAny, f"{field.name.capitalize()}rec", None)
+            # ROS has lists of numbers in their own precision.
+            return [record(number) for number in value] if record else rounded(field, value)
         if field.name in ROS_NAMES:
             return types.Time(*value)
         utc = datetime.fromtimestamp(value[0], tz=timezone.utc)
@@ -283,6 +312,8 @@ def check(made: Any, way: str, values: dict[Field, Any], lines: list[Line]) -> N
         for field, value in results.items():
             found = getattr(readable.result, field.name)
             plain = list(found) if isinstance(value, list) else found
+            if field.shape == "list" and field.name in ROS_NAMES:
+                plain = rounded(field, plain)
             assert plain == stored(field, value), (field, values)
     if compiler() and hasattr(method, "compiled"):
         data = source.encode() if way == "up" else source.to_cdr()
