@@ -154,7 +154,9 @@ def qos_values(_: Subject, profile: ros.QoSProfile) -> Iterator[Finding]:
 
 @rule("JML405", "impossible parameter value", kinds=ros.Parameter, needs=("name", "type"))
 def parameter_values(_: Subject, parameter: ros.Parameter) -> Iterator[Finding]:
-    """The default of a parameter is of its type and within its range.
+    """The default of a parameter is of its type and within its range, if it has one.
+
+    A range goes from a minimum to a larger maximum, each of which is 0 if it is not stated.
 
     Bad: `<parameters name="gain" type="double" value="high"/>`
 
@@ -170,6 +172,10 @@ def parameter_values(_: Subject, parameter: ros.Parameter) -> Iterator[Finding]:
         if not math.isfinite(limit):
             message = f"{feature} of parameter '{parameter.name}' is not finite"
             yield Finding(parameter, message, feature)
+    limits = parameter.minimum, parameter.maximum
+    if limits[0] > limits[1] or limits[0] == limits[1] != 0:
+        message = f"the range {limits[0]:g}..{limits[1]:g} of parameter '{parameter.name}' is empty"
+        yield Finding(parameter, message, "minimum", "the minimum is below the maximum")
 
 
 @rule("JML407", "impossible frequency", kinds=(ros.Node, bridge.Bridge), needs=("name",))
