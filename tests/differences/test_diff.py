@@ -127,6 +127,27 @@ def test_text_and_xmi_are_compared_as_models():
             "topic dead_reckoning -> reckoned",
             ["peers"],
         ),
+        (
+            '<topics name="pose">\n        <qos reliability="best_effort" depth="5"/>',
+            '<topics name="pose">',
+            "catvehicle/bridge/pose/pose/qos",
+            "removed",
+            ["peers"],
+        ),
+        (
+            '<topics name="cruise_speed">\n        <qos depth="1"/>',
+            '<topics name="cruise_speed">',
+            "catvehicle/bridge/cruise_speed/cruise_speed/qos",
+            "removed",
+            [],
+        ),
+        (
+            'Float64"/>\n      <toRos xsi:type="bridge:FieldAssignment" target="data" source="Prop',
+            'Float32"/>\n      <toRos xsi:type="bridge:FieldAssignment" target="data" source="Prop',
+            "catvehicle/bridge/tyre_angle",
+            "type Float64 -> Float32",
+            ["peers"],
+        ),
     ],
 )
 def test_a_change_of_a_system(diff, old, new, path, text, breaks):
@@ -188,12 +209,18 @@ def test_added_is_removed_the_other_way_round(diff):
         ("added", "host", "catvehicle/left")
     ]
     assert [change["kind"] for change in diff(other, CATVEHICLE)] == ["removed"]
+    other = replaced(
+        CATVEHICLE, '<topics name="pose">', '<topics name="place"/><topics name="pose">'
+    )
+    assert [(e["kind"], e["breaks"]) for e in diff(CATVEHICLE, other)] == [("added", [])]
+    assert [(e["kind"], e["breaks"]) for e in diff(other, CATVEHICLE)] == [("removed", ["peers"])]
 
 
 @pytest.mark.parametrize(
     ("old", "new", "text", "breaks"),
     [
         ('code="0xD101"', 'code="0xD111"', "code 0xD101 -> 0xD111", ["peers"]),
+        ('0xD101" isCommand="true"', '0xD101"', "is command true -> false", ["peers"]),
         ('lower="-2.0" upper="2.0"/>', 'lower="-4.0" upper="2.0"/>', "lower -2 -> -4", ["peers"]),
         ('name="RopeLength"', 'name="Length"', "renamed from RopeLength", ["code"]),
         ('name="PAYING_IN" value="3"', 'name="PAYING_IN" value="7"', "value 3 -> 7", ["peers"]),

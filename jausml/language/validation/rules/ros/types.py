@@ -28,6 +28,11 @@ _LONG = 2**63
 _HIGHEST_FREQUENCY = 1000.0
 _PROMISED = ("deadline", "leaseDuration")
 """Times of a publisher that are at most those that a subscription asks for."""
+_LESS = {
+    "durability": ("volatile", "transient_local"),
+    "liveliness": ("automatic", "manual_by_topic"),
+}
+"""What a publisher offers too little of, with what a subscription asks for then."""
 
 
 @rule("JML401", "illegal ROS name", kinds=ros.TopicEndpoint, needs=())
@@ -92,7 +97,7 @@ def qos_compatible(subject: Subject) -> Iterator[Finding]:
     """A subscription asks for no more than the publishers of its topic offer.
 
     Otherwise ROS 2 does not connect the two. A subscription that is reliable needs a reliable
-    publisher, a transient_local one a transient_local publisher; a deadline or a lease needs one
+    publisher, and so do transient_local and manual_by_topic ones; a deadline or a lease needs one
     that is no longer at the publisher. What was published before a subscription began is repeated
     between reliable ends alone: best_effort and transient_local together have no effect.
 
@@ -212,7 +217,7 @@ def _find_topics(subject: Subject) -> list[list[Endpoint]]:
 def _offer(publisher: Endpoint) -> object:
     """Returns the offer that subscriptions compare: equal publishers are looked at once."""
     offered = policies(publisher.element.qos)
-    return publisher.reliability, *(offered[policy] for policy in ("durability", *_PROMISED))
+    return publisher.reliability, *(offered[policy] for policy in (*_LESS, *_PROMISED))
 
 
 def _incompatible(publisher: Endpoint, subscription: Endpoint) -> str:
@@ -220,8 +225,9 @@ def _incompatible(publisher: Endpoint, subscription: Endpoint) -> str:
     if publisher.reliability == "best_effort" and subscription.reliability == "reliable":
         return "it is best_effort, the subscription reliable"
     offered, asked = policies(publisher.element.qos), policies(subscription.element.qos)
-    if (offered["durability"], asked["durability"]) == ("volatile", "transient_local"):
-        return "it is volatile, the subscription transient_local"
+    for policy, (less, more) in _LESS.items():
+        if (offered[policy], asked[policy]) == (less, more):
+            return f"it is {less}, the subscription {more}"
     for policy in _PROMISED:
         if _seconds(offered[policy]) > _seconds(asked[policy]):
             return f"its {policy} is longer than that of the subscription"
