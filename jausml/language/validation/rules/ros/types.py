@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
 
 from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.metamodel.classes.ecore import EObject
@@ -15,8 +17,10 @@ from jausml.language.semantics.connections.topics import (
     is_latched,
     namespace_fault,
     policies,
+    resolve_topic,
     topic_fault,
 )
+from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.paths.attributes import is_integer, is_real
 from jausml.language.semantics.paths.ros_paths import ros_name
 from jausml.language.semantics.subject import Subject
@@ -90,6 +94,62 @@ def topic_types(subject: Subject) -> Iterator[Finding]:
                     end.feature,
                     related=(note,),
                 )
+
+
+@rule("JML475", "service or action served twice, or of two types")
+def served_once(subject: Subject) -> Iterator[Finding]:
+    """A ROS service or action of a system has one server, and its clients have its type.
+
+    With several servers, it is unknown which one answers a client; one of another type hears
+    nothing. Names are compared in full: `stop` and `/stop` are one in a bridge without a namespace.
+
+    Bad: two service connections with `service="stop"`
+
+    Good: `stop_front` and `stop_rear`
+    """
+    for group in subject.systems(("name", "namespace")):
+        by_name: dict[tuple[str, str], list[_Caller]] = defaultdict(list)
+        for owner in group:
+            if isinstance(owner, ros.Node | bridge.Bridge):
+                for end in _callers(subject, owner):
+                    by_name[end.kind, end.name].append(end)
+        for ends in by_name.values():
+            first, *others = sorted(ends, key=lambda end: not end.serves)
+            for end in others:
+                note = Note(first.element, f"'{first.label}'", first.kind)
+                if end.serves:
+                    message = f"'{end.label}' serves {end.name}, as '{first.label}' does"
+                    yield Finding(end.element, message, end.kind, related=(note,))
+                elif ros_name(end.element.type) != ros_name(first.element.type):
+                    message = f"{end.kind} {end.name} is of {ros_name(end.element.type)} here, but"
+                    message += f" of {ros_name(first.element.type)} in '{first.label}'"
+                    yield Finding(end.element, message, "type", related=(note,))
+
+
+@dataclass(frozen=True)
+class _Caller:
+    """A server or a client of a ROS service or action, `kind`, by its full name."""
+
+    element: ros.ServiceEndpoint | bridge.RosServiceConnection | bridge.RosActionConnection
+    label: str
+    kind: str
+    name: str
+    serves: bool
+
+
+def _callers(subject: Subject, owner: ros.Node | bridge.Bridge) -> Iterator[_Caller]:
+    ends: list[tuple[Any, str, bool]] = []
+    if isinstance(owner, ros.Node):
+        ends += [(server, "service", True) for server in owner.serviceServers]
+        ends += [(client, "service", False) for client in owner.serviceClients]
+    else:
+        ends += [(call, "service", not is_to_ros(call)) for call in owner.serviceConnections]
+        ends += [(action, "action", not is_to_ros(action)) for action in owner.actionConnections]
+    for element, kind, serves in ends:
+        name = str(getattr(element, kind) or "")
+        if name and not topic_fault(name) and subject.is_read(element) and element.type is not None:
+            full_name = resolve_topic(name, owner.namespace or "", owner.name or "")
+            yield _Caller(element, f"{owner.name}/{element.name}", kind, full_name, serves)
 
 
 @rule("JML403", "incompatible quality of service", severity=Severity.WARNING)
