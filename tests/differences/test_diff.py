@@ -222,6 +222,12 @@ def test_added_is_removed_the_other_way_round(diff):
         ('code="0xD101"', 'code="0xD111"', "code 0xD101 -> 0xD111", ["peers"]),
         ('0xD101" isCommand="true"', '0xD101"', "is command true -> false", ["peers"]),
         ('lower="-2.0" upper="2.0"/>', 'lower="-4.0" upper="2.0"/>', "lower -2 -> -4", ["peers"]),
+        (
+            'upper="20000.0"',
+            'upper="20000.0000001"',
+            "upper 20000 -> 20000.0000001",
+            ["peers"],
+        ),
         ('name="RopeLength"', 'name="Length"', "renamed from RopeLength", ["code"]),
         ('name="PAYING_IN" value="3"', 'name="PAYING_IN" value="7"', "value 3 -> 7", ["peers"]),
     ],

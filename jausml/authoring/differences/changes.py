@@ -247,7 +247,7 @@ def value_text(value: Any) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, float):
-        return f"{value:.10g}"
+        return f"{value:.15g}"
     if isinstance(value, jaus.Service):
         return f"{value.name} {value.version}".strip()
     if address(value):
@@ -291,7 +291,7 @@ def statement(obj: EObject) -> str:
 
 def conversion(obj: bridge.Conversion) -> str:
     """Returns a conversion with its arguments."""
-    arguments = [f"{argument:.10g}" for argument in obj.arguments]
+    arguments = list(map(value_text, obj.arguments))
     arguments += [str(text) for text in (obj.expression, obj.method, obj.units) if text]
     arguments += [
         value_text(operand) for operand in (obj.table, obj.quantity) if operand is not None
