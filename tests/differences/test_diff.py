@@ -240,6 +240,16 @@ def test_a_change_of_a_message(diff, old, new, text, breaks):
     assert changes[0]["breaks"] == breaks
 
 
+def test_names_that_code_has(diff):
+    (renamed,) = diff(INTERFACES, replaced(INTERFACES, '"d_msgs"', '"e_msgs"'))
+    assert renamed["breaks"] == ["peers", "code"]
+    library = ROOT / "models" / "library" / "jaus" / "environment-sensing.xmi"
+    sensing = library.read_text(encoding="utf-8")
+    name = re.search(r'<formats name="(\w+)"', sensing)[0]
+    (renamed,) = diff(sensing, sensing.replace(name, f'{name[:-1]}Q"', 1))
+    assert renamed["breaks"] == ["code"]
+
+
 def test_a_field_less_and_fields_in_another_order(diff):
     lines = WINCH.splitlines(keepends=True)
     start = next(i for i, line in enumerate(lines) if 'name="RopeLength"' in line)
