@@ -240,6 +240,29 @@ def test_a_change_of_a_message(diff, old, new, text, breaks):
     assert changes[0]["breaks"] == breaks
 
 
+def test_files_of_one_name_that_lie_outside(tmp_path):
+    states = [tmp_path / name / "models" / "plant.xmi" for name in ("old", "new")]
+    for state in states:
+        for folder in ("a", "b", "models"):
+            (state.parents[1] / folder).mkdir(parents=True)
+        (state.parents[1] / ".project").touch()
+        ends = "".join(
+            f'<nodes name="{folder}"><publishers name="t" topic="{folder}">'
+            f'<type href="../{folder}/msgs.xmi#//@messages.0"/></publishers></nodes>'
+            for folder in "ab"
+        )
+        head = INTERFACES.partition("  <messages")[0]
+        head = head.replace("ros:InterfacePackage", "system:System").replace("ros", "system")
+        state.write_text(f"{head}{ends}</system:System>", encoding="utf-8")
+        for folder in "ab":
+            file = state.parents[1] / folder / "msgs.xmi"
+            file.write_text(INTERFACES.replace("d_msgs", f"{folder}_msgs"), encoding="utf-8")
+    for folder in "ab":
+        file = states[1].parents[1] / folder / "msgs.xmi"
+        file.write_text(file.read_text().replace('name="x"', 'name="x" units="m"', 1))
+    assert compared(*states).output.count("units nothing -> m") == 2
+
+
 def test_names_that_code_has(diff):
     (renamed,) = diff(INTERFACES, replaced(INTERFACES, '"d_msgs"', '"e_msgs"'))
     assert renamed["breaks"] == ["peers", "code"]
