@@ -27,7 +27,7 @@ from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rule import Finding, Note, rule
 
 _DEEPEST = 10_000  # most messages that a quality of service keeps without a word
-_LONGEST = 2.0**63 / 1e9  # longest time in seconds: ROS 2 counts nanoseconds in 64 bits
+_TOO_LONG = 2.0**63 / 1e9  # seconds: ROS 2 counts nanoseconds in 64 bits
 _LONG = 2**63
 _HIGHEST_FREQUENCY = 1000.0
 _PROMISED = ("deadline", "leaseDuration")
@@ -213,7 +213,7 @@ def qos_values(_: Subject, profile: ros.QoSProfile) -> Iterator[Finding]:
         ("lifespan", profile.lifespan),
         ("leaseDuration", profile.leaseDuration),
     ):
-        if not 0 <= value <= _LONGEST:
+        if not 0 <= value < _TOO_LONG:
             yield Finding(profile, f"{feature} {value:g} is no time in seconds", feature)
 
 
