@@ -83,6 +83,10 @@ class _File:
         with os.fdopen(descriptor, "wb") as file:
             file.write(data)
 
+    def allow(self, mode: int) -> None:
+        """Sets the permissions, whatever new files get."""
+        os.chmod(self._name, mode, dir_fd=self._folder)
+
     def mode(self) -> int:
         """Returns the permissions."""
         return stat.S_IMODE(os.stat(self._name, dir_fd=self._folder).st_mode)
@@ -153,7 +157,7 @@ def replace_file(out: Path, path: str, old: bytes, new: bytes) -> None:
     with _faults_named(path), _opened(out, path) as file:
         if file.read() != old:
             raise WriteError(path, "the file was edited while jausml was running")
-        _put(file, path, new, file.mode())
+        _put(file, path, new, file.mode(), is_exact=True)
 
 
 def _write(out: Path, action: Action) -> None:
@@ -167,13 +171,18 @@ def _write(out: Path, action: Action) -> None:
         _put(file, action.path, data, 0o777 if action.executable else 0o666)
 
 
-def _put(file: _File, path: str, data: bytes, mode: int) -> None:
-    """Writes a temporary file beside a file, which then replaces it."""
+def _put(file: _File, path: str, data: bytes, mode: int, *, is_exact: bool = False) -> None:
+    """Writes a temporary file beside a file, which then replaces it.
+
+    The umask takes permissions away from a mode that is not exact.
+    """
     new = file.beside(PurePosixPath(temporary(path)).name)
     with suppress(FileNotFoundError):
         new.unlink()  # left by a run that was killed
     try:
         new.create(data, mode)
+        if is_exact:
+            new.allow(mode)
         new.replace(file)
     except BaseException:
         with suppress(FileNotFoundError):

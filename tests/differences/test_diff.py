@@ -127,6 +127,27 @@ def test_text_and_xmi_are_compared_as_models():
             "topic dead_reckoning -> reckoned",
             ["peers"],
         ),
+        (
+            '<topics name="pose">\n        <qos reliability="best_effort" depth="5"/>',
+            '<topics name="pose">',
+            "catvehicle/bridge/pose/pose/qos",
+            "removed",
+            ["peers"],
+        ),
+        (
+            '<topics name="cruise_speed">\n        <qos depth="1"/>',
+            '<topics name="cruise_speed">',
+            "catvehicle/bridge/cruise_speed/cruise_speed/qos",
+            "removed",
+            [],
+        ),
+        (
+            'Float64"/>\n      <toRos xsi:type="bridge:FieldAssignment" target="data" source="Prop',
+            'Float32"/>\n      <toRos xsi:type="bridge:FieldAssignment" target="data" source="Prop',
+            "catvehicle/bridge/tyre_angle",
+            "type Float64 -> Float32",
+            ["peers"],
+        ),
     ],
 )
 def test_a_change_of_a_system(diff, old, new, path, text, breaks):
@@ -188,13 +209,25 @@ def test_added_is_removed_the_other_way_round(diff):
         ("added", "host", "catvehicle/left")
     ]
     assert [change["kind"] for change in diff(other, CATVEHICLE)] == ["removed"]
+    other = replaced(
+        CATVEHICLE, '<topics name="pose">', '<topics name="place"/><topics name="pose">'
+    )
+    assert [(e["kind"], e["breaks"]) for e in diff(CATVEHICLE, other)] == [("added", [])]
+    assert [(e["kind"], e["breaks"]) for e in diff(other, CATVEHICLE)] == [("removed", ["peers"])]
 
 
 @pytest.mark.parametrize(
     ("old", "new", "text", "breaks"),
     [
         ('code="0xD101"', 'code="0xD111"', "code 0xD101 -> 0xD111", ["peers"]),
+        ('0xD101" isCommand="true"', '0xD101"', "is command true -> false", ["peers"]),
         ('lower="-2.0" upper="2.0"/>', 'lower="-4.0" upper="2.0"/>', "lower -2 -> -4", ["peers"]),
+        (
+            'upper="20000.0"',
+            'upper="20000.0000001"',
+            "upper 20000 -> 20000.0000001",
+            ["peers"],
+        ),
         ('name="RopeLength"', 'name="Length"', "renamed from RopeLength", ["code"]),
         ('name="PAYING_IN" value="3"', 'name="PAYING_IN" value="7"', "value 3 -> 7", ["peers"]),
     ],
@@ -205,6 +238,39 @@ def test_a_change_of_a_message(diff, old, new, text, breaks):
     changes = diff(WINCH, other)
     assert [change["text"] for change in changes] == [text]
     assert changes[0]["breaks"] == breaks
+
+
+def test_files_of_one_name_that_lie_outside(tmp_path):
+    states = [tmp_path / name / "models" / "plant.xmi" for name in ("old", "new")]
+    for state in states:
+        for folder in ("a", "b", "models"):
+            (state.parents[1] / folder).mkdir(parents=True)
+        (state.parents[1] / ".project").touch()
+        ends = "".join(
+            f'<nodes name="{folder}"><publishers name="t" topic="{folder}">'
+            f'<type href="../{folder}/msgs.xmi#//@messages.0"/></publishers></nodes>'
+            for folder in "ab"
+        )
+        head = INTERFACES.partition("  <messages")[0]
+        head = head.replace("ros:InterfacePackage", "system:System").replace("ros", "system")
+        state.write_text(f"{head}{ends}</system:System>", encoding="utf-8")
+        for folder in "ab":
+            file = state.parents[1] / folder / "msgs.xmi"
+            file.write_text(INTERFACES.replace("d_msgs", f"{folder}_msgs"), encoding="utf-8")
+    for folder in "ab":
+        file = states[1].parents[1] / folder / "msgs.xmi"
+        file.write_text(file.read_text().replace('name="x"', 'name="x" units="m"', 1))
+    assert compared(*states).output.count("units nothing -> m") == 2
+
+
+def test_names_that_code_has(diff):
+    (renamed,) = diff(INTERFACES, replaced(INTERFACES, '"d_msgs"', '"e_msgs"'))
+    assert renamed["breaks"] == ["peers", "code"]
+    library = ROOT / "models" / "library" / "jaus" / "environment-sensing.xmi"
+    sensing = library.read_text(encoding="utf-8")
+    name = re.search(r'<formats name="(\w+)"', sensing)[0]
+    (renamed,) = diff(sensing, sensing.replace(name, f'{name[:-1]}Q"', 1))
+    assert renamed["breaks"] == ["code"]
 
 
 def test_a_field_less_and_fields_in_another_order(diff):

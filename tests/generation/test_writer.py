@@ -10,7 +10,7 @@ import pytest
 from jausml.generation.errors import InternalError, RefusedError, WriteError
 from jausml.generation.manifest import MANIFEST_PATH, PENDING_PATH, find_python
 from jausml.generation.plan import ActionKind
-from jausml.generation.writer import apply, locked
+from jausml.generation.writer import apply, locked, replace_file
 
 NOBODY = 65534
 
@@ -193,10 +193,14 @@ def test_files_get_the_usual_permissions(workspace, vehicle):
     mask = os.umask(0o027)
     try:
         workspace.write([vehicle])
+        file = workspace.path("vehicle/vehicle.py")
+        assert file.stat().st_mode & 0o777 == 0o640
+        # What a user allows others stays.
+        file.chmod(0o664)
+        replace_file(workspace.out, "vehicle/vehicle.py", file.read_bytes(), b"pass\n")
+        assert file.stat().st_mode & 0o777 == 0o664
     finally:
         os.umask(mask)
-
-    assert workspace.path("vehicle/vehicle.py").stat().st_mode & 0o777 == 0o640
 
 
 def test_an_output_path_that_is_a_file_is_an_error(workspace, vehicle):

@@ -105,6 +105,17 @@ def test_a_set_of_the_library_comes_back(path):
             assert any("'frame'" in message and str(field.name) in message for message in told)
 
 
+def test_services_have_files_of_their_own_whose_urns_differ_little(tmp_path):
+    path = tmp_path / "set.xmi"
+    urns = ("urn:example:a:Lamp", "urn:example:a/Lamp", "urn:example:A:lamp")
+    lamps = (f'<services name="Lamp{n}" urn="{urn}"/>' for n, urn in enumerate(urns))
+    path.write_text(DECLARED.partition("  <types")[0] + "".join(lamps) + "</jaus:ServiceSet>")
+    model = read_models([path]).model
+    exported = export_jsidl(model, services(model))
+    assert len({name.lower() for name in exported.documents}) == len(urns)
+    assert lost(model, exported) == []
+
+
 def sets_of_others():
     """Returns the folders of the sets that other tools ship, at least one."""
     return sorted((SHARED / "jsidl").glob("urn.*"))

@@ -16,6 +16,7 @@ from jausml.language import wire
 from jausml.language.interfaces.definitions import (
     BOUNDED,
     FIXED,
+    RESERVED,
     SINGLE,
     UNBOUNDED,
     ConstantDefinition,
@@ -229,18 +230,8 @@ def _sequence(name: str, size: int, string_bound: int = 0) -> FieldType:
     return FieldType(name, "", string_bound, BOUNDED if size else UNBOUNDED, size)
 
 
-# Words of C and C++ that a struct's member cannot have; those of Python come from `keyword`.
-_RESERVED = frozenset(
-    """
-    alignas alignof and and_eq asm auto bitand bitor bool break case catch char class compl concept
-    const consteval constexpr constinit const_cast continue co_await co_return co_yield decltype
-    default delete do double dynamic_cast else enum explicit export extern false float for friend
-    goto if inline int long mutable namespace new noexcept not not_eq nullptr operator or or_eq
-    private protected public register reinterpret_cast requires restrict return short signed sizeof
-    static static_assert static_cast struct switch template this thread_local throw true try typedef
-    typeid typename union unsigned using virtual void volatile wchar_t while xor xor_eq
-    """.split()  # noqa: SIM905 -- a list of words is read more easily
-)
+# Words of later versions of C++, besides.
+_LATER = ("concept", "consteval", "constinit", "co_await", "co_return", "co_yield", "requires")
 
 
 def type_name(name: str) -> str:
@@ -253,7 +244,7 @@ def field_name(name: str) -> str:
     """Returns the name of a field, e.g. `velocity_x`."""
     text = re.sub("__+", "_", words.snake_case(name)).strip("_") or "unnamed"
     text = f"n{text}" if text[0].isdigit() else text
-    is_reserved = text in _RESERVED or keyword.iskeyword(text)
+    is_reserved = text in RESERVED or text in _LATER or keyword.iskeyword(text)
     return f"{text}_value" if is_reserved else text
 
 

@@ -10,7 +10,7 @@ from typing import Any
 
 from jausml.authoring.differences.matching import address, values
 from jausml.language.metamodel import ClassTable, FeatureTable
-from jausml.language.metamodel.classes import bridge, jaus
+from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model.diagnostics import Location
 from jausml.language.semantics.conversions import Effect, conversion_of
@@ -18,20 +18,22 @@ from jausml.language.semantics.conversions import Effect, conversion_of
 _PEERS = {
     "jaus.Component": {"address", "provides", "coreServices"},
     "jaus.Service": {"urn", "version", "inherits"},
-    "jaus.MessageDef": {"code"},
+    "jaus.MessageDef": {"code", "isCommand"},
     "ros.InterfacePackage": {"name"},
     "ros.MessageType": {"name"},
     "ros.ServiceType": {"name"},
     "ros.ActionType": {"name"},
     "ros.Field": {"name", "type", "messageType", "arrayKind", "arraySize", "stringBound"},
+    "ros.Constant": {"type", "value"},
     "ros.Node": {"namespace"},
     "ros.Publisher": {"topic", "type"},
     "ros.Subscription": {"topic", "type"},
     "ros.ServiceServer": {"service", "type"},
     "ros.ServiceClient": {"service", "type"},
-    "ros.QoSProfile": {"reliability", "durability"},
+    "ros.QoSProfile": {"reliability", "durability", "deadline", "liveliness", "leaseDuration"},
     "bridge.Topic": {"name"},
-    "bridge.Connection": {"direction"},
+    "bridge.AttributeMap": {"message", "type"},
+    "bridge.Connection": {"direction", "map"},
     "bridge.RosServiceConnection": {"direction", "service", "type", "message", "answer"},
     "bridge.RosActionConnection": {"direction", "action", "type", "driver"},
     "bridge.Bridge": {"namespace", "allowedHosts"},
@@ -65,6 +67,7 @@ _SEEN = (
     "ros.Subscription",
     "ros.ServiceServer",
     "ros.ServiceClient",
+    "bridge.Topic",
     "bridge.Connection",
     "bridge.RosServiceConnection",
     "bridge.RosActionConnection",
@@ -82,6 +85,7 @@ _NAMED_IN_CODE = (
     "jaus.Field",
     "jaus.SubField",
     "jaus.EnumeratedValue",
+    "jaus.Format",
     "jaus.State",
     "jaus.Action",
     "jaus.StateMachine",
@@ -92,6 +96,7 @@ _NAMED_IN_CODE = (
     "ros.ServiceServer",
     "ros.ServiceClient",
     "ros.Parameter",
+    "ros.InterfacePackage",
     "ros.MessageType",
     "ros.ServiceType",
     "ros.ActionType",
@@ -155,11 +160,19 @@ class Change:
     new_element: EObject | None = None
 
 
-def breaks(kind: Kind, table: ClassTable, feature: str, *, is_lost: bool) -> tuple[Breaks, ...]:
-    """Returns whom a change may break."""
+def breaks(
+    kind: Kind, obj: EObject, table: ClassTable, feature: str, *, is_lost: bool
+) -> tuple[Breaks, ...]:
+    """Returns whom a change of an element may break."""
     classes = {supertype.qualified_name for supertype in table.supertypes}
     breakages = []
-    if _breaks_peers(kind, classes, feature, is_lost=is_lost):
+    if isinstance(obj, ros.QoSProfile) and not feature:
+        # A profile that comes or goes changes the policies of its owner that it states.
+        changed = {f.name for f in table.features.values() if getattr(obj, f.name) != f.default}
+        is_broken = not changed.isdisjoint(_PEERS["ros.QoSProfile"])
+    else:
+        is_broken = _breaks_peers(kind, classes, feature, is_lost=is_lost)
+    if is_broken:
         breakages.append(Breaks.PEERS)
     if kind in (Kind.REMOVED, Kind.RENAMED) and classes & set(_NAMED_IN_CODE):
         breakages.append(Breaks.CODE)
@@ -236,7 +249,7 @@ def value_text(value: Any) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, float):
-        return f"{value:.10g}"
+        return f"{value:.15g}"
     if isinstance(value, jaus.Service):
         return f"{value.name} {value.version}".strip()
     if address(value):
@@ -280,7 +293,7 @@ def statement(obj: EObject) -> str:
 
 def conversion(obj: bridge.Conversion) -> str:
     """Returns a conversion with its arguments."""
-    arguments = [f"{argument:.10g}" for argument in obj.arguments]
+    arguments = list(map(value_text, obj.arguments))
     arguments += [str(text) for text in (obj.expression, obj.method, obj.units) if text]
     arguments += [
         value_text(operand) for operand in (obj.table, obj.quantity) if operand is not None

@@ -242,7 +242,7 @@ class _Finding:
             feature,
             *texts,
             text,
-            breaks(kind, table, feature, is_lost=is_lost),
+            breaks(kind, shown, table, feature, is_lost=is_lost),
             self._old.location(one, place) if one is not None else None,
             self._new.location(other, place) if other is not None else None,
             one,

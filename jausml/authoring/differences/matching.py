@@ -195,5 +195,9 @@ def _unread(model: Model, folder: Path) -> list[str]:
 
 
 def _name(document: Document, folder: Path) -> str:
+    """Returns the path of a file from a folder; outside of it, from the one that has both."""
     path, root = document.path, folder.resolve()
-    return path.relative_to(root).as_posix() if path.is_relative_to(root) else path.name
+    if path.is_relative_to(root):
+        return path.relative_to(root).as_posix()
+    common = next((parent for parent in root.parents if path.is_relative_to(parent)), path.parent)
+    return f"../{path.relative_to(common).as_posix()}"

@@ -29,7 +29,7 @@ from jausml.authoring.proposals.quick_fixes.found import (
     renamed_as_meant,
     unset,
 )
-from jausml.language.metamodel.classes import jaus
+from jausml.language.metamodel.classes import jaus, ros
 from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model import Diagnostic
 from jausml.language.model.names import name_of
@@ -65,7 +65,12 @@ def _other(finding: Found) -> str:
         return free_name(f"{own}_interfaces", ())
     feature = finding.element.eContainmentFeature()
     siblings = getattr(finding.element.eContainer(), feature.name) if feature is not None else ()
-    return name_among(f"{own}_2", siblings)
+    # ROS has names of its own for types and constants.
+    if isinstance(finding.element, ros.MessageType | ros.ServiceType | ros.ActionType):
+        words = name_among(f"{own}2", siblings).split("_")
+        return "".join(word.capitalize() for word in words)
+    free = name_among(f"{own}_2", siblings)
+    return free.upper() if isinstance(finding.element, ros.Constant) else free
 
 
 def topic(finding: Found) -> Iterator[QuickFix]:

@@ -6,6 +6,7 @@ import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from itertools import count
 from typing import TypeAlias
 from xml.etree.ElementTree import Element
 
@@ -257,13 +258,20 @@ def export_jsidl(model: Model, services: Iterable[jaus.Service]) -> ExportResult
             diagnostic for service in services for diagnostic in _lost(model, service, again)
         ]
         diagnostics += _unsaid_sets(model, services)
-    documents = {file_name(service): data for service, data in written if service in services}
+    documents: dict[str, bytes] = {}
+    for service, data in written:
+        if service in services:
+            documents[_file_name(service, documents)] = data
     return ExportResult(documents, sorted(dict.fromkeys(diagnostics)))
 
 
-def file_name(service: jaus.Service) -> str:
-    """Returns the name of the file of a service, e.g. urn.jaus.jss.core.Events-1.1.xml."""
-    return f"{_NOT_IN_FILES.sub('.', str(service.urn))}-{service.version}.xml"
+def _file_name(service: jaus.Service, others: Iterable[str]) -> str:
+    """Returns a name of a file that no other has, e.g. urn.jaus.jss.core.Events-1.1.xml."""
+    name = f"{_NOT_IN_FILES.sub('.', str(service.urn))}-{service.version}"
+    # URNs may differ in what no name of a file has, or in case alone.
+    known = {other.lower() for other in others}
+    names = (f"{name}{f'-{number}' if number > 1 else ''}.xml" for number in count(1))
+    return next(free for free in names if free.lower() not in known)
 
 
 def _refused(

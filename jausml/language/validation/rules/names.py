@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from typing import TypeAlias
 
 from jausml.language.attributes.guards import GuardError, conditions, parse_guard
+from jausml.language.interfaces.definitions import RESERVED
 from jausml.language.metamodel.classes import bridge, jaus, ros, system
 from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.semantics.jaus.inheritance import with_inherited
@@ -70,7 +71,8 @@ def _field_names(_: Subject, field: jaus.Field | jaus.SubField) -> Iterator[Find
 def interface_names(subject: Subject, package: ros.InterfacePackage) -> Iterator[Finding]:
     """Interface packages of a system hide no module that generated code imports.
 
-    Their names are those of Python packages and cannot be changed in generated code. Names of
+    Their names are those of Python packages and of namespaces of C++, and cannot be changed in
+    generated code. Names of
     components, bridges and nodes can: the package of a node named json is json_jaus.
 
     Bad: `<interfaces name="json">`
@@ -78,6 +80,8 @@ def interface_names(subject: Subject, package: ros.InterfacePackage) -> Iterator
     Good: `<interfaces name="robot_interfaces">`
     """
     reason = taken(package.name or "")
+    if not reason and package.name in RESERVED:
+        reason = "is a word of C++, which its namespace cannot have"
     if reason and not subject.model.is_library(package):
         yield Finding(package, f"interface package name '{package.name}' {reason}", "name")
 
@@ -261,7 +265,7 @@ def _siblings(owner: EObject) -> Iterator[Sequence[Named]]:
         yield [*owner.subscriptions, *owner.serviceServers]
         yield owner.parameters
     if isinstance(owner, ros.InterfacePackage):
-        yield owner.messages
+        yield from (owner.messages, owner.services, owner.actions)
     if isinstance(owner, ros.MessageType):
         yield from (owner.fields, owner.constants)
     if isinstance(owner, system.System):

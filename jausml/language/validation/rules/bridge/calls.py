@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
 from collections.abc import Iterator
 from functools import partial
 
@@ -11,7 +10,7 @@ from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.connections import calls
 from jausml.language.semantics.connections.calls import sent_reports, unanswered
 from jausml.language.semantics.connections.limits import LONGEST_TIME, SHORTEST_TIME
-from jausml.language.semantics.connections.topics import resolve_topic, topic_fault
+from jausml.language.semantics.connections.topics import topic_fault
 from jausml.language.semantics.jaus import fields, services
 from jausml.language.semantics.jaus.commands import is_emergency, is_steering, told_by_command
 from jausml.language.semantics.jaus.core_services import CORE_MESSAGES
@@ -252,36 +251,6 @@ def timeouts(_: Subject, connection: bridge.RosServiceConnection) -> Iterator[Fi
         allowed = f"{SHORTEST_TIME:g}..{LONGEST_TIME:g} s"
         message = f"timeout {seconds:g} of '{connection.name}' is not in {allowed}"
         yield Finding(connection, message, "timeout")
-
-
-@rule("JML475", "ROS service served twice")
-def served_once(subject: Subject) -> Iterator[Finding]:
-    """A ROS service of a system has one server.
-
-    With several servers, it is unknown which one answers a client. Names are compared in full:
-    `stop` and `/stop` are one in a bridge without a namespace.
-
-    Bad: two service connections with `service="stop"`
-
-    Good: `stop_front` and `stop_rear`
-    """
-    for group in subject.systems(("name", "namespace")):
-        served: dict[str, list[bridge.RosServiceConnection]] = defaultdict(list)
-        for owner in group:
-            if not isinstance(owner, bridge.Bridge):
-                continue
-            for service in owner.serviceConnections:
-                if subject.is_read(service, ("name", "service", "direction")) and calls.serves(
-                    service
-                ):
-                    name = resolve_topic(service.service, owner.namespace or "", owner.name or "")
-                    served[name].append(service)
-        for name, connections in served.items():
-            first, *others = connections
-            for other in others:
-                message = f"'{other.name}' serves {name}, as '{first.name}' does"
-                note = Note(first, f"'{first.name}'", "service")
-                yield Finding(other, message, "service", related=(note,))
 
 
 @rule(

@@ -345,7 +345,8 @@ def _topics_twice(connection: bridge.Connection, owner: bridge.Bridge) -> Iterat
 def deadlines_met(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """The deadline of a topic is not shorter than the time between the messages of its connection.
 
-    With a shorter one each message is late (ROS 2, requested deadline missed).
+    A decimation or a maxRate makes that time longer. With a shorter deadline, each message is late
+    (ROS 2, requested deadline missed).
 
     Bad: `rate="10"` with `<qos deadline="0.01"/>`
 
@@ -356,7 +357,10 @@ def deadlines_met(_: Subject, connection: bridge.Connection) -> Iterator[Finding
     rate = connection.rate or (owner.frequency if isinstance(owner, bridge.Bridge) else 0.0)
     if not is_timed or rate <= 0:
         return
+    # Reports of several peers may come at once.
+    period = max(1.0, connection.decimation / max(len(connection.peers), 1)) / rate
+    period = max(period, 1 / connection.maxRate if connection.maxRate > 0 else 0.0)
     for qos in (topic.qos for topic in connection.topics if topic.qos is not None):
-        if 0 < qos.deadline < 1 / rate:
+        if 0 < qos.deadline < period:
             message = f"deadline {qos.deadline:g} s, but '{connection.name}' publishes each"
-            yield Finding(qos, f"{message} {1 / rate:g} s", "deadline")
+            yield Finding(qos, f"{message} {period:g} s", "deadline")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import keyword
+import math
 import re
 from collections.abc import Iterator
 from dataclasses import replace
@@ -11,6 +12,7 @@ from jausml.language.attributes.expressions import ExpressionError, parse_expres
 from jausml.language.interfaces.definitions import (
     CONSTANT_NAME,
     FIELD_NAME,
+    RESERVED,
     TEXTS,
     FieldType,
     ValueTextError,
@@ -57,10 +59,11 @@ def interfaces(_: Subject, element: ros.NamedElement) -> Iterator[Finding]:
     """Interface packages, types, fields and constants are named as ROS 2 demands.
 
     Packages and fields are of lower case with single underscores, types are in CamelCase, constants
-    of upper case. A field is no keyword of Python: rosidl would write a class that cannot be
-    imported. Nor is it from_cdr or to_cdr, as bridges call what reads and writes a message. A fixed
-    array and a bounded sequence have a size of 1 or more; a fixed array no more than 4194304, for
-    each message holds all of it.
+    of upper case. A field is no keyword of Python, C or C++: rosidl would write code that cannot be
+    imported or compiled. Nor is it from_cdr or to_cdr, as bridges call what reads and writes a
+    message. A fixed array and a bounded sequence have a size of 1 or more; a fixed array no more
+    than 4194304, for each message holds all of it. A range goes from a minimum to a larger maximum,
+    both of the type.
 
     Bad: `<messages name="wheel_speeds">` with a field named frontLeft
 
@@ -80,6 +83,9 @@ def interfaces(_: Subject, element: ros.NamedElement) -> Iterator[Finding]:
 def _fields(_: Subject, field: ros.Field) -> Iterator[Finding]:
     if keyword.iskeyword(field.name or ""):
         yield Finding(field, f"field name '{field.name}' is a keyword of Python", "name")
+    elif field.name in RESERVED:
+        message = f"field name '{field.name}' is a word of C or C++"
+        yield Finding(field, message, "name", "its type could not be compiled")
     elif field.name in ("from_cdr", "to_cdr"):
         message = f"field name '{field.name}' is that of a method of generated messages"
         yield Finding(field, message, "name")
@@ -88,6 +94,17 @@ def _fields(_: Subject, field: ros.Field) -> Iterator[Finding]:
     if is_too_large or (array in ("fixedArray", "boundedSequence") and size < 1):
         message = f"'{field.name}' is a {array} of size {size}"
         yield Finding(field, message, "arraySize")
+
+
+@interfaces.also(ros.PrimitiveField, needs=("name", "type", "minimum", "maximum"))
+def _ranges(_: Subject, field: ros.PrimitiveField) -> Iterator[Finding]:
+    able = primitive(field.type.name)
+    lower = -math.inf if able.lower is None else able.lower
+    upper = math.inf if able.upper is None else able.upper
+    is_stated = able.kind == NUMBER and (field.minimum, field.maximum) != (0, 0)
+    if is_stated and not lower <= field.minimum < field.maximum <= upper:
+        message = f"'{field.name}' has the range {field.minimum:g}..{field.maximum:g}"
+        yield Finding(field, f"{message}, which is none of {field.type.name}", "minimum")
 
 
 @rule("JML408", "impossible constant", kinds=ros.Constant, needs=("name", "type"))

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
 
 from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.metamodel.classes.ecore import EObject
@@ -15,19 +17,26 @@ from jausml.language.semantics.connections.topics import (
     is_latched,
     namespace_fault,
     policies,
+    resolve_topic,
     topic_fault,
 )
+from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.paths.attributes import is_integer, is_real
 from jausml.language.semantics.paths.ros_paths import ros_name
 from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rule import Finding, Note, rule
 
 _DEEPEST = 10_000  # most messages that a quality of service keeps without a word
-_LONGEST = 2.0**63 / 1e9  # longest time in seconds: ROS 2 counts nanoseconds in 64 bits
+_TOO_LONG = 2.0**63 / 1e9  # seconds: ROS 2 counts nanoseconds in 64 bits
 _LONG = 2**63
 _HIGHEST_FREQUENCY = 1000.0
 _PROMISED = ("deadline", "leaseDuration")
 """Times of a publisher that are at most those that a subscription asks for."""
+_LESS = {
+    "durability": ("volatile", "transient_local"),
+    "liveliness": ("automatic", "manual_by_topic"),
+}
+"""What a publisher offers too little of, with what a subscription asks for then."""
 
 
 @rule("JML401", "illegal ROS name", kinds=ros.TopicEndpoint, needs=())
@@ -87,12 +96,68 @@ def topic_types(subject: Subject) -> Iterator[Finding]:
                 )
 
 
+@rule("JML475", "service or action served twice, or of two types")
+def served_once(subject: Subject) -> Iterator[Finding]:
+    """A ROS service or action of a system has one server, and its clients have its type.
+
+    With several servers, it is unknown which one answers a client; one of another type hears
+    nothing. Names are compared in full: `stop` and `/stop` are one in a bridge without a namespace.
+
+    Bad: two service connections with `service="stop"`
+
+    Good: `stop_front` and `stop_rear`
+    """
+    for group in subject.systems(("name", "namespace")):
+        by_name: dict[tuple[str, str], list[_Caller]] = defaultdict(list)
+        for owner in group:
+            if isinstance(owner, ros.Node | bridge.Bridge):
+                for end in _callers(subject, owner):
+                    by_name[end.kind, end.name].append(end)
+        for ends in by_name.values():
+            first, *others = sorted(ends, key=lambda end: not end.serves)
+            for end in others:
+                note = Note(first.element, f"'{first.label}'", first.kind)
+                if end.serves:
+                    message = f"'{end.label}' serves {end.name}, as '{first.label}' does"
+                    yield Finding(end.element, message, end.kind, related=(note,))
+                elif ros_name(end.element.type) != ros_name(first.element.type):
+                    message = f"{end.kind} {end.name} is of {ros_name(end.element.type)} here, but"
+                    message += f" of {ros_name(first.element.type)} in '{first.label}'"
+                    yield Finding(end.element, message, "type", related=(note,))
+
+
+@dataclass(frozen=True)
+class _Caller:
+    """A server or a client of a ROS service or action, `kind`, by its full name."""
+
+    element: ros.ServiceEndpoint | bridge.RosServiceConnection | bridge.RosActionConnection
+    label: str
+    kind: str
+    name: str
+    serves: bool
+
+
+def _callers(subject: Subject, owner: ros.Node | bridge.Bridge) -> Iterator[_Caller]:
+    ends: list[tuple[Any, str, bool]] = []
+    if isinstance(owner, ros.Node):
+        ends += [(server, "service", True) for server in owner.serviceServers]
+        ends += [(client, "service", False) for client in owner.serviceClients]
+    else:
+        ends += [(call, "service", not is_to_ros(call)) for call in owner.serviceConnections]
+        ends += [(action, "action", not is_to_ros(action)) for action in owner.actionConnections]
+    for element, kind, serves in ends:
+        name = str(getattr(element, kind) or "")
+        if name and not topic_fault(name) and subject.is_read(element) and element.type is not None:
+            full_name = resolve_topic(name, owner.namespace or "", owner.name or "")
+            yield _Caller(element, f"{owner.name}/{element.name}", kind, full_name, serves)
+
+
 @rule("JML403", "incompatible quality of service", severity=Severity.WARNING)
 def qos_compatible(subject: Subject) -> Iterator[Finding]:
     """A subscription asks for no more than the publishers of its topic offer.
 
     Otherwise ROS 2 does not connect the two. A subscription that is reliable needs a reliable
-    publisher, a transient_local one a transient_local publisher; a deadline or a lease needs one
+    publisher, and so do transient_local and manual_by_topic ones; a deadline or a lease needs one
     that is no longer at the publisher. What was published before a subscription began is repeated
     between reliable ends alone: best_effort and transient_local together have no effect.
 
@@ -148,13 +213,15 @@ def qos_values(_: Subject, profile: ros.QoSProfile) -> Iterator[Finding]:
         ("lifespan", profile.lifespan),
         ("leaseDuration", profile.leaseDuration),
     ):
-        if not 0 <= value <= _LONGEST:
+        if not 0 <= value < _TOO_LONG:
             yield Finding(profile, f"{feature} {value:g} is no time in seconds", feature)
 
 
 @rule("JML405", "impossible parameter value", kinds=ros.Parameter, needs=("name", "type"))
 def parameter_values(_: Subject, parameter: ros.Parameter) -> Iterator[Finding]:
-    """The default of a parameter is of its type and within its range.
+    """The default of a parameter is of its type and within its range, if it has one.
+
+    A range goes from a minimum to a larger maximum, each of which is 0 if it is not stated.
 
     Bad: `<parameters name="gain" type="double" value="high"/>`
 
@@ -170,6 +237,10 @@ def parameter_values(_: Subject, parameter: ros.Parameter) -> Iterator[Finding]:
         if not math.isfinite(limit):
             message = f"{feature} of parameter '{parameter.name}' is not finite"
             yield Finding(parameter, message, feature)
+    limits = parameter.minimum, parameter.maximum
+    if limits[0] > limits[1] or limits[0] == limits[1] != 0:
+        message = f"the range {limits[0]:g}..{limits[1]:g} of parameter '{parameter.name}' is empty"
+        yield Finding(parameter, message, "minimum", "the minimum is below the maximum")
 
 
 @rule("JML407", "impossible frequency", kinds=(ros.Node, bridge.Bridge), needs=("name",))
@@ -206,7 +277,7 @@ def _find_topics(subject: Subject) -> list[list[Endpoint]]:
 def _offer(publisher: Endpoint) -> object:
     """Returns the offer that subscriptions compare: equal publishers are looked at once."""
     offered = policies(publisher.element.qos)
-    return publisher.reliability, *(offered[policy] for policy in ("durability", *_PROMISED))
+    return publisher.reliability, *(offered[policy] for policy in (*_LESS, *_PROMISED))
 
 
 def _incompatible(publisher: Endpoint, subscription: Endpoint) -> str:
@@ -214,8 +285,9 @@ def _incompatible(publisher: Endpoint, subscription: Endpoint) -> str:
     if publisher.reliability == "best_effort" and subscription.reliability == "reliable":
         return "it is best_effort, the subscription reliable"
     offered, asked = policies(publisher.element.qos), policies(subscription.element.qos)
-    if (offered["durability"], asked["durability"]) == ("volatile", "transient_local"):
-        return "it is volatile, the subscription transient_local"
+    for policy, (less, more) in _LESS.items():
+        if (offered[policy], asked[policy]) == (less, more):
+            return f"it is {less}, the subscription {more}"
     for policy in _PROMISED:
         if _seconds(offered[policy]) > _seconds(asked[policy]):
             return f"its {policy} is longer than that of the subscription"
