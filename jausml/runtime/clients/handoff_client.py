@@ -20,9 +20,11 @@ from ..messages.handoff import HandoffDecision
 from ..services.definitions import HandoffRequest
 from ..services.host import Host
 from .control_session import ControlClient
+from .query import QueryClient
 
 RENEWALS = 3  # how often a request is sent within the timeout after which it lapses
 RENEWAL = 3.0  # seconds between two requests to a component that has not reported its timeout
+QUERY_PAUSE = 0.3  # seconds between two queries for that timeout
 
 # How often a decision is given to the transport, which repeats it each time. A lost GRANTED would
 # leave the target without a controller.
@@ -45,7 +47,7 @@ class PendingHandoff:
     ) -> None:
         self.target = target
         self.number: int | None = None
-        self.pause = RENEWAL
+        self._pause = RENEWAL
         self._host = host
         self._message = message
         self._on_answer = on_answer
@@ -65,8 +67,15 @@ class PendingHandoff:
 
     def ask(self) -> None:
         """Sends the request now, and again before it lapses."""
-        self._timer.set(self.pause, self.ask)
+        self._timer.set(self._pause, self.ask)
         self._host.send(self._message, self.target, acknowledge=True)
+
+    def renew(self, timeout: int) -> None:
+        """Sends the request so often that it does not lapse after a time-out in seconds."""
+        if timeout:
+            self._pause = timeout / RENEWALS
+            if self._timer.is_set:
+                self._timer.set(self._pause, self.ask)
 
     def answered(self, message: ConfirmHandoffRequest) -> bool:
         """Takes an answer; returns whether it grants control."""
@@ -91,7 +100,6 @@ class HandoffClient:
         self._pending: dict[JausAddress, PendingHandoff] = {}
         self._undecided: dict[JausAddress, tuple[HandoffRequest, ...]] = {}
         host.on_message(ConfirmHandoffRequest, self._answered)
-        host.on_message(ReportEnhancedTimeout, self._timeout_reported)
         host.on_message(RequestReleaseControl, self._take_requests)
         host.when_stopped(self.stop)
 
@@ -112,7 +120,14 @@ class HandoffClient:
             former.end()
         handoff = self._pending[target] = PendingHandoff(self._host, target, message, on_answer)
         self._host.when_started(handoff.ask)
-        self._host.when_started(lambda: self._host.send(QueryEnhancedTimeout(), target))
+        self._host.part(QueryClient).ask(
+            target,
+            QueryEnhancedTimeout(),
+            ReportEnhancedTimeout,
+            lambda report, _sender: handoff.renew(report.timeout),
+            timeout=QUERY_PAUSE,
+            retries=RENEWALS,
+        )
         return handoff
 
     def decide(self, request: HandoffRequest, decision: HandoffDecision) -> None:
@@ -163,11 +178,6 @@ class HandoffClient:
             self._host.counters.count("handoff_client.bad_answer", f"{message} of {sender}")
         elif pending is not None and pending.answered(message):
             self._control.take_over(sender)
-
-    def _timeout_reported(self, message: ReportEnhancedTimeout, sender: JausAddress) -> None:
-        pending = self._pending.get(sender)
-        if pending is not None and message.timeout:
-            pending.pause = message.timeout / RENEWALS
 
     def _take_requests(self, message: RequestReleaseControl, sender: JausAddress) -> None:
         if not self._control.holds(sender):

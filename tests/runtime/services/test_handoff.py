@@ -156,7 +156,8 @@ def test_a_person_hands_control_over_and_gets_it_back(world):
 
 
 def test_without_a_person_nobody_gets_control(world):
-    made = scene(world, handoff_timeout=20)
+    # Shorter than the pause between two requests while the time-out is not known.
+    made = scene(world, handoff_timeout=20, enhanced_timeout=3)
     made.second.ask()
     world.run_until(lambda: HandoffAnswer.TIMEOUT in made.second.answers, limit=60)
     world.run_until(lambda: not made.first.shown, limit=30)
