@@ -11,6 +11,7 @@ import pytest
 
 from jausml.language import wire
 from jausml.live.messages import DecodeError, EncodeError
+from jausml.live.messages.values import legal_integer
 
 NUMBERS = {
     "Signed": -2,
@@ -322,6 +323,11 @@ def test_numbers_of_other_packages_are_numbers(catalogue, number):
     plain = {"PropulsiveLinearEffortX": 12.5}
     encode = catalogue.message("SetWrenchEffort").encode
     assert encode({"WrenchEffortRec": fields}) == encode({"WrenchEffortRec": plain})
+
+
+def test_an_integer_with_its_unit_keeps_all_of_its_digits():
+    count = 2**53 + 1
+    assert legal_integer(f"{count} s", ((0, 2**64 - 1),), unit="second") == count
 
 
 def test_integers_of_other_packages_are_integers(catalogue):
