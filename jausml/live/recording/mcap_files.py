@@ -87,7 +87,8 @@ class TimeSpan:
                 since = (time - begin) / NANO - self.start
                 if self.duration is not None and since >= self.duration:
                     return
-                if since < 0:
+                # After a clock was set back times may lie before that of the first message.
+                if since < 0 < self.start:
                     continue
             yield message
 
