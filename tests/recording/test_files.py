@@ -1,5 +1,6 @@
 """Rows of files: when another begins, which stay, and that nothing is overwritten."""
 
+import io
 import resource
 from contextlib import contextmanager
 
@@ -8,8 +9,10 @@ from click.testing import CliRunner
 from recordings import by_mcap, by_rosbags
 
 from jausml.cli import main
+from jausml.live.messages import MessageError, load_catalogue
 from jausml.live.recording.mcap_files import McapFile, TrafficFilter
 from jausml.live.recording.mcap_reading import McapRecording
+from jausml.live.recording.mcap_records import MAGIC
 from jausml.live.recording.recorder import FilePair, RecordingFiles, SplitLimits
 
 
@@ -67,6 +70,20 @@ def test_two_recorders_of_a_row_take_numbers_in_turn(tmp_path):
     first, second = ([file.name for file in row.paths] for row in rows)
     assert first == ["run_0.mcap", "run_2.mcap", "run_3.mcap"]
     assert second == ["run_1.mcap", "run_4.mcap", "run_5.mcap"]
+
+
+def test_forged_senders_leave_channels_for_topics():
+    stream = io.BytesIO()
+    file = McapFile(stream, has_jaus=True)
+    beat = load_catalogue().message("ReportHeartbeatPulse")
+    for number in range(60_000):
+        file.jaus_channel(str(number), beat)
+    with pytest.raises(MessageError, match="messages of 60000 kinds and senders"):
+        file.jaus_channel("one more", beat)
+    channel = file.ros_channel("/on", "std_msgs/msg/Bool", "bool data")
+    file.write(channel, 0, b"\0\1\0\0\1")
+    file.close()
+    assert stream.getvalue().endswith(MAGIC)
 
 
 def test_without_limits_there_is_one_pair(tmp_path):
