@@ -6,12 +6,14 @@ import math
 import tracemalloc
 from fractions import Fraction
 
+import jsonschema
 import numpy
 import pytest
 
 from jausml.language import wire
 from jausml.live.messages import DecodeError, EncodeError
 from jausml.live.messages.values import legal_integer
+from jausml.live.recording.schemas import schema_of
 
 NUMBERS = {
     "Signed": -2,
@@ -44,6 +46,8 @@ def test_every_kind_of_field(kinds):
     )
     decoded = kinds.message("Kinds").decode(payload)
     assert decoded["Body"] == {"_pv": 0, **BODY, "Numbers": {**NUMBERS, "Down": 7.0, "Up": 8.0}}
+    entry = kinds.message("Kinds")
+    jsonschema.validate({"fields": entry.shortened(decoded)}, schema_of(entry))
     with_second = encode(kinds, Second={"X": 2})
     assert with_second[2] == 1
     assert kinds.message("Kinds").decode(with_second)["Body"]["Second"] == {"X": 2.0}
