@@ -323,13 +323,16 @@ def _show_counts(
         early = f"; {ros.early[topic]} came before it was heard" if ros.early[topic] else ""
         click.echo(f"  {number} on {topic}{lost}{early}", err=True)
     for topic in filter(
-        _is_usual, sorted(set(ros.wanted or ()) - {*recorder.topics, *ros.missing})
+        _is_usual, sorted(set(ros.wanted or ()) - {*recorder.topics, *ros.missing, *ros.mixed})
     ):
         is_unheard = topic.endswith(CALLS) and topic not in ros.heard
         why = ": its node does not publish its calls" if is_unheard else ""
         click.echo(f"  none on {topic}{why}", err=True)
     for topic, kind in sorted(ros.missing.items()):
         click.echo(f"  {topic} is not recorded: {kind} is not installed", err=True)
+    for topic, kinds in sorted(ros.mixed.items()):
+        how = "one of them is" if topic in ros.heard else "it is not"
+        click.echo(f"  {topic} is published as {' and '.join(kinds)}; {how} recorded", err=True)
     for topic in sorted(recorder.undefined):
         click.echo(f"  {topic} is not recorded: nobody defines its type here", err=True)
     for reason, number in sorted(recorder.jaus.undecoded.items()):
