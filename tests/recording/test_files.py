@@ -62,6 +62,12 @@ def test_a_row_forgets_its_own_files_whatever_their_numbers(tmp_path):
     ]
 
 
+def test_a_capture_of_others_is_no_part_of_a_row(tmp_path):
+    (tmp_path / "run_0.pcap").write_bytes(b"precious")
+    fill(RecordingFiles(tmp_path / "run.mcap", SplitLimits(size=1, files=1)), 2)
+    assert names(tmp_path) == ["run_0.pcap", "run_3.mcap", "run_3.pcap"]
+
+
 def test_two_recorders_of_a_row_take_numbers_in_turn(tmp_path):
     path = tmp_path / "run.mcap"
     rows = [RecordingFiles(path, SplitLimits(size=1)) for _ in range(2)]
