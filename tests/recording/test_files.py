@@ -114,10 +114,17 @@ def test_topics_by_patterns(selection, wanted):
     assert [topic for topic in ("/a", "/a/b", "/c") if selection.wants_topic(topic)] == wanted
 
 
-def test_limits_that_make_no_sense_are_told(tmp_path):
-    line = ["record", "--output", str(tmp_path / "a.mcap"), "--max-files", "2"]
-    result = CliRunner().invoke(main, line)
-    assert "--max-files needs --max-size or --max-duration" in result.stderr
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        (["a.mcap", "--max-files", "2"], "--max-files needs --max-size or --max-duration"),
+        (["."], ". is a folder"),
+    ],
+)
+def test_files_that_make_no_sense_are_told(tmp_path, monkeypatch, line, said):
+    monkeypatch.chdir(tmp_path)
+    result = CliRunner().invoke(main, ["record", "--output", *line])
+    assert said in result.stderr
     assert result.exit_code == 2
     assert names(tmp_path) == []
 

@@ -184,6 +184,8 @@ def _output(output: str | None, limits: SplitLimits, *, force: bool) -> Path:
     if limits.files is not None and not limits.splits:
         raise click.UsageError("--max-files needs --max-size or --max-duration")
     path = Path(output)
+    if path.is_dir():
+        raise click.UsageError(f"{output} is a folder; --output is a file in one")
     capture = path.with_suffix(".pcap")
     if capture == path:
         raise click.UsageError("the capture stands beside FILE, which needs another ending: .mcap")
