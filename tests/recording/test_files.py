@@ -119,6 +119,7 @@ def test_topics_by_patterns(selection, wanted):
     [
         (["a.mcap", "--max-files", "2"], "--max-files needs --max-size or --max-duration"),
         (["."], ". is a folder"),
+        (["a.mcap", "--topic", "odom"], "no topic is 'odom': full names begin with /"),
     ],
 )
 def test_files_that_make_no_sense_are_told(tmp_path, monkeypatch, line, said):

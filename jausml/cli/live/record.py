@@ -148,6 +148,9 @@ def command(
     size = None if max_size is None else int(min(max_size, _MEGA**2) * _MEGA)
     limits = SplitLimits(size, max_duration, max_files)
     path = _output(output, limits, force=force)
+    for pattern in (*topics, *excluded):
+        if not pattern.startswith(("/", "*", "?", "[")):
+            raise click.UsageError(f"no topic is {pattern!r}: full names begin with /, /{pattern}")
     settings = transport_settings(interface, port, multicast_group)
     selection = TrafficFilter(topics, excluded, components)
     is_any = all_topics or (model is None and bool(topics))
