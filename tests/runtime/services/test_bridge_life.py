@@ -232,13 +232,14 @@ def test_a_change_passes_afterwards_and_a_periodic_report_is_old_then(world, set
 
 def test_what_waits_for_its_time_does_not_pass_after_the_end(world, setting):
     peer_component(world)
-    connection = setting.open(command(shape=Shape(max_rate=0.5)))
+    connection = setting.open(command(shape=Shape(max_rate=0.5), silence_timeout=1.0))
     for number in (1.0, 2.0):
         setting.ros.deliver["numbers"](Number(number))
     setting.bridge.close()
     world.run(5.0)
     assert world.count(SetTime.CODE) == 1
     assert (connection.statistics.passed, connection.statistics.thinned) == (1, 1)
+    assert not connection.statistics.stops
 
 
 def test_periodic_events_go_on(world, setting):
