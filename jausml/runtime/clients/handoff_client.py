@@ -48,6 +48,7 @@ class PendingHandoff:
         self.target = target
         self.number: int | None = None
         self._pause = RENEWAL
+        self._is_withdrawn = False
         self._host = host
         self._message = message
         self._on_answer = on_answer
@@ -56,10 +57,17 @@ class PendingHandoff:
     def cancel(self) -> None:
         """Withdraws the request; no effect once it is decided."""
         with self._host.loop.lock:
-            if self._timer.is_set and self.number is not None:
-                removal = RemoveHandoffRequest(id_=self.number)
-                self._host.send(removal, self.target, acknowledge=True)
+            self._is_withdrawn = self._timer.is_set
             self.end()
+            if self._is_withdrawn and self.number is not None:
+                self._remove(self.number)
+            elif self._is_withdrawn:
+                # If it is on its way already, its answer says the number to remove.
+                host, payload = self._host, self._message.encode()
+                host.transport.withdraw(host.address, self.target, payload)
+
+    def _remove(self, number: int) -> None:
+        self._host.send(RemoveHandoffRequest(id_=number), self.target, acknowledge=True)
 
     def end(self) -> None:
         """Stops sending the request."""
@@ -79,9 +87,11 @@ class PendingHandoff:
 
     def answered(self, message: ConfirmHandoffRequest) -> bool:
         """Takes an answer; returns whether it grants control."""
+        answer = HandoffAnswer(message.response_code)
+        if self._is_withdrawn and answer in _GOES_ON:
+            self._remove(message.id_)
         if not self._timer.is_set:
             return False
-        answer = HandoffAnswer(message.response_code)
         if answer in _GOES_ON:
             self.number = message.id_
         else:

@@ -191,6 +191,14 @@ def test_what_is_taken_back_cannot_be_granted(world):
     assert made.controllers == [made.first.address]
 
 
+def test_what_is_taken_back_before_its_answer_waits_for_nobody(world):
+    made = scene(world)
+    pending = made.second.ask()
+    pending.cancel()
+    world.run_for(3)
+    assert (made.first.shown, made.second.answers) == ((), [])
+
+
 def test_only_what_is_controlled_may_ask_to_be_given_up(world):
     made = scene(world)
     record = RequestReleaseControl.RequestReleaseControlRec(0, 3, 1, 1, 255, "give it to me")
