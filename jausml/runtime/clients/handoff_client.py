@@ -57,11 +57,13 @@ class PendingHandoff:
     def cancel(self) -> None:
         """Withdraws the request; no effect once it is decided."""
         with self._host.loop.lock:
-            self._is_withdrawn = self._timer.is_set
+            if not self._timer.is_set:
+                return
             self.end()
-            if self._is_withdrawn and self.number is not None:
+            self._is_withdrawn = True
+            if self.number is not None:
                 self._remove(self.number)
-            elif self._is_withdrawn:
+            else:
                 # If it is on its way already, its answer says the number to remove.
                 host, payload = self._host, self._message.encode()
                 host.transport.withdraw(host.address, self.target, payload)
