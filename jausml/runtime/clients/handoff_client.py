@@ -48,7 +48,7 @@ class PendingHandoff:
         self.target = target
         self.number: int | None = None
         self._pause = RENEWAL
-        self._is_withdrawn = False
+        self._has_ended = self._is_withdrawn = False
         self._host = host
         self._message = message
         self._on_answer = on_answer
@@ -57,7 +57,7 @@ class PendingHandoff:
     def cancel(self) -> None:
         """Withdraws the request; no effect once it is decided."""
         with self._host.loop.lock:
-            if not self._timer.is_set:
+            if self._has_ended:
                 return
             self.end()
             self._is_withdrawn = True
@@ -73,10 +73,13 @@ class PendingHandoff:
 
     def end(self) -> None:
         """Stops sending the request."""
+        self._has_ended = True
         self._timer.cancel()
 
     def ask(self) -> None:
         """Sends the request now, and again before it lapses."""
+        if self._has_ended:
+            return  # before the start
         self._timer.set(self._pause, self.ask)
         self._host.send(self._message, self.target, acknowledge=True)
 
@@ -92,7 +95,7 @@ class PendingHandoff:
         answer = HandoffAnswer(message.response_code)
         if self._is_withdrawn and answer in _GOES_ON:
             self._remove(message.id_)
-        if not self._timer.is_set:
+        if self._has_ended:
             return False
         if answer in _GOES_ON:
             self.number = message.id_

@@ -200,6 +200,14 @@ def test_what_is_taken_back_before_its_answer_waits_for_nobody(world):
     assert (made.first.shown, made.second.answers) == ((), [])
 
 
+def test_what_is_taken_back_before_the_start_is_not_sent(world):
+    operator = Operator(world.transport(), 3, 100)
+    operator.ask().cancel()
+    operator.start()
+    world.run_for(5)
+    assert "transport.unacknowledged" not in operator.counters.snapshot()
+
+
 def test_only_what_is_controlled_may_ask_to_be_given_up(world):
     made = scene(world)
     record = RequestReleaseControl.RequestReleaseControlRec(0, 3, 1, 1, 255, "give it to me")
