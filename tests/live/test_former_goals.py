@@ -37,7 +37,10 @@ def test_goals_with_the_mark_that_go_on_are_cancelled_once_and_no_others():
         return response
 
     with Loop() as loop:
-        former = FormerGoals(ActionWork(node, executor, loop, None), "follow", SERVICE)
+        work = ActionWork(node, executor, loop, None)
+        former = FormerGoals(work, "follow", SERVICE)
+        # Lists of another kind may go to the same action.
+        other = FormerGoals(work, "follow", SERVICE)
         current, ended = former.new_id(), former.new_id()
         former.forget(ended)
         mark = current[:MARK_SIZE]
@@ -45,6 +48,7 @@ def test_goals_with_the_mark_that_go_on_are_cancelled_once_and_no_others():
             bytes(16): GoalStatus.STATUS_EXECUTING,  # of somebody else
             bytes(8) + mark: GoalStatus.STATUS_EXECUTING,
             current: GoalStatus.STATUS_EXECUTING,
+            other.new_id(): GoalStatus.STATUS_EXECUTING,
             mark + b"succeed.": GoalStatus.STATUS_SUCCEEDED,
             mark + b"accepted": GoalStatus.STATUS_ACCEPTED,
             mark + b"executes": GoalStatus.STATUS_EXECUTING,
@@ -66,6 +70,7 @@ def test_goals_with_the_mark_that_go_on_are_cancelled_once_and_no_others():
             executor.spin_once(timeout_sec=0.01)
         assert sorted(asked) == [mark + b"accepted", mark + b"executes"]
         former.destroy()
+        other.destroy()
     node.destroy_node()
     rclpy.try_shutdown(context=context)
 

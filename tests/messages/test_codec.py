@@ -6,11 +6,14 @@ import math
 import tracemalloc
 from fractions import Fraction
 
+import jsonschema
 import numpy
 import pytest
 
 from jausml.language import wire
 from jausml.live.messages import DecodeError, EncodeError
+from jausml.live.messages.values import legal_integer
+from jausml.live.recording.schemas import schema_of
 
 NUMBERS = {
     "Signed": -2,
@@ -43,6 +46,8 @@ def test_every_kind_of_field(kinds):
     )
     decoded = kinds.message("Kinds").decode(payload)
     assert decoded["Body"] == {"_pv": 0, **BODY, "Numbers": {**NUMBERS, "Down": 7.0, "Up": 8.0}}
+    entry = kinds.message("Kinds")
+    jsonschema.validate({"fields": entry.shortened(decoded)}, schema_of(entry))
     with_second = encode(kinds, Second={"X": 2})
     assert with_second[2] == 1
     assert kinds.message("Kinds").decode(with_second)["Body"]["Second"] == {"X": 2.0}
@@ -322,6 +327,11 @@ def test_numbers_of_other_packages_are_numbers(catalogue, number):
     plain = {"PropulsiveLinearEffortX": 12.5}
     encode = catalogue.message("SetWrenchEffort").encode
     assert encode({"WrenchEffortRec": fields}) == encode({"WrenchEffortRec": plain})
+
+
+def test_an_integer_with_its_unit_keeps_all_of_its_digits():
+    count = 2**53 + 1
+    assert legal_integer(f"{count} s", ((0, 2**64 - 1),), unit="second") == count
 
 
 def test_integers_of_other_packages_are_integers(catalogue):

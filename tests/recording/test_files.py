@@ -1,5 +1,6 @@
 """Rows of files: when another begins, which stay, and that nothing is overwritten."""
 
+import io
 import resource
 from contextlib import contextmanager
 
@@ -8,8 +9,10 @@ from click.testing import CliRunner
 from recordings import by_mcap, by_rosbags
 
 from jausml.cli import main
+from jausml.live.messages import MessageError, load_catalogue
 from jausml.live.recording.mcap_files import McapFile, TrafficFilter
 from jausml.live.recording.mcap_reading import McapRecording
+from jausml.live.recording.mcap_records import MAGIC
 from jausml.live.recording.recorder import FilePair, RecordingFiles, SplitLimits
 
 
@@ -59,6 +62,12 @@ def test_a_row_forgets_its_own_files_whatever_their_numbers(tmp_path):
     ]
 
 
+def test_a_capture_of_others_is_no_part_of_a_row(tmp_path):
+    (tmp_path / "run_0.pcap").write_bytes(b"precious")
+    fill(RecordingFiles(tmp_path / "run.mcap", SplitLimits(size=1, files=1)), 2)
+    assert names(tmp_path) == ["run_0.pcap", "run_3.mcap", "run_3.pcap"]
+
+
 def test_two_recorders_of_a_row_take_numbers_in_turn(tmp_path):
     path = tmp_path / "run.mcap"
     rows = [RecordingFiles(path, SplitLimits(size=1)) for _ in range(2)]
@@ -67,6 +76,20 @@ def test_two_recorders_of_a_row_take_numbers_in_turn(tmp_path):
     first, second = ([file.name for file in row.paths] for row in rows)
     assert first == ["run_0.mcap", "run_2.mcap", "run_3.mcap"]
     assert second == ["run_1.mcap", "run_4.mcap", "run_5.mcap"]
+
+
+def test_forged_senders_leave_channels_for_topics():
+    stream = io.BytesIO()
+    file = McapFile(stream, has_jaus=True)
+    beat = load_catalogue().message("ReportHeartbeatPulse")
+    for number in range(60_000):
+        file.jaus_channel(str(number), beat)
+    with pytest.raises(MessageError, match="messages of 60000 kinds and senders"):
+        file.jaus_channel("one more", beat)
+    channel = file.ros_channel("/on", "std_msgs/msg/Bool", "bool data")
+    file.write(channel, 0, b"\0\1\0\0\1")
+    file.close()
+    assert stream.getvalue().endswith(MAGIC)
 
 
 def test_without_limits_there_is_one_pair(tmp_path):
@@ -91,10 +114,18 @@ def test_topics_by_patterns(selection, wanted):
     assert [topic for topic in ("/a", "/a/b", "/c") if selection.wants_topic(topic)] == wanted
 
 
-def test_limits_that_make_no_sense_are_told(tmp_path):
-    line = ["record", "--output", str(tmp_path / "a.mcap"), "--max-files", "2"]
-    result = CliRunner().invoke(main, line)
-    assert "--max-files needs --max-size or --max-duration" in result.stderr
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        (["a.mcap", "--max-files", "2"], "--max-files needs --max-size or --max-duration"),
+        (["."], ". is a folder"),
+        (["a.mcap", "--topic", "odom"], "no topic is 'odom': full names begin with /"),
+    ],
+)
+def test_files_that_make_no_sense_are_told(tmp_path, monkeypatch, line, said):
+    monkeypatch.chdir(tmp_path)
+    result = CliRunner().invoke(main, ["record", "--output", *line])
+    assert said in result.stderr
     assert result.exit_code == 2
     assert names(tmp_path) == []
 

@@ -63,6 +63,10 @@ def test_what_nobody_timed_is_in_every_span():
     assert list(TimeSpan(5.0, 1.0).of([None, None], lambda none_type: none_type)) == [None, None]
 
 
+def test_a_whole_recording_has_what_came_after_its_clock_was_set_back():
+    assert list(TimeSpan().of([7, 8, 3, 4], lambda second: second * SECOND)) == [7, 8, 3, 4]
+
+
 def test_a_part_of_a_recording(tmp_path):
     path, part = bag(tmp_path / "run.mcap", 10), tmp_path / "part.mcap"
     line = ["replay", path, "--start", "2", "--duration", "3", "-o", str(part)]

@@ -2,6 +2,7 @@
 
 import re
 import time
+from contextlib import ExitStack
 from threading import Event
 
 import needs
@@ -23,21 +24,31 @@ pytestmark = pytest.mark.live
 
 
 @pytest.fixture
-def publisher(monkeypatch):
-    """Makes a publisher of texts with a quality of service."""
+def nodes(monkeypatch):
+    """Two nodes; a participant of DDS cannot have a topic with two types."""
     import rclpy
     from rclpy.context import Context
-    from rclpy.qos import QoSProfile
-    from std_msgs.msg import String
 
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
-    context = Context()
-    rclpy.init(context=context, args=[])
-    node = rclpy.create_node("describing", context=context)
-    yield lambda **qos: node.create_publisher(String, "/description", QoSProfile(**qos))
-    node.destroy_node()
-    context.try_shutdown()
+    with ExitStack() as stack:
+        made = []
+        for name in ("describing", "another"):
+            context = stack.enter_context(Context())
+            made.append(rclpy.create_node(name, context=context))
+            stack.callback(made[-1].destroy_node)
+        yield made
+
+
+@pytest.fixture
+def publisher(nodes):
+    """Makes a publisher of texts with a quality of service; somebody wants another type."""
+    from rclpy.qos import QoSProfile
+    from std_msgs.msg import Bool, String
+
+    node, other = nodes
+    other.create_subscription(Bool, "/description", print, 1)
+    return lambda **qos: node.create_publisher(String, "/description", QoSProfile(**qos))
 
 
 def test_recordings_carry_the_quality_of_service_of_publishers(tmp_path, publisher):
@@ -100,6 +111,18 @@ def test_each_file_has_the_latest_of_a_latched_topic(tmp_path, publisher):
 def holding(parts):
     """The files that are ended and have messages."""
     return [path for path in parts.paths[:-1] if by_mcap(path)]
+
+
+def test_a_topic_that_is_published_as_several_types_is_named(nodes):
+    from std_msgs.msg import Bool, String
+
+    for node, kind in zip(nodes, (String, Bool), strict=True):
+        node.create_publisher(kind, "/description", 1)
+    ros = RosTopics(TrafficFilter())
+    ros.open()
+    ros.begin(None, print)
+    ros.stop()
+    assert ros.mixed == {"/description": ["std_msgs/msg/Bool", "std_msgs/msg/String"]}
 
 
 def test_messages_for_which_there_was_no_time_are_counted(publisher):

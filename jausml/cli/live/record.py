@@ -148,6 +148,9 @@ def command(
     size = None if max_size is None else int(min(max_size, _MEGA**2) * _MEGA)
     limits = SplitLimits(size, max_duration, max_files)
     path = _output(output, limits, force=force)
+    for pattern in (*topics, *excluded):
+        if not pattern.startswith(("/", "*", "?", "[")):
+            raise click.UsageError(f"no topic is {pattern!r}: full names begin with /, /{pattern}")
     settings = transport_settings(interface, port, multicast_group)
     selection = TrafficFilter(topics, excluded, components)
     is_any = all_topics or (model is None and bool(topics))
@@ -184,6 +187,8 @@ def _output(output: str | None, limits: SplitLimits, *, force: bool) -> Path:
     if limits.files is not None and not limits.splits:
         raise click.UsageError("--max-files needs --max-size or --max-duration")
     path = Path(output)
+    if path.is_dir():
+        raise click.UsageError(f"{output} is a folder; --output is a file in one")
     capture = path.with_suffix(".pcap")
     if capture == path:
         raise click.UsageError("the capture stands beside FILE, which needs another ending: .mcap")
@@ -323,13 +328,16 @@ def _show_counts(
         early = f"; {ros.early[topic]} came before it was heard" if ros.early[topic] else ""
         click.echo(f"  {number} on {topic}{lost}{early}", err=True)
     for topic in filter(
-        _is_usual, sorted(set(ros.wanted or ()) - {*recorder.topics, *ros.missing})
+        _is_usual, sorted(set(ros.wanted or ()) - {*recorder.topics, *ros.missing, *ros.mixed})
     ):
         is_unheard = topic.endswith(CALLS) and topic not in ros.heard
         why = ": its node does not publish its calls" if is_unheard else ""
         click.echo(f"  none on {topic}{why}", err=True)
     for topic, kind in sorted(ros.missing.items()):
         click.echo(f"  {topic} is not recorded: {kind} is not installed", err=True)
+    for topic, kinds in sorted(ros.mixed.items()):
+        how = "one of them is" if topic in ros.heard else "it is not"
+        click.echo(f"  {topic} is published as {' and '.join(kinds)}; {how} recorded", err=True)
     for topic in sorted(recorder.undefined):
         click.echo(f"  {topic} is not recorded: nobody defines its type here", err=True)
     for reason, number in sorted(recorder.jaus.undecoded.items()):

@@ -55,7 +55,12 @@ def with_unit(text: str, unit: str) -> str:
 def number_of(value: Any, unit: str = "") -> Any:
     """Returns the number of a text such as `1.25 m/s`; any other value as it is."""
     match = _SHOWN.fullmatch(value) if unit and isinstance(value, str) else None
-    return float(match[1]) if match and match[2] in (unit, symbol(unit)) else value
+    if match is None or match[2] not in (unit, symbol(unit)):
+        return value
+    try:
+        return int(match[1])  # which a float of more than 53 bits would change
+    except ValueError:
+        return float(match[1])
 
 
 class NamedValue(str):

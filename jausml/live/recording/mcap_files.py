@@ -9,6 +9,7 @@ from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING, Any, BinaryIO, TypeAlias, TypeVar
 
 from jausml import __version__, installing
+from jausml.live.messages.errors import MessageError
 from jausml.live.recording.mcap_records import END
 from jausml.live.recording.schemas import schema_of
 from jausml.live.traffic.observing import ends_of
@@ -32,6 +33,10 @@ LIBRARY = "jausml "  # the name of the writer of a file, before the version
 COMPRESSIONS = ("zstd", "lz4", "none")  # of chunks, the default first
 NANO = 10**9  # nanoseconds of a second
 CDR = "cdr"  # encoding of messages of ROS
+
+# Channels of JAUS messages in a file, which numbers channels with 16 bits: forged senders must
+# leave some for topics.
+MOST_OF_JAUS = 60_000
 
 
 @dataclass(frozen=True)
@@ -87,7 +92,8 @@ class TimeSpan:
                 since = (time - begin) / NANO - self.start
                 if self.duration is not None and since >= self.duration:
                     return
-                if since < 0:
+                # After a clock was set back times may lie before that of the first message.
+                if since < 0 < self.start:
                     continue
             yield message
 
@@ -169,9 +175,11 @@ class McapFile:
         return self._channel(topic, schema, CDR, offer or {})
 
     def jaus_channel(self, source: str, entry: MessageEntry) -> int:
-        """Returns the channel of a JAUS message of a component."""
+        """Returns the channel of a JAUS message of a component; raises MessageError beyond all."""
         key = (source, entry)
         if key not in self._of_jaus:
+            if len(self._of_jaus) >= MOST_OF_JAUS:
+                raise MessageError(f"the file has messages of {MOST_OF_JAUS} kinds and senders")
             text = json.dumps(schema_of(entry)).encode()
             schema = self._schema(f"jaus.{entry.name}.{entry.code_text}", "jsonschema", text)
             self._of_jaus[key] = self._channel(f"/jaus/{source}/{entry.name}", schema, "json", {})

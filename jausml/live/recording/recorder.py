@@ -59,14 +59,17 @@ class FilePair:
         self.path, self.begun = path, time.monotonic()
         self._paths = (path, path.with_suffix(CAPTURE))
         self._is_complete = False
-        with ExitStack() as stack:
-            self._streams = [
-                cast("BinaryIO", stack.enter_context(file.open(mode))) for file in self._paths
-            ]
+        with ExitStack() as new, ExitStack() as stack:
+            self._streams = []
+            for file in self._paths:
+                self._streams.append(cast("BinaryIO", stack.enter_context(file.open(mode))))
+                if not overwrites:
+                    new.callback(file.unlink)  # one alone would make a pair of a file of others
             self.file = McapFile(self._streams[0], has_jaus=True, compression=compression)
             self.capture = PcapWriter(self._streams[1])
             self.flush()
             self._written = stack.pop_all()
+            new.pop_all()
 
     @property
     def size(self) -> int:

@@ -89,6 +89,7 @@ class RosTopics:
     Attributes:
         heard: Subscriptions by topic.
         missing: Topics whose type is not installed, with the type.
+        mixed: Topics that are published as several types, with these; of one, if any, it hears.
         wanted: Full names of the topics to record, None for all of the selection.
         lost: Numbers of lost messages by topic, by gaps of their sequence numbers.
         offers: Metadata of rosbag2 on the publishers by topic.
@@ -102,6 +103,7 @@ class RosTopics:
         self.early: Counter[str] = Counter()
         self.heard: dict[str, Any] = {}
         self.missing: dict[str, str] = {}
+        self.mixed: dict[str, list[str]] = {}
         self.offers: dict[str, dict[str, str]] = {}
         self.wanted: frozenset[str] | None = None
         self._selection = selection
@@ -132,7 +134,8 @@ class RosTopics:
 
     def unpublished(self) -> list[str]:
         """Returns the wanted topics without a known publisher, which it still waits for."""
-        return sorted((self.wanted or frozenset()) - set(self.heard) - set(self.missing))
+        known = {*self.heard, *self.missing, *self.mixed}
+        return sorted((self.wanted or frozenset()) - known)
 
     def repeat_latched(self) -> None:
         """Subscribes anew to latched topics, so that their latest messages come again.
@@ -159,9 +162,19 @@ class RosTopics:
             self._is_settled.set()
 
     def _published(self) -> Iterator[tuple[str, str]]:
-        for topic, kinds in self._quiet.node.get_topic_names_and_types():
-            if self._wants(topic) and len(kinds) == 1:
+        for topic, all_kinds in self._quiet.node.get_topic_names_and_types():
+            if not self._wants(topic):
+                continue
+            kinds = all_kinds if len(all_kinds) == 1 else self._published_kinds(topic)
+            if len(kinds) > 1:
+                self.mixed[topic] = kinds
+            elif kinds:
                 yield topic, kinds[0]
+
+    def _published_kinds(self, topic: str) -> list[str]:
+        """Returns the types of the publishers of a topic, without those of its subscribers."""
+        publishers = self._quiet.node.get_publishers_info_by_topic(topic)
+        return sorted({publisher.topic_type for publisher in publishers})
 
     def _wants(self, topic: str) -> bool:
         if self.wanted is not None:

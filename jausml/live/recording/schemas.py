@@ -64,17 +64,10 @@ def _typed(kind: wire.Kind) -> Schema:
         case wire.Record():
             return _object({member.name: _described(member) for member in kind.members})
         case wire.List() | wire.Array():
-            return _listed(kind)
+            # The elements of an array of several dimensions stand in one list.
+            return {"type": "array", "items": _typed(kind.element.kind)}
         case _:
             return _ANY
-
-
-def _listed(kind: wire.List | wire.Array) -> Schema:
-    schema: Schema = _typed(kind.element.kind)
-    depth = len(kind.dimensions) if isinstance(kind, wire.Array) else 1
-    for _ in range(depth):
-        schema = {"type": "array", "items": schema}
-    return schema
 
 
 def _number(name: str, units: str) -> Schema:

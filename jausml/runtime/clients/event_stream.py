@@ -108,7 +108,7 @@ class EventStream:
         """Adds a subscriber, and hands it the last report of an active event."""
         self._subscribers.append(subscription)
         self._loop.revision.changed()
-        self.component.when_started(subscription.start_watching)
+        self.component.when_started(partial(self._start_watching, subscription))
         self._agree_on_rate()
         if self._state is _State.IDLE:
             if len(self._subscribers) == 1:
@@ -116,6 +116,10 @@ class EventStream:
         elif self._last is not None:
             deliver = partial(self._deliver, [subscription], self._last)
             self._loop.call_soon(lambda: deliver(self._loop.now()))
+
+    def _start_watching(self, subscription: EventSubscription) -> None:
+        if subscription in self._subscribers:  # not cancelled before the start
+            subscription.start_watching()
 
     def leave(self, subscription: EventSubscription) -> None:
         """Removes a subscriber; the event is cancelled with the last one."""

@@ -20,9 +20,11 @@ from ..messages.handoff import HandoffDecision
 from ..services.definitions import HandoffRequest
 from ..services.host import Host
 from .control_session import ControlClient
+from .query import QueryClient
 
 RENEWALS = 3  # how often a request is sent within the timeout after which it lapses
 RENEWAL = 3.0  # seconds between two requests to a component that has not reported its timeout
+QUERY_PAUSE = 0.3  # seconds between two queries for that timeout
 
 # How often a decision is given to the transport, which repeats it each time. A lost GRANTED would
 # leave the target without a controller.
@@ -45,7 +47,8 @@ class PendingHandoff:
     ) -> None:
         self.target = target
         self.number: int | None = None
-        self.pause = RENEWAL
+        self._pause = RENEWAL
+        self._has_ended = self._is_withdrawn = False
         self._host = host
         self._message = message
         self._on_answer = on_answer
@@ -54,25 +57,46 @@ class PendingHandoff:
     def cancel(self) -> None:
         """Withdraws the request; no effect once it is decided."""
         with self._host.loop.lock:
-            if self._timer.is_set and self.number is not None:
-                removal = RemoveHandoffRequest(id_=self.number)
-                self._host.send(removal, self.target, acknowledge=True)
+            if self._has_ended:
+                return
             self.end()
+            self._is_withdrawn = True
+            if self.number is not None:
+                self._remove(self.number)
+            else:
+                # If it is on its way already, its answer says the number to remove.
+                host, payload = self._host, self._message.encode()
+                host.transport.withdraw(host.address, self.target, payload)
+
+    def _remove(self, number: int) -> None:
+        self._host.send(RemoveHandoffRequest(id_=number), self.target, acknowledge=True)
 
     def end(self) -> None:
         """Stops sending the request."""
+        self._has_ended = True
         self._timer.cancel()
 
     def ask(self) -> None:
         """Sends the request now, and again before it lapses."""
-        self._timer.set(self.pause, self.ask)
+        if self._has_ended:
+            return  # before the start
+        self._timer.set(self._pause, self.ask)
         self._host.send(self._message, self.target, acknowledge=True)
+
+    def renew(self, timeout: int) -> None:
+        """Sends the request so often that it does not lapse after a time-out in seconds."""
+        if timeout:
+            self._pause = timeout / RENEWALS
+            if self._timer.is_set:
+                self._timer.set(self._pause, self.ask)
 
     def answered(self, message: ConfirmHandoffRequest) -> bool:
         """Takes an answer; returns whether it grants control."""
-        if not self._timer.is_set:
-            return False
         answer = HandoffAnswer(message.response_code)
+        if self._is_withdrawn and answer in _GOES_ON:
+            self._remove(message.id_)
+        if self._has_ended:
+            return False
         if answer in _GOES_ON:
             self.number = message.id_
         else:
@@ -91,7 +115,6 @@ class HandoffClient:
         self._pending: dict[JausAddress, PendingHandoff] = {}
         self._undecided: dict[JausAddress, tuple[HandoffRequest, ...]] = {}
         host.on_message(ConfirmHandoffRequest, self._answered)
-        host.on_message(ReportEnhancedTimeout, self._timeout_reported)
         host.on_message(RequestReleaseControl, self._take_requests)
         host.when_stopped(self.stop)
 
@@ -112,7 +135,14 @@ class HandoffClient:
             former.end()
         handoff = self._pending[target] = PendingHandoff(self._host, target, message, on_answer)
         self._host.when_started(handoff.ask)
-        self._host.when_started(lambda: self._host.send(QueryEnhancedTimeout(), target))
+        self._host.part(QueryClient).ask(
+            target,
+            QueryEnhancedTimeout(),
+            ReportEnhancedTimeout,
+            lambda report, _sender: handoff.renew(report.timeout),
+            timeout=QUERY_PAUSE,
+            retries=RENEWALS,
+        )
         return handoff
 
     def decide(self, request: HandoffRequest, decision: HandoffDecision) -> None:
@@ -163,11 +193,6 @@ class HandoffClient:
             self._host.counters.count("handoff_client.bad_answer", f"{message} of {sender}")
         elif pending is not None and pending.answered(message):
             self._control.take_over(sender)
-
-    def _timeout_reported(self, message: ReportEnhancedTimeout, sender: JausAddress) -> None:
-        pending = self._pending.get(sender)
-        if pending is not None and message.timeout:
-            pending.pause = message.timeout / RENEWALS
 
     def _take_requests(self, message: RequestReleaseControl, sender: JausAddress) -> None:
         if not self._control.holds(sender):

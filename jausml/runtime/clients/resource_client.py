@@ -62,9 +62,11 @@ class ResourceClient:
         )
 
     def _compare(self, report: ReportDigitalResourceEndpoint, registry: JausAddress) -> None:
-        registered = {endpoint.server_url for endpoint in report.endpoints}
+        # Another component may have a resource of the same URL; registries need not tell whose.
+        registered = {(endpoint.server_url, endpoint.jaus_id) for endpoint in report.endpoints}
         for number, endpoint in enumerate(self._own, 1):
-            if endpoint.server_url not in registered:
+            url = endpoint.server_url
+            if registered.isdisjoint([(url, endpoint.jaus_id), (url, None)]):
                 request = RequestIDRec(number)
                 message = RegisterDigitalResourceEndpoint(request, endpoint)
                 self._component.send(message, registry, acknowledge=True)

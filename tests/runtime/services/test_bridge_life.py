@@ -4,6 +4,7 @@ import pytest
 
 from jausml.runtime import Guard, Status
 from jausml.runtime.bridge.bridge import Bridge
+from jausml.runtime.bridge.connections.shaping import Shape
 from jausml.runtime.bridge.ends.ends import BridgeSettings
 from jausml.runtime.bridge.ends.topics import Qos, Topic
 from jausml.runtime.bridge.reports.states import StopReason
@@ -19,6 +20,7 @@ from jausml.runtime.messages import (
     RequestControl,
     Resume,
     SetEmergency,
+    SetTime,
 )
 
 from .bridge_support import (
@@ -220,6 +222,24 @@ def test_a_change_passes_afterwards_and_a_periodic_report_is_old_then(world, set
     assert setting.ros.numbers("timeout") == [7.0] * passed
     world.run(1.0)
     assert connection.statistics.passed == passed
+    setting.bridge.set_active(False)
+    connection.take(ReportEventTimeout(timeout=8).encode(), PEER)
+    setting.bridge.close()
+    setting.ros.made.clear()
+    setting.bridge.open(setting.ros, world)
+    assert connection.statistics.passed == passed
+
+
+def test_what_waits_for_its_time_does_not_pass_after_the_end(world, setting):
+    peer_component(world)
+    connection = setting.open(command(shape=Shape(max_rate=0.5), silence_timeout=1.0))
+    for number in (1.0, 2.0):
+        setting.ros.deliver["numbers"](Number(number))
+    setting.bridge.close()
+    world.run(5.0)
+    assert world.count(SetTime.CODE) == 1
+    assert (connection.statistics.passed, connection.statistics.thinned) == (1, 1)
+    assert not connection.statistics.stops
 
 
 def test_periodic_events_go_on(world, setting):

@@ -58,6 +58,11 @@ def test_parameters_of_topics_and_peers_are_checked(setting):
         asked["timeout.topics"].check(["a"])
     with pytest.raises(ValueError, match=r"1\.1\.255 does not name one component"):
         asked["timeout.peers"].check(["1.1.255"])
+    # Each report would be published twice.
+    with pytest.raises(ValueError, match=r"^1\.1\.2 is there twice"):
+        asked["timeout.peers"].check(["1.1.2", "1.1.2"])
+    with pytest.raises(ValueError, match=r"^a is there twice"):
+        asked["timeout.topics"].check(["a", "a"])
     assert asked["timeout.peers"].default == [str(PEER)]
 
 

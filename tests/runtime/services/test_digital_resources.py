@@ -90,10 +90,14 @@ def test_components_register_at_the_registry_of_their_subsystem(world, client):
     vehicle = registry(world)
     camera(world, FRONT, REAR)
     world.run(5)
+    # Both may show one stream.
+    camera(world, REAR, address="100.1.6")
+    world.run(5)
     (report,) = client.ask(QueryDigitalResourceEndpoint(), vehicle)
     assert [(endpoint.server_url, endpoint.jaus_id) for endpoint in report.endpoints] == [
         (FRONT, 0x640105),
         (REAR, 0x640105),
+        (REAR, 0x640106),
     ]
 
 

@@ -47,11 +47,18 @@ def test_subscription_before_the_start(world):
     late = world.component("2.1.1", services=())
     inbox = Inbox()
     statuses(late, inbox)
+    silences = []
+    cancelled = statuses(
+        late, inbox, silence_timeout=1.0, on_silence=lambda: silences.append(world.time)
+    )
+    cancelled.cancel()
     world.run(5.0)
     assert inbox == []
     late.start()
     world.settle()
     assert len(inbox) == 1
+    world.run(5.0)
+    assert silences == []
 
 
 def test_provider_that_comes_later(world, client):

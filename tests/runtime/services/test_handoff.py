@@ -156,7 +156,8 @@ def test_a_person_hands_control_over_and_gets_it_back(world):
 
 
 def test_without_a_person_nobody_gets_control(world):
-    made = scene(world, handoff_timeout=20)
+    # Shorter than the pause between two requests while the time-out is not known.
+    made = scene(world, handoff_timeout=20, enhanced_timeout=3)
     made.second.ask()
     world.run_until(lambda: HandoffAnswer.TIMEOUT in made.second.answers, limit=60)
     world.run_until(lambda: not made.first.shown, limit=30)
@@ -188,6 +189,23 @@ def test_what_is_taken_back_cannot_be_granted(world):
         made.first.decide_handoff(asked, HandoffDecision.GRANTED)
     world.run_for(10)
     assert made.controllers == [made.first.address]
+
+
+def test_what_is_taken_back_before_its_answer_waits_for_nobody(world):
+    made = scene(world)
+    pending = made.second.ask()
+    for _ in range(2):
+        pending.cancel()
+    world.run_for(3)
+    assert (made.first.shown, made.second.answers) == ((), [])
+
+
+def test_what_is_taken_back_before_the_start_is_not_sent(world):
+    operator = Operator(world.transport(), 3, 100)
+    operator.ask().cancel()
+    operator.start()
+    world.run_for(5)
+    assert "transport.unacknowledged" not in operator.counters.snapshot()
 
 
 def test_only_what_is_controlled_may_ask_to_be_given_up(world):

@@ -113,11 +113,18 @@ class Goal:
 
 
 class ActionRos(Ros):
-    """Has an action besides."""
+    """Has actions besides; goals go to the last one."""
 
-    def serve_action(self, action, taker):
-        assert action == ACTION
-        self.taker = taker
+    def __init__(self):
+        super().__init__()
+        self.takers = []
+
+    def serve_action(self, _action, taker):
+        self.takers.append(taker)
+
+    @property
+    def taker(self):
+        return self.takers[-1]
 
     def accepts(self, *numbers):
         return self.taker.accepts([Number(number).to_cdr() for number in numbers], None)
@@ -139,16 +146,15 @@ def setting(world):
     made.bridge.close()
 
 
-def opened(world, setting, *, control_timeout=0, services=(), **options):
+def opened(world, setting, *, control_timeout=0, services=(), names=("follow",), **options):
     """A bridge that has a vehicle drive along a list; the vehicle."""
     vehicle = world.component(
         str(PEER), kind=Vehicle, services=SERVICES, control_timeout=control_timeout
     )
     vehicle.start()
-    connection = ActionToList(
-        "follow", number_to_time, action=ACTION, driver=DRIVER, peers=[PEER], speed=1.0, **options
-    )
-    setting.open(connection, services=services)
+    common = {"action": ACTION, "driver": DRIVER, "peers": [PEER], "speed": 1.0, **options}
+    connections = [ActionToList(name, number_to_time, **common) for name in names]
+    setting.open(*connections, services=services)
     world.run(0.5)
     return vehicle
 
@@ -291,6 +297,19 @@ def test_a_list_that_was_driven_to_its_end_is_not_stopped(world, setting):
     restore()
     world.run(10.0)
     assert deletions(world) == before
+
+
+def test_a_goal_of_another_action_takes_the_place_of_one_at_the_same_peer(world, setting):
+    vehicle = opened(world, setting, names=("follow", "other"))
+    goal = begun(world, setting, vehicle)
+    setting.ros.takers.reverse()
+    following = begun(world, setting, vehicle, 3.0, 4.0)
+    for uid in (*(element.uid for element in vehicle.elements), 0):
+        vehicle.active = uid
+        world.run(1.5)
+    # Its list had as many elements, and none of them was executed.
+    assert goal.ends == [(Outcome.ABORTED, "another goal took its place")]
+    assert following.ends == [(Outcome.SUCCEEDED, "")]
 
 
 def test_a_question_about_a_list_that_is_done_stops_no_other(world, setting):

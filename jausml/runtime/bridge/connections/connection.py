@@ -182,6 +182,10 @@ class Connection(Reporting, Generic[SourceT, TargetT]):
     def end(self) -> bool:
         """Sends the safe value for good; returns whether a message of the source was in effect."""
         self._backlog.close()
+        # Nothing that waits or was kept passes after the end, nor when the bridge is opened again.
+        self._latest = None
+        if self._shaping.withdraw() is not None:
+            self._shaping.thin()
         return super().end()
 
     def stop(self, reason: StopReason) -> bool:

@@ -243,6 +243,8 @@ class Stopping(Limiting):
 
     def end(self) -> bool:
         """Sends the safe value for good; returns whether a message of the source was in effect."""
+        if self._watch is not None:
+            self._watch.cancel()
         return self.halt(StopReason.END) if self._safe_value or self.is_command else False
 
     @property

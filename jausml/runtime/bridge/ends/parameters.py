@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, TypeVar
 
 from ...base.address import JausAddress
 from ...base.settings import LIMITS, OPTIONS, option_values
@@ -17,6 +17,8 @@ from ...services.definitions import MAX_EVENT_RATE, server_type
 from .ends import BridgeSettings
 from .ros_side import RosSide
 from .topics import Parameter, Topic
+
+T = TypeVar("T")
 
 LEAST = 1e-9  # least value of a number that is above 0
 GREATEST = 1.7976931348623157e308  # greatest number
@@ -205,6 +207,7 @@ def topics(ros: RosSide, owner: str, modelled: Sequence[Topic]) -> tuple[Topic, 
     def check(names: Sequence[str]) -> None:
         if len(names) != len(modelled):
             raise ValueError(f"{owner} has {len(modelled)} topics, not {len(names)}")
+        _each_once(names)
 
     default = [topic.name for topic in modelled]
     text = f"Topics of {owner}, in the order of the model."
@@ -230,6 +233,14 @@ def address(text: str) -> JausAddress:
     return component_address
 
 
-def addresses(texts: Iterable[str]) -> tuple[JausAddress, ...]:
-    """Returns the addresses of components; raises ValueError as `address` does."""
-    return tuple(map(address, texts))
+def addresses(texts: Iterable[str]) -> Sequence[JausAddress]:
+    """Returns addresses of components; raises ValueError as `address`, or for two equal ones."""
+    return _each_once(tuple(map(address, texts)))
+
+
+def _each_once(values: Sequence[T]) -> Sequence[T]:
+    """Returns values; raises ValueError if one is there twice, as messages would pass twice."""
+    for place, value in enumerate(values):
+        if value in values[:place]:
+            raise ValueError(f"{value} is there twice")
+    return values

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import random
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, TypeVar
@@ -21,8 +20,8 @@ from ..ends.list_driver import ListMessages
 from ..ends.mission_driver import MissionMessages
 from ..reports.states import Standing, StopReason
 from .list_connection import ListConnection, node_actions
-from .list_run import ListRun, Run
-from .mission_run import MissionRun
+from .list_run import ListRun, Run, Runs, list_runs
+from .mission_run import MissionRun, mission_runs
 
 SourceT = TypeVar("SourceT")
 TargetT = TypeVar("TargetT", bound="Message")
@@ -30,7 +29,6 @@ TargetT = TypeVar("TargetT", bound="Message")
 EMPTY = "empty_goal"
 NO_SPEED = "no_speed"
 TOO_LONG = "too_long"
-_UIDS = 60000  # greatest UID, after which UIDs begin anew
 
 
 class ActionToList(ListConnection[SourceT, TargetT]):
@@ -70,13 +68,11 @@ class ActionToList(ListConnection[SourceT, TargetT]):
         self._pauses = pauses
         self._speed_of = speed_of
         self._stops = RepeatedStops(self._peers, self._may_go_on, self._stop_again)
-        self._runs: dict[JausAddress, Run] = {}  # the last one of each peer
+        self._runs: Runs  # of all connections of the bridge
         self._run: Run | None = None
         self._goal: ServedGoal | None = None
         self._accepted: tuple[JausAddress, list[bytes], float] | None = None
         self._count = 0
-        # A spooler may still have a mission of an earlier process of the bridge.
-        self._first = random.randint(1, _UIDS) if self._has_missions else 1
         self._result = "none yet"
 
     # ------------------------------------------------------------------ as a connection
@@ -85,7 +81,7 @@ class ActionToList(ListConnection[SourceT, TargetT]):
         """Begins to acquire control, then serves the action."""
         super().open(ends)
         self._run = self._goal = self._accepted = None
-        self._runs.clear()
+        self._runs = ends.component.part(mission_runs if self._has_missions else list_runs)
         self._stops.open(ends)
         self.speed = ends.ros.parameter(
             parameters.SPEED.of(self.speed, self.name), partial(setattr, self, "speed")
@@ -168,16 +164,23 @@ class ActionToList(ListConnection[SourceT, TargetT]):
 
     def _take_report(self, report: Any, sender: JausAddress) -> None:
         """Takes a report that a spooler sends unasked."""
-        run = self._runs.get(sender)
+        run = self._last_run(sender)
         if run is not None:
             run.take_report(report)
 
+    def _last_run(self, peer: JausAddress) -> Run | None:
+        """Returns the last run of a peer; None if it is not of this connection."""
+        run = self._runs.of(peer)
+        return run if run is not None and run.is_of(self) else None
+
     def _may_go_on(self, peer: JausAddress) -> bool:
-        run = self._runs.get(peer)
+        run = self._last_run(peer)
         return run is not None and run is not self._run and run.may_go_on
 
     def _stop_again(self, peer: JausAddress) -> None:
-        self._runs[peer].send_stop()
+        run = self._last_run(peer)
+        if run is not None:
+            run.send_stop()
 
     # ------------------------------------------------------------------ GoalTaker
 
@@ -215,18 +218,12 @@ class ActionToList(ListConnection[SourceT, TargetT]):
         self._end_run(peer)
         self.note_usable()
         self._goal, self._count = goal, len(payloads)
-        run = self._new_run(peer)
-        remaining = {other: former for other, former in self._runs.items() if former.remains}
-        self._runs = remaining | {peer: run}
-        self._run = run
-        first = self._first
-        self._first = (first + len(payloads)) % _UIDS or 1
-        if self._first < first:
-            first, self._first = 1, 1 + len(payloads)
-        run.start(payloads, first, speed)
+        self._run = run = self._new_run(peer)
+        self._runs.add(run)
+        run.start(payloads, self._runs.next_uids(len(payloads)), speed)
 
     def _new_run(self, peer: JausAddress) -> Run:
-        component, messages, former = self._ends.component, self._messages, self._runs.get(peer)
+        component, messages, former = self._ends.component, self._messages, self._runs.of(peer)
         timeout, stops = self.timeout, self._stops
         if not isinstance(messages, MissionMessages):
             return ListRun(component, peer, messages, self, timeout, stops, former)
@@ -235,12 +232,13 @@ class ActionToList(ListConnection[SourceT, TargetT]):
         )
 
     def _end_run(self, peer: JausAddress) -> None:
-        """Aborts the goal that is executed, and stops its list unless `peer` will replace it."""
-        run, reason = self._run, "another goal took its place"
-        if run is not None:
-            if run.peer != peer:
-                run.stop(Outcome.ABORTED, reason)
-            run.leave(Outcome.ABORTED, reason)
+        """Aborts the goals of this connection and of `peer`, which replaces the list of its own."""
+        reason = "another goal took its place"
+        if self._run is not None and self._run.peer != peer:
+            self._run.stop(Outcome.ABORTED, reason)
+        for run in (self._run, self._runs.of(peer)):
+            if run is not None:
+                run.leave(Outcome.ABORTED, reason)
 
     def cancel(self, goal: ServedGoal) -> None:
         """Stops the list, as the client of the goal asks."""

@@ -30,6 +30,7 @@ from ..ends.list_driver import ListMessages
 RETRIES = 3  # repetitions of a request without an answer; all of them fit into the timeout
 
 QUERY_RETRIES = 7  # repetitions of a query of the state, which may be lost more often
+GREATEST_UID = 60000  # after which UIDs begin anew
 PATIENCE = 3  # timeouts within which a peer must begin the execution
 
 
@@ -71,7 +72,7 @@ class Run:
         self._stops = stops
         self._uids: list[int] = []
         self._last = -1  # index of the element that was active last
-        self._has_ended = self._is_stopping = False
+        self.has_ended = self._is_stopping = False
         self._begun = 0.0  # time of the command to begin
         self._poll = Alarm(component.loop)
 
@@ -106,6 +107,10 @@ class Run:
         """Takes a report of the peer, solicited or not."""
         raise NotImplementedError
 
+    def is_of(self, watcher: RunWatcher) -> bool:
+        """Returns whether it is a run of this connection."""
+        return self._watcher is watcher
+
     def _queries(self) -> Sequence[tuple[Message, type[Message]]]:
         """Returns the periodic queries and their reports; the peer must answer the first one."""
         raise NotImplementedError
@@ -118,7 +123,7 @@ class Run:
 
     def stop(self, outcome: Outcome, reason: str) -> None:
         """Stops the peer; the run ends when the peer has answered."""
-        if self._is_stopping or self._has_ended:
+        if self._is_stopping or self.has_ended:
             return
         self._is_stopping = True
         self._drop_requests()
@@ -146,9 +151,9 @@ class Run:
             self._end(Outcome.ABORTED, f"{self.peer} {answer}")
 
     def _end(self, outcome: Outcome, reason: str) -> None:
-        if self._has_ended:
+        if self.has_ended:
             return
-        self._has_ended = True
+        self.has_ended = True
         self._drop_requests()
         self._watcher.ended(self, outcome, reason)
 
@@ -183,13 +188,46 @@ class Run:
         self._poll.set(self._timeout, self._ask)
 
     def _silent(self) -> None:
-        if not (self._has_ended or self._is_stopping):
+        if not (self.has_ended or self._is_stopping):
             self._give_up(f"{self.peer} is silent")
 
     def _reach(self, index: int) -> None:
         if index != self._last:
             self._last = index
             self._watcher.reached(self, index)
+
+
+class Runs:
+    """The last run of each peer, whichever connection of a bridge it is of.
+
+    A peer has one list, so that the goal of one connection takes the place of that of another.
+    """
+
+    def __init__(self, first: int) -> None:
+        """Has no run yet; `first` is the UID of the first element."""
+        self._next = first
+        self._latest: dict[JausAddress, Run] = {}
+
+    def of(self, peer: JausAddress) -> Run | None:
+        """Returns the last run of a peer."""
+        return self._latest.get(peer)
+
+    def add(self, run: Run) -> None:
+        """Takes a run for the last one of its peer; forgets those of which nothing is left."""
+        latest = self._latest.items()
+        kept = {peer: former for peer, former in latest if former.remains or not former.has_ended}
+        self._latest = {**kept, run.peer: run}
+
+    def next_uids(self, count: int) -> int:
+        """Returns the first of so many UIDs; those of runs before it are others."""
+        first = self._next if self._next + count <= GREATEST_UID else 1
+        self._next = first + count
+        return first
+
+
+def list_runs(_component: Host) -> Runs:
+    """Returns the runs of lists of a component, as a part of it."""
+    return Runs(1)
 
 
 LONGEST_LIST = 30 * 24 * 3600  # seconds for a list in a command event: a month, as no limit
@@ -315,7 +353,7 @@ class ListRun(Run):
 
     def take_report(self, report: Any) -> None:
         """Takes the report of the active element."""
-        if self._has_ended or self._is_stopping:
+        if self.has_ended or self._is_stopping:
             return
         uid = report.element_uid
         if uid in self._uids:

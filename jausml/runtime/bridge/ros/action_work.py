@@ -29,6 +29,8 @@ class ActionWork:
         self.loop = loop
         self.ward = ward
         self.node = node
+        # Ids of the goals of this process, also of other connections to one action.
+        self.own_goals: set[bytes] = set()
         self._executor = executor
         self._waiting: deque[Callable[[], object]] = deque()
         self._goals: set[object] = set()

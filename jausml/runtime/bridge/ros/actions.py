@@ -48,7 +48,6 @@ class FormerGoals:
         self._mark = blake2b("\0".join(map(str, words)).encode(), digest_size=MARK_SIZE).digest()
         self._work = work
         self._name = name
-        self._own: set[bytes] = set()
         self._client = node.create_client(CancelGoal, service)
         self._subscription = node.create_subscription(
             GoalStatusArray,
@@ -60,12 +59,12 @@ class FormerGoals:
     def new_id(self) -> bytes:
         """Returns the id for a goal of this process."""
         goal_id = self._mark + os.urandom(16 - MARK_SIZE)
-        self._own.add(goal_id)
+        self._work.own_goals.add(goal_id)
         return goal_id
 
     def forget(self, goal: bytes) -> None:
         """Forgets a goal of this process that has ended."""
-        self._own.discard(goal)
+        self._work.own_goals.discard(goal)
 
     def destroy(self) -> None:
         """Leaves ROS."""
@@ -78,9 +77,9 @@ class FormerGoals:
     def _cancel_former(self, message: Any) -> None:
         for status in message.status_list:
             goal = bytes(status.goal_info.goal_id.uuid)
-            is_former = goal.startswith(self._mark) and goal not in self._own
+            is_former = goal.startswith(self._mark) and goal not in self._work.own_goals
             if is_former and status.status in _UNDER_WAY:
-                self._own.add(goal)  # to be cancelled once
+                self._work.own_goals.add(goal)  # to be cancelled once
                 LOGGER.warning("%s: a goal of a former life is cancelled", self._name)
                 request = CancelGoal.Request()
                 request.goal_info.goal_id.uuid = list(goal)
