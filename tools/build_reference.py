@@ -207,11 +207,16 @@ def markers_page() -> str:
     lines = [_MARKERS]
     packages = read_models(ROS_TYPES).model.instances(ros.InterfacePackage)
     for package in sorted(packages, key=lambda interface_package: str(interface_package.name)):
-        fields = [f for m in _messages(package) for f in m.fields if f.markers]
+        fields = [
+            field for message in _messages(package) for field in message.fields if field.markers
+        ]
         if fields:
             head = ("field", "says", "if", "written", "stated in")
             lines += [f"## {package.name}", ""]
-            lines += [*markdown_table(head, [row for f in fields for row in _markers(f)]), ""]
+            lines += [
+                *markdown_table(head, [row for field in fields for row in _markers(field)]),
+                "",
+            ]
     return "\n".join(lines)
 
 

@@ -180,7 +180,11 @@ def add_semantics(result: ImportResult, facts: dict[str, dict[str, dict[str, Any
     Raises:
         LibraryError: A type or a field is not there.
     """
-    types = {f"{p.name}/{m.name}": m for p in result.packages for m in messages_of(p)}
+    types = {
+        f"{package.name}/{message_type.name}": message_type
+        for package in result.packages
+        for message_type in messages_of(package)
+    }
     imported = {package.name for package in result.packages}
     for type_name, fields in facts.items():
         if type_name.partition("/")[0] not in imported:
@@ -210,9 +214,15 @@ def _fill(element: EObject, features: dict[str, Any], classes: Metamodels) -> No
 
 def messages_of(package: ros.InterfacePackage) -> list[ros.MessageType]:
     """Returns the message types of a package, with those of its services and actions."""
-    parts = [message_type for s in package.services for message_type in (s.request, s.response)]
+    parts = [
+        message_type
+        for service in package.services
+        for message_type in (service.request, service.response)
+    ]
     parts += [
-        message_type for a in package.actions for message_type in (a.goal, a.result, a.feedback)
+        message_type
+        for action in package.actions
+        for message_type in (action.goal, action.result, action.feedback)
     ]
     return [*package.messages, *parts]
 

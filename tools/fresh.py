@@ -103,7 +103,7 @@ def judged(log: str, reason: str) -> Outcome:
     word counts.
     """
     ends = re.findall(r"^=+ (.*) in [\d.]+s.* =+$", log, re.MULTILINE)
-    counts = [{word: int(count) for count, word in re.findall(r"(\d+) (\w+)", e)} for e in ends]
+    counts = [{word: int(count) for count, word in re.findall(r"(\d+) (\w+)", end)} for end in ends]
     if not counts:
         return Outcome(int(not reason), (), int(bool(reason)), reason)
     skipped = tuple(f"{n}: {why}" for n, why in re.findall(r"^(\d+) skipped: (.*)$", log, re.M))
@@ -137,7 +137,7 @@ def named_files(settings: Mapping[str, str], pip_file: Path = PIP_FILE) -> Itera
 def mounted_in(folder: Path, mounts: str) -> list[str]:
     """Returns the places in a folder where something is mounted, by the text of a mountinfo."""
     places = [line.split()[4] for line in mounts.splitlines()]
-    plain = [re.sub(r"\\(\d{3})", lambda m: chr(int(m[1], 8)), place) for place in places]
+    plain = [re.sub(r"\\(\d{3})", lambda match: chr(int(match[1], 8)), place) for place in places]
     return [mount for mount in plain if Path(mount).is_relative_to(folder)]
 
 

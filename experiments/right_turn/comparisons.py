@@ -98,7 +98,10 @@ def steering(drives: Mapping[str, Sequence[Sequence[Sample]]]) -> Figure:
                 angles = [math.degrees(sample.delta) for sample in points]
                 angle.plot(times, angles, label=system if first else None, **weight)
                 activity.plot(*_summed(drive), label=system if first else None, **weight)
-            totals = [math.degrees(total_variation(s.delta for s in drive)) for drive in all_drives]
+            totals = [
+                math.degrees(total_variation(sample.delta for sample in drive))
+                for drive in all_drives
+            ]
             _dots(sums, place, totals, look["color"])
         angle.set_ylabel("tyre angle (°)")
         activity.set_ylabel("sum of |change| (°)")

@@ -216,7 +216,9 @@ _CHECKS: dict[str, Callable[[bytes], object]] = {
 
 # Letters, digits and a few marks: leaves out separators, drive letters, NUL, blanks and controls.
 _SEGMENT = re.compile(r"[A-Za-z0-9_.+-]{1,200}")
-_DEVICES = {"con", "prn", "aux", "nul"} | {f"{d}{n}" for d in ("com", "lpt") for n in range(1, 10)}
+_DEVICES = {"con", "prn", "aux", "nul"} | {
+    f"{port}{number}" for port in ("com", "lpt") for number in range(1, 10)
+}
 _RESERVED_FOLDERS = {".jausml", ".git"}
 
 
@@ -254,7 +256,9 @@ def find_problems(artifacts: Iterable[Artifact]) -> dict[str, str]:
     problems = _collisions(owners)
     for path, claims in owners.items():
         if len(claims) > 1:
-            names = ", ".join(sorted(f"{a.element_id} ({a.target})" for a in claims))
+            names = ", ".join(
+                sorted(f"{artifact.element_id} ({artifact.target})" for artifact in claims)
+            )
             problems[path] = f"{len(claims)} elements ask for this file: {names}"
         problem = path_problem(path)
         if problem is not None:

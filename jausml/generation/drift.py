@@ -37,7 +37,9 @@ def drift(
         former: Names that the interface had, with those that they have now.
     """
     interface = Interface(artifacts, out, manifest, deleted)
-    skeletons = {a.path: a for a in artifacts if a.kind is Kind.SKELETON}
+    skeletons = {
+        artifact.path: artifact for artifact in artifacts if artifact.kind is Kind.SKELETON
+    }
     findings: list[Finding] = []
     files: list[File] = []
     for path in _paths(out, interface, skeletons):
@@ -52,7 +54,16 @@ def drift(
             if path in skeletons:
                 findings.append(_unreadable(path, 1, f"cannot be read: {error.strerror}"))
     findings += _compared(files, interface, skeletons, manifest, former or {})
-    return sorted(findings, key=lambda f: (f.path, f.line, f.column, f.kind.value, f.message))
+    return sorted(
+        findings,
+        key=lambda finding: (
+            finding.path,
+            finding.line,
+            finding.column,
+            finding.kind.value,
+            finding.message,
+        ),
+    )
 
 
 def _unreadable(path: str, line: int, message: str) -> Finding:

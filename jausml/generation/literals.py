@@ -46,7 +46,9 @@ def printable(text: str) -> str:
     """Returns the text with every kind of line end as LF and without control characters."""
     if text.isascii() and text.isprintable():
         return text
-    return _UNPRINTABLE.sub(lambda m: " " if m.group() == "\t" else "", _LINE_ENDS.sub("\n", text))
+    return _UNPRINTABLE.sub(
+        lambda match: " " if match.group() == "\t" else "", _LINE_ENDS.sub("\n", text)
+    )
 
 
 def python_string(value: object) -> str:
@@ -90,7 +92,7 @@ def identifier(value: object) -> str:
 def xml_text(value: object) -> str:
     """Returns text escaped for XML content and attribute values in either kind of quotes."""
     legal = _NOT_XML.sub("\ufffd", str(value))
-    return _XML_SPECIAL.sub(lambda m: _XML_ESCAPES[m.group()], legal)
+    return _XML_SPECIAL.sub(lambda match: _XML_ESCAPES[match.group()], legal)
 
 
 def xml_comment(value: object) -> str:
@@ -103,8 +105,8 @@ def yaml_string(value: object) -> str:
     """Returns a double-quoted ASCII YAML scalar (YAML 1.2, section 7.3.1) on one line."""
     text = json.dumps(_SURROGATES.sub("\ufffd", str(value)), ensure_ascii=False)
     # YAML reads the surrogate pairs of JSON as two characters, and DEL not at all.
-    text = _ABOVE_BMP.sub(lambda m: f"\\U{ord(m.group()):08x}", text)
-    return re.sub("[\x7f-\uffff]", lambda m: f"\\u{ord(m.group()):04x}", text)
+    text = _ABOVE_BMP.sub(lambda match: f"\\U{ord(match.group()):08x}", text)
+    return re.sub("[\x7f-\uffff]", lambda match: f"\\u{ord(match.group()):04x}", text)
 
 
 def comment(value: object, indent: int = 0, prefix: str = "# ") -> str:
@@ -157,7 +159,7 @@ def lua_string(value: object) -> str:
     """
     text = re.sub("[\ud800-\udfff]", "\ufffd", str(value))
     # Three digits always: a shorter escape would take up a digit that follows it.
-    escaped = _ESCAPED.sub(lambda m: b"\\%03d" % m.group()[0], text.encode("utf-8"))
+    escaped = _ESCAPED.sub(lambda match: b"\\%03d" % match.group()[0], text.encode("utf-8"))
     return f'"{escaped.decode("ascii")}"'
 
 

@@ -265,7 +265,9 @@ def _files(out: Path) -> Iterator[Path]:
         subfolders[:] = sorted(
             name
             for name in subfolders
-            if not (name.startswith(".") or any(os.path.exists(here / name / m) for m in marks))
+            if not (
+                name.startswith(".") or any(os.path.exists(here / name / mark) for mark in marks)
+            )
         )
         paths = (here / name for name in sorted(names))
         yield from (path for path in paths if os.path.isfile(path) and not os.path.islink(path))

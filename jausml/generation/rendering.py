@@ -67,10 +67,14 @@ def render(
     """
     size, modules = _Size(), Modules()
     with without_collector(), remembering():
-        artifacts = _rendered(model, [(one, one.tasks(model)) for one in targets], size, modules)
+        artifacts = _rendered(
+            model, [(target, target.tasks(model)) for target in targets], size, modules
+        )
         rendered = [(artifact.path, artifact.text) for artifact in artifacts]
         code = [*((path, text) for path, text in rendered if path.endswith(".py")), *beside]
-        following = [(one, one.for_code(code)) for one in targets if one.for_code is not None]
+        following = [
+            (target, target.for_code(code)) for target in targets if target.for_code is not None
+        ]
         artifacts += _rendered(model, following, size, modules)
     return sorted(artifacts, key=lambda artifact: (artifact.path, artifact.target))
 
@@ -82,10 +86,12 @@ def _rendered(
     modules: Modules,
 ) -> list[Artifact]:
     renderers = [_Renderer(target, tasks, size, modules) for target, tasks in wanted]
-    size.check_files(sum(len(task.task.views) for one in renderers for task in one.tasks))
+    size.check_files(sum(len(task.task.views) for renderer in renderers for task in renderer.tasks))
     for renderer in renderers:
         renderer.generate(model, outfolder="")
-    return [artifact for one in renderers for task in one.tasks for artifact in task.artifacts]
+    return [
+        artifact for renderer in renderers for task in renderer.tasks for artifact in task.artifacts
+    ]
 
 
 class _Size:

@@ -318,7 +318,9 @@ def one_document(model: Model) -> OneDocument:
         UnwritableError: XMI has no form for a value of it.
     """
     path = model.documents[0].path.with_suffix(".xmi")
-    roots = [root for one in model.documents if not one.is_library for root in one.roots]
+    roots = [
+        root for document in model.documents if not document.is_library for root in document.roots
+    ]
     named = [
         document.path for document in model.documents if document.is_library and document.is_input
     ]

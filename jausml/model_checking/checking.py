@@ -78,9 +78,11 @@ def without_allowed(outcomes: Iterable[Outcome], model: Model) -> list[Outcome]:
             for counterexample in outcome.found
         }
         _, aside = settled(model, list(examples_by_diagnostic), PRODUCT_RULES)
-        allowed = {one.diagnostic for one in aside}
+        allowed = {allowance.diagnostic for allowance in aside}
         counterexamples = tuple(
-            example for one, example in examples_by_diagnostic.items() if one not in allowed
+            example
+            for diagnostic, example in examples_by_diagnostic.items()
+            if diagnostic not in allowed
         )
         settled_outcomes.append(replace(outcome, found=counterexamples, allowed=tuple(aside)))
     return settled_outcomes
@@ -145,7 +147,10 @@ def _product(outcome: Outcome, model: Model) -> dict[str, Any]:
         "held": subject.held or None,
         "stop": subject.stop or None,
         "found": [_as_data(counter_example) for counter_example in outcome.found],
-        "allowed": [{"rule": e.diagnostic.rule, "reason": e.reason} for e in outcome.allowed],
+        "allowed": [
+            {"rule": allowance.diagnostic.rule, "reason": allowance.reason}
+            for allowance in outcome.allowed
+        ],
     }
 
 
@@ -247,9 +252,11 @@ def _sarif(outcomes: Sequence[Outcome], model: Model) -> str:
     """Returns the text of a SARIF log of one run."""
     files = tuple(document.display for document in model.documents if document.is_input)
     diagnostics = [
-        diagnostic_of(outcome.subject, one, model) for outcome in outcomes for one in outcome.found
+        diagnostic_of(outcome.subject, counterexample, model)
+        for outcome in outcomes
+        for counterexample in outcome.found
     ]
-    aside = tuple(one for outcome in outcomes for one in outcome.allowed)
+    aside = tuple(allowance for outcome in outcomes for allowance in outcome.allowed)
     return sarif.render(Report(model, files, tuple(diagnostics), aside, PRODUCT_RULES))
 
 

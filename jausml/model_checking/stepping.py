@@ -79,10 +79,15 @@ def stepped_machine(model: Model, element: jaus.StateMachine) -> SteppedMachine 
     None where the machine stands in no service.
     """
     for component in _components(model, element.eContainer()):
-        machine = next((e for e in component if element in e.product.machine.elements), None)
+        machine = next(
+            (candidate for candidate in component if element in candidate.product.machine.elements),
+            None,
+        )
         if machine is not None:
-            others = (e.product.machine for e in component if e is not machine)
-            beside = (f"{e.name} of {e.service_name}" for e in others if e.extends_core)
+            others = (sibling.product.machine for sibling in component if sibling is not machine)
+            beside = (
+                f"{other.name} of {other.service_name}" for other in others if other.extends_core
+            )
             return replace(machine, beside=tuple(beside))
     return None
 
@@ -111,7 +116,14 @@ def walked(product: MachineProduct, path: Sequence[Chosen]) -> list[Choice]:
     state, taken = product.initial(), []
     for number, step in enumerate(path, 1):
         offered = choices(product, state, step.said)
-        choice = next((e for e in offered if (e.actor, e.what) == (step.actor, step.what)), None)
+        choice = next(
+            (
+                candidate
+                for candidate in offered
+                if (candidate.actor, candidate.what) == (step.actor, step.what)
+            ),
+            None,
+        )
         if choice is None:
             raise SteppingError(f"step {number}: {step.actor} has no {step.what} any more")
         taken.append(choice)
@@ -239,7 +251,10 @@ def _view(model: Model, product: MachineProduct) -> ComponentView:
 
 def _body(subject: SteppedMachine, view: ComponentView, path: Sequence[_Taken]) -> Iterator[str]:
     product = subject.product
-    actors = {name: f"client_{n}" for n, name in enumerate((*product.clients, EMERGENCY_CLIENT), 1)}
+    actors = {
+        name: f"client_{number}"
+        for number, name in enumerate((*product.clients, EMERGENCY_CLIENT), 1)
+    }
     used = {chosen.actor for chosen, _ in path}
     yield "component = Told(world.transport())"
     yield "component.start()"
@@ -285,4 +300,8 @@ def _expected(view: ComponentView, product: MachineProduct, choice: Choice) -> s
 
 
 def _attribute(view: ComponentView, product: MachineProduct) -> str:
-    return next(e.attribute for e in view.state_machines if e.machine.name == product.machine.name)
+    return next(
+        machine_view.attribute
+        for machine_view in view.state_machines
+        if machine_view.machine.name == product.machine.name
+    )

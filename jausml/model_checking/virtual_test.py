@@ -126,7 +126,9 @@ def _obeying(
     yield f"bridge = {view.class_name}()"
     yield f'bridge.open(world.ros_node("{view.name}"), world.transport())'
     yield "address = bridge.settings.address"
-    actors = {name: f"client_{n}" for n, name in enumerate((*product.clients, EMERGENCY_CLIENT))}
+    actors = {
+        name: f"client_{number}" for number, name in enumerate((*product.clients, EMERGENCY_CLIENT))
+    }
     peers = {str(peer.name): peer for peer in own.connection.peers}
     for number, (name, variable) in enumerate(actors.items(), 1):
         at = address_call(peers[name]) if name in peers else f"JausAddress(64000, 1, {number})"

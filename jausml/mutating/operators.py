@@ -80,7 +80,7 @@ def _negated_both_ways(site: Site) -> Iterator[Together]:
     sites = (Site(element, site.feature, site.placed) for element in (site.element, back))
     for there, behind in zip(*map(_negated, sites), strict=False):
         elements = zip((site.element, back), (there, behind), strict=True)
-        yield Together(tuple(Change(one, site.feature, value) for one, value in elements))
+        yield Together(tuple(Change(element, site.feature, value) for element, value in elements))
 
 
 def _one_that_drives(site: Site) -> Iterator[Any]:

@@ -51,8 +51,8 @@ def mutations(model: Model, names: Collection[str] = ()) -> list[Mutation]:
     placed: dict[Any, Placed[Any]] = {
         assignment.assignment: assignment
         for owner in directed(subject)
-        for one in directions_of(subject, owner)
-        for assignment in one.assignments
+        for direction in directions_of(subject, owner)
+        for assignment in direction.assignments
     }
     operators = [mutator for mutator in OPERATORS if not names or mutator.name in names]
     candidates = []
@@ -190,7 +190,10 @@ class _Original:
         # Its elements are changed: none may be shared with what is read again.
         self.model = document.read().model
         self._roots = [
-            root for one in self.model.documents if not one.is_library for root in one.roots
+            root
+            for document in self.model.documents
+            if not document.is_library
+            for root in document.roots
         ]
         targets = select(load_targets()).targets
         self._targets = [target for target in targets if not target.is_shared]
@@ -202,7 +205,9 @@ class _Original:
             raise CampaignError(f"the model as one XMI document: {report.diagnostics[0].message}")
         try:
             self.files = self._rendered(report.model, self._targets)
-            self.shared = self._rendered(report.model, [t for t in targets if t.is_shared])
+            self.shared = self._rendered(
+                report.model, [target for target in targets if target.is_shared]
+            )
         except GenerationError as error:
             raise CampaignError(f"nothing can be generated: {error}") from error
 

@@ -59,7 +59,9 @@ def proof_code(model: Model, trip: RoundTrip) -> ProofCode:
         if connection.compiled is not None
     }
     uses = translations.uses
-    settings: dict[str, float | str] = {e.name: e.value for e in uses.quantities.values()}
+    settings: dict[str, float | str] = {
+        quantity.name: quantity.value for quantity in uses.quantities.values()
+    }
     settings |= {frame.name: frame.value for frame in uses.frames.values()}
     now = int(NOW.timestamp()), NOW.microsecond * 1000
     program, shortcuts = proof_program(core, functions, settings, now)

@@ -28,7 +28,7 @@ def pages(
         file = _file(result.name, files)
         findings = faults.get(result.name, ())
         rows.append({"file": file, "map": result, "findings": len(findings)})
-        pictures = [(one, outcome_text(one), _picture(one)) for one in result.fields]
+        pictures = [(field, outcome_text(field), _picture(field)) for field in result.fields]
         yield file, _page(result.name, map=result, findings=findings, fields=pictures)
     yield "index.html", _page("Proofs", rows=rows)
 

@@ -215,12 +215,12 @@ def _mixed(mixed: Mixed, unit: str) -> str:
 
 
 def _directions(result: FieldResult) -> Iterator[str]:
-    for one in result.reached:
-        way = f"{one.path} {one.least:.9g} .. {one.greatest:.9g}"
-        if not one.is_monotonic:
+    for reached in result.reached:
+        way = f"{reached.path} {reached.least:.9g} .. {reached.greatest:.9g}"
+        if not reached.is_monotonic:
             yield f"{way}, not monotonic"
-        elif one.distinct < result.unchanged:
-            yield f"{way}, {one.distinct:,} different values"
+        elif reached.distinct < result.unchanged:
+            yield f"{way}, {reached.distinct:,} different values"
         else:
             yield way
 

@@ -47,7 +47,7 @@ def round_trips(model: Model) -> list[RoundTrip]:
             str(attribute_map.name),
             attribute_map,
             attribute_map,
-            tuple(c for c in connections if c.map is attribute_map),
+            tuple(connection for connection in connections if connection.map is attribute_map),
         )
         for attribute_map in dict.fromkeys((*own, *connected))
         if attribute_map is not None

@@ -208,9 +208,9 @@ def _compare(result: FieldResult, planned: Field, python: PythonForm, form: Comp
     number = planned.number
     # What NaN looks like inside is no matter of either form.
     indices = [
-        e
-        for e in spread_positions(number, _COMPARED)
-        if not math.isnan(number.value(number.raw(e)))
+        position
+        for position in spread_positions(number, _COMPARED)
+        if not math.isnan(number.value(number.raw(position)))
     ]
     messages = _messages(planned, indices)
     for message, trip in zip(messages, _trips(planned, indices, python), strict=True):

@@ -41,8 +41,8 @@ def former_case(path: str, text: str) -> Former:
     """Returns the case that a text holds."""
     try:
         plain = json.loads(text)
-        evidence = {str(e["path"]): e for e in plain["evidence"] if e["path"]}
-        known = [e[key] for e in evidence.values() for key in ("sha256", "stale")]
+        evidence = {str(entry["path"]): entry for entry in plain["evidence"] if entry["path"]}
+        known = [entry[key] for entry in evidence.values() for key in ("sha256", "stale")]
         goals = [goal for hazard in plain["hazards"] for goal in hazard["goals"]]
         shown = [str(goal["id"]) for goal in goals if goal["answered"]]
     except (ValueError, RecursionError, KeyError, TypeError) as error:

@@ -42,7 +42,11 @@ def moving_inputs(component: jaus.Component) -> Iterator[tuple[jaus.MessageDef, 
     """Yields the commands of users' services that move a component, each with its service."""
     for service in with_inherited(component.provides):
         if str(service.urn) not in SERVED_BY_RUNTIME:
-            yield from ((e, service) for e in service.inputs if is_command(e) and e.moves)
+            yield from (
+                (message, service)
+                for message in service.inputs
+                if is_command(message) and message.moves
+            )
 
 
 def commands_to_ros(subject: Subject) -> list[Commander]:
@@ -62,18 +66,30 @@ def jaus_messages(subject: Subject) -> list[bridge.Connection]:
 
 def aging(subject: Subject) -> list[bridge.Connection]:
     """Returns the connections to ROS, and those that carry commands."""
-    return [e for e in sound_connections(subject) if is_to_ros(e) or stops.carries_commands(e)]
+    return [
+        connection
+        for connection in sound_connections(subject)
+        if is_to_ros(connection) or stops.carries_commands(connection)
+    ]
 
 
 def taken_messages(subject: Subject) -> list[bridge.Connection]:
     """Returns the connections to ROS of messages that peers send unasked."""
     connections = sound_connections(subject)
-    return [e for e in connections if is_to_ros(e) and e.exchange.name == "message"]
+    return [
+        connection
+        for connection in connections
+        if is_to_ros(connection) and connection.exchange.name == "message"
+    ]
 
 
 def published(subject: Subject) -> list[bridge.Connection]:
     """Returns the connections to ROS that carry no commands."""
-    return [e for e in sound_connections(subject) if is_to_ros(e) and not stops.carries_commands(e)]
+    return [
+        connection
+        for connection in sound_connections(subject)
+        if is_to_ros(connection) and not stops.carries_commands(connection)
+    ]
 
 
 def reports(subject: Subject) -> list[bridge.Connection]:
@@ -99,8 +115,14 @@ def commandable(subject: Subject) -> list[Carrier]:
 
 def moved_components(subject: Subject) -> list[jaus.Component]:
     """Returns the own components beside bridges that obey commands which move them."""
-    components = (e for e in subject.instances(jaus.Component) if not e.external)
-    return [e for e in components if not isinstance(e, bridge.Bridge) and any(moving_inputs(e))]
+    components = (
+        component for component in subject.instances(jaus.Component) if not component.external
+    )
+    return [
+        component
+        for component in components
+        if not isinstance(component, bridge.Bridge) and any(moving_inputs(component))
+    ]
 
 
 def asking(subject: Subject) -> list[jaus.ServiceConnection]:
@@ -114,7 +136,11 @@ def bridges(subject: Subject) -> list[bridge.Bridge]:
 
 
 def _commanding(subject: Subject) -> list[bridge.Connection]:
-    return [e for e in sound_connections(subject) if stops.carries_commands(e)]
+    return [
+        connection
+        for connection in sound_connections(subject)
+        if stops.carries_commands(connection)
+    ]
 
 
 def _commanders(subject: Subject) -> list[Commander]:

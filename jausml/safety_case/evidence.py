@@ -93,7 +93,9 @@ def _content(data: bytes, *, is_xml: bool) -> tuple[str, dict[str, Any]]:
         raise EvidenceError(f"is no JSON: {error}") from error
     for kind, (name, keys) in _KINDS.items():
         entries = content.get(name) if isinstance(content, dict) else None
-        if isinstance(entries, list) and all(isinstance(e, dict) and keys <= {*e} for e in entries):
+        if isinstance(entries, list) and all(
+            isinstance(entry, dict) and keys <= {*entry} for entry in entries
+        ):
             return kind, content
     runs = content.get("faults") if isinstance(content, dict) else None
     if isinstance(runs, dict) and all(isinstance(run, dict) for run in runs.values()):
@@ -116,7 +118,9 @@ def _tests(data: bytes) -> dict[str, str]:
         module = case.get("classname", "").rpartition(".")[2]
         name = f"{module}.{case.get('name', '').partition('[')[0]}"
         outcomes = [outcomes_by_test.get(name), *(element.tag for element in case)]
-        outcomes_by_test[name] = next((one for one in _OUTCOMES if one in outcomes), "passed")
+        outcomes_by_test[name] = next(
+            (outcome for outcome in _OUTCOMES if outcome in outcomes), "passed"
+        )
     if not outcomes_by_test:
         raise EvidenceError("is no JUnit report: it has no test cases")
     return outcomes_by_test
@@ -153,7 +157,7 @@ def generated_tests(model: Model) -> list[GeneratedTests]:
             snake_case(str(carrier.name)): [] for carrier in carriers_of(owner)
         }
         for test in _TEST.findall(artifact.text):
-            known = (e for e in names if test == e or test.startswith(f"{e}_"))
+            known = (name for name in names if test == name or test.startswith(f"{name}_"))
             longest = max(known, key=len, default="")
             if longest:
                 names[longest].append(test.removeprefix(longest))

@@ -101,7 +101,8 @@ def _unfresh(connection: bridge.Connection) -> str:
 
 def _meaningless(carrier: Carrier) -> str:
     listing = ", ".join(
-        f"{target} (no rule: it lacks {e})" for target, e in unjudged_targets(carrier).items()
+        f"{target} (no rule: it lacks {missing})"
+        for target, missing in unjudged_targets(carrier).items()
     )
     return f"nothing says what is right of {listing}, and no test vector"
 

@@ -122,7 +122,7 @@ def _overview(case: SafetyCase) -> _Argument:
 
 def _hazard(case: SafetyCase, hazard: HazardCase) -> _Argument:
     argument = _Argument(f"{case.system}: {hazard.title.lower()}")
-    evidence = {one.id: one for one in case.evidence}
+    evidence = {item.id: item for item in case.evidence}
     over = f"S{hazard.number[1:]}"
     argument.add(hazard.number, _GOAL, f"{hazard.title} is answered")
     argument.add(over, _STRATEGY, "over each element", hazard.number)
@@ -132,8 +132,10 @@ def _hazard(case: SafetyCase, hazard: HazardCase) -> _Argument:
         argument.add(goal.number, _GOAL, text, over, is_open=not goal.answered)
         by = f"S{goal.number[1:]}"
         if goal.answers:
-            argument.add(by, _STRATEGY, "; ".join(one.text for one in goal.answers), goal.number)
-        if reason := "; ".join(one.reason for one in goal.answers if one.reason):
+            argument.add(
+                by, _STRATEGY, "; ".join(answer.text for answer in goal.answers), goal.number
+            )
+        if reason := "; ".join(answer.reason for answer in goal.answers if answer.reason):
             argument.add(f"J{goal.number[1:]}", _JUSTIFICATION, reason, by, "right")
         for support in goal.supports:
             one = evidence[support.evidence]

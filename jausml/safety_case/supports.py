@@ -137,9 +137,13 @@ def _tests(concern: Concern, content: dict[str, Any]) -> Iterator[_Statement]:
 def _against(subject: dict[str, Any], rules: Sequence[str] = ()) -> str:
     """Returns the findings about a subject of evidence, by some rules or by any."""
     entries = subject["found"] if isinstance(subject["found"], list) else []
-    findings = [e if isinstance(e, dict) else {"rule": "", "message": e} for e in entries]
+    findings = [
+        entry if isinstance(entry, dict) else {"rule": "", "message": entry} for entry in entries
+    ]
     chosen = [finding for finding in findings if not rules or finding.get("rule") in rules]
-    return "; ".join(f"{e.get('rule', '')} {e.get('message', '')}".strip() for e in chosen)
+    return "; ".join(
+        f"{finding.get('rule', '')} {finding.get('message', '')}".strip() for finding in chosen
+    )
 
 
 def _proof(concern: Concern, content: dict[str, Any]) -> Iterator[_Statement]:

@@ -108,7 +108,7 @@ def test_help_says_what_each_target_does():
     assert {line.split()[0] for line in said.splitlines()} == TARGETS
 
 
-HIDING = {"each", "found", "told", "made", "given", "ways", "stays"}
+HIDING = {"each", "found", "told", "made", "given", "ways", "stays", *"efmorstuv"}
 """They hide the noun: a loop over services has `service`, what was found are `services`."""
 BINDING = re.compile(
     rf"(?<![\w.])(?:{'|'.join(sorted(HIDING))})(?:\s*[=:,)\]]|\s+in\b|\s*$)", re.MULTILINE

@@ -84,7 +84,7 @@ def query_call(query: MessageView, report: MessageView | None, fields: Container
     presence = query.find(PRESENCE_VECTOR)
     if not presence or report is None:
         return call(query.class_name)
-    bits = (m.bit for m in report.body.members if m.jaus_name in fields)
+    bits = (member.bit for member in report.body.members if member.jaus_name in fields)
     return call(query.class_name, f"{presence[0].attribute}=0x{sum(bits):04X}")
 
 

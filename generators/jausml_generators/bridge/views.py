@@ -187,7 +187,7 @@ class BridgeView(ProgramView):
             for connection in self.bridge.serviceConnections
             for element in _messages_of_calls(connection)
         )
-        of_drivers = (message for one in drivers for message in one.all)
+        of_drivers = (message for driver in drivers for message in driver.all)
         answered = (
             message
             for action in self.bridge.actionConnections

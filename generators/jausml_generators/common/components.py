@@ -55,7 +55,9 @@ def own_bridges(system: System) -> list[bridge.Bridge]:
 
 def with_inherited(services: Iterable[jaus.Service]) -> list[jaus.Service]:
     """Returns services and those that they inherit, the inherited ones first, each once."""
-    return list(dict.fromkeys(e for service in services for e in reversed(lineage(service))))
+    return list(
+        dict.fromkeys(ancestor for service in services for ancestor in reversed(lineage(service)))
+    )
 
 
 def inherits(service: jaus.Service, name: str) -> bool:

@@ -142,7 +142,9 @@ class Core:
         joins = {join_name: self._struct(what) for join_name, what in ends.joins.items()}
         # Asked anew for each translation: messages and tables are added as they are met.
         self._used.classes = self._classes(ends.message)
-        self._used.tables = {e.name: e.items for e in self.uses.constants.values()}
+        self._used.tables = {
+            constant.name: constant.items for constant in self.uses.constants.values()
+        }
         return printed(steps, source, target, joins, self._used)
 
     def _structs(self, ends: Ends) -> tuple[Struct, Struct]:

@@ -333,7 +333,11 @@ class _Message:
         if octet is not None and isinstance(value, ListValue):
             return [first, write_octets(octet, bare_text)]
         inner = self._write_value(value.element, "item")
-        loop = [f"for (const auto& item : {bare_text}) {{", *(f"{_INDENT}{e}" for e in inner), "}"]
+        loop = [
+            f"for (const auto& item : {bare_text}) {{",
+            *(f"{_INDENT}{line}" for line in inner),
+            "}",
+        ]
         return [first, *loop]
 
     def _write_variant(self, value: VariantValue, text: str) -> list[str]:

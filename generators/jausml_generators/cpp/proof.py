@@ -211,7 +211,7 @@ def _kept(
                 kept_steps[at] = step
             case Choose(conditions=alternatives, steps=inner):
                 kept = _kept(inner, known, reached)
-                tests = [test for one in alternatives for test in one]
+                tests = [test for alternative in alternatives for test in alternative]
                 # With a condition on the value, one value would not tell for the others.
                 if any(_decides(test, known) for test in tests):
                     raise _NoSweepError
@@ -232,7 +232,7 @@ def _with_needed(steps: tuple[Step, ...], kept: dict[int, Step]) -> list[Step]:
     # From the last to the first, since a variable may need another one before it.
     for at in range(len(steps) - 1, -1, -1):
         step = steps[at]
-        used = {variable for one in needed_steps.values() for variable in _locals(one)}
+        used = {variable for needed in needed_steps.values() for variable in _locals(needed)}
         if at not in needed_steps and isinstance(step, Let) and used & set(step.locals):
             needed_steps[at] = step
     return [needed_steps[at] for at in sorted(needed_steps)]
@@ -248,8 +248,9 @@ def _depends(value: object, known: set[Place | Local]) -> bool:
         if place.root in known:
             return True
         if any(
-            isinstance(one, Place) and (place.is_within(one) or one.is_within(place))
-            for one in known
+            isinstance(known_place, Place)
+            and (place.is_within(known_place) or known_place.is_within(place))
+            for known_place in known
         ):
             return True
     return False

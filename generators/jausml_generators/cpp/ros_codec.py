@@ -172,6 +172,9 @@ def _initial(field: FieldLayout) -> str:
             return f" = {cpp_number(bool(value))}"
         return f" = {cpp_number(float(value) if field.primitive.code in 'fd' else int(value))}"
     if field.default:
-        texts = [cpp_string(e) if isinstance(e, str) else cpp_number(e) for e in field.default]
+        texts = [
+            cpp_string(element) if isinstance(element, str) else cpp_number(element)
+            for element in field.default
+        ]
         return f" = {{{', '.join(texts)}}}"
     return "{}"

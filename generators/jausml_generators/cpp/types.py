@@ -183,7 +183,7 @@ class Struct:
         members = [*self.members.values()]
         return (
             getattr(members[0].type, "element", "")
-            if [e.is_octet for e in members] == [True]
+            if [member.is_octet for member in members] == [True]
             else ""
         )
 

@@ -261,7 +261,7 @@ def _of_strangers(system: System, host: Host) -> Iterator[str]:
 def _of_connections(bridges: Sequence[Bridge]) -> Iterator[str]:
     """Asks where the peers of connections may be that name none."""
     for bridge in bridges:
-        names = [f"`{one.name}`" for one in carriers_of(bridge) if not one.peers]
+        names = [f"`{carrier.name}`" for carrier in carriers_of(bridge) if not carrier.peers]
         if names and not bridge.allowedHosts:
             yield (
                 f"Where are the peers of {', '.join(names)} of `{bridge.name}`? No component is"

@@ -215,7 +215,9 @@ class Received:
     def _query(self) -> str:
         """Returns the query for all optional fields of the report."""
         wanted = self.report.body.presence_mask
-        selectors = [m for m in self.query.body.members if m.jaus_name == "PresenceVector"]
+        selectors = [
+            member for member in self.query.body.members if member.jaus_name == "PresenceVector"
+        ]
         arguments = tuple(f"{member.attribute}=0x{wanted:X}" for member in selectors)
         return call(self.query.class_name, *(arguments if wanted else ()))
 

@@ -189,7 +189,7 @@ def _arrow(machine: Machine, keys: dict[str, str], path: str, transition: jaus.T
     if guard is not None:
         label += f" [{guard_text(guard)}]"
     if transition.actions:
-        label += " / " + ", ".join(a.name.rpartition(".")[2] for a in transition.actions)
+        label += " / " + ", ".join(action.name.rpartition(".")[2] for action in transition.actions)
     kind = transition.kind.name
     is_staying = kind == "internal" or (kind == "simple" and not transition.target)
     label += " (stays)" if is_staying else {"push": " (push)", "pop": " (pop)"}.get(kind, "")

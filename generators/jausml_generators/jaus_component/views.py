@@ -94,7 +94,7 @@ class ComponentView(ProgramView):
     def _services(self) -> tuple[jaus.Service, ...]:
         """Provided services whose messages the component itself handles, bases first."""
         provided = components.with_inherited(self.component.provides)
-        return tuple(s for s in provided if s.urn not in SERVED_BY_RUNTIME)
+        return tuple(service for service in provided if service.urn not in SERVED_BY_RUNTIME)
 
     @functools.cached_property
     def _provided(self) -> tuple[jaus.Service, ...]:
@@ -105,8 +105,13 @@ class ComponentView(ProgramView):
     def _messages(self) -> dict[jaus.MessageDef, MessageView]:
         """Every message of the component by model element."""
         used = components.with_inherited(self.component.uses)
-        services = [*self._services, *(s for s in used if s.urn not in SERVED_BY_RUNTIME)]
-        elements = [m for s in services for m in [*s.inputs, *s.outputs]]
+        services = [
+            *self._services,
+            *(service for service in used if service.urn not in SERVED_BY_RUNTIME),
+        ]
+        elements = [
+            message for service in services for message in [*service.inputs, *service.outputs]
+        ]
         elements += machines.messages_of(self._services)
         for connection in self.component.connections:
             elements += [connection.message, self._query_of(connection)]
@@ -115,7 +120,11 @@ class ComponentView(ProgramView):
     @property
     def message_map(self) -> dict[jaus.MessageDef, MessageView]:
         """The messages that are not in the runtime, as those of core services are."""
-        return {e: v for e, v in self._messages.items() if not is_core_message(e)}
+        return {
+            element: view
+            for element, view in self._messages.items()
+            if not is_core_message(element)
+        }
 
     @property
     def messages(self) -> tuple[MessageView, ...]:
@@ -390,7 +399,9 @@ class ComponentView(ProgramView):
     @property
     def base_imports(self) -> Imports:
         """The names that the base may import."""
-        core = [v.class_name for e, v in self._messages.items() if is_core_message(e)]
+        core = [
+            view.class_name for element, view in self._messages.items() if is_core_message(element)
+        ]
         return Imports(
             {
                 **runtime_names(),

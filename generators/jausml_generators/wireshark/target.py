@@ -238,7 +238,9 @@ class TableBuilder:
 
     def _members(self, fields: Iterable[wire.Field], path: str) -> list[Table]:
         scope = Scope(_TAKEN)
-        return [self._field(f, f"{path}.{scope.claim(filter_word(f.name))}") for f in fields]
+        return [
+            self._field(field, f"{path}.{scope.claim(filter_word(field.name))}") for field in fields
+        ]
 
     # -- values ----------------------------------------------------------------------------------
 

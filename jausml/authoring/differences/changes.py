@@ -168,7 +168,11 @@ def breaks(
     breakages = []
     if isinstance(obj, ros.QoSProfile) and not feature:
         # A profile that comes or goes changes the policies of its owner that it states.
-        changed = {f.name for f in table.features.values() if getattr(obj, f.name) != f.default}
+        changed = {
+            policy.name
+            for policy in table.features.values()
+            if getattr(obj, policy.name) != policy.default
+        }
         is_broken = not changed.isdisjoint(_PEERS["ros.QoSProfile"])
     else:
         is_broken = _breaks_peers(kind, classes, feature, is_lost=is_lost)

@@ -161,7 +161,7 @@ class _Comparison:
                 rows.insert(at, self._row(gone, REMOVED))
             identity = f"{_OLD}{port.id}" if same is None else same.id
             self._ends[End(old.id, port.id)] = End(new.id, identity)
-            at = next(n for n, row in enumerate(rows) if row.id == identity) + 1
+            at = next(index for index, row in enumerate(rows) if row.id == identity) + 1
         return _signed_node(replace(new, ports=tuple(rows)), state, self._details(new))
 
     def _row(self, port: Port, state: str) -> Port:

@@ -149,7 +149,7 @@ class _Finding:
         known = [
             self._matching.news.get(value, value) if address(value) else value for value in ours
         ]
-        lost = [a for a, b in zip(ours, known, strict=True) if not _holds(theirs, b)]
+        lost = [own for own, b in zip(ours, known, strict=True) if not _holds(theirs, b)]
         added = [value for value in theirs if not _holds(known, value)]
         is_same = known == theirs if feature.name in SEQUENCES else len(ours) == len(theirs)
         if not lost and not added and is_same:
@@ -188,7 +188,7 @@ class _Finding:
                 if line.message is not None
             )
             if component is not provider and (
-                connected or any(address(u) in lost for u in component.uses)
+                connected or any(address(service) in lost for service in component.uses)
             ):
                 users.append(str(component.name))
         return users

@@ -55,8 +55,12 @@ class Matching:
         for key in (self._identifier, self._name, self._key, self._content):
             pairs = list(_by_key(ours, theirs, key))
             yield from pairs
-            ours = [element for element in ours if not any(element is one for one, _ in pairs)]
-            theirs = [element for element in theirs if not any(element is one for _, one in pairs)]
+            ours = [
+                element for element in ours if not any(element is paired for paired, _ in pairs)
+            ]
+            theirs = [
+                element for element in theirs if not any(element is paired for _, paired in pairs)
+            ]
         if len(ours) <= _MOST and len(theirs) <= _MOST:
             yield from self._renamed(ours, theirs)
 
@@ -112,7 +116,10 @@ class Matching:
                         inner = getattr(value, "name", None)
                         known[place, value.eClass.name, inner] += 1
                         known += Counter(
-                            {(place, inner, fact): n for fact, n in self.facts(value).items()}
+                            {
+                                (place, inner, fact): number
+                                for fact, number in self.facts(value).items()
+                            }
                         )
                     elif feature.kind is not FeatureKind.CONTAINER:
                         known[place, address(value) or str(value)] += 1
@@ -151,11 +158,11 @@ def _by_key(
     waiting: dict[Hashable, list[EObject]] = defaultdict(list)
     for element in theirs:
         waiting[key(element)].append(element)
-    for one in ours:
-        key_value = key(one)
+    for own_element in ours:
+        key_value = key(own_element)
         rest = waiting.get(key_value) if key_value is not None else None
-        if rest and _same_class(one, rest[0]):
-            yield one, rest.pop(0)
+        if rest and _same_class(own_element, rest[0]):
+            yield own_element, rest.pop(0)
 
 
 def paired_roots(

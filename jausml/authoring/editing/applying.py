@@ -210,7 +210,9 @@ class Applying:
             self.steps.append(Remove(self._working_copy.ref(element, fragments)))
         for element, names in self.changed.items():
             for name in names:
-                values = [self._as_ref(v, fragments) for v in element.references.get(name, ())]
+                values = [
+                    self._as_ref(value, fragments) for value in element.references.get(name, ())
+                ]
                 self.steps.append(
                     Set(self._working_copy.ref(element, fragments), name, tuple(values))
                 )

@@ -92,7 +92,9 @@ class _Describing:
         for part in ready:
             inner = (element for element in self._elements if element[: len(part)] == part)
             targets = (inner_target for path in inner for inner_target in self._inner_targets(path))
-            if len(part) == 1 or all(e[: len(part)] == part or self._is_there(e) for e in targets):
+            if len(part) == 1 or all(
+                target[: len(part)] == part or self._is_there(target) for target in targets
+            ):
                 return part
         return ready[0]
 
@@ -142,7 +144,11 @@ class _Describing:
         targets = self._targets(path, feature)
         model = self._elements[path][1]
         inner = [self._paths.get(self._ref_of(target, model)) for target in targets]
-        if any(e is not None and (e[: len(part)] == part or not self._is_there(e)) for e in inner):
+        if any(
+            inner_path is not None
+            and (inner_path[: len(part)] == part or not self._is_there(inner_path))
+            for inner_path in inner
+        ):
             self._later.append((path, feature))
             return ()
         return tuple(self._value(path, target) for target in targets)
@@ -154,7 +160,7 @@ class _Describing:
 
     def _address(self, path: _Path) -> Ref:
         """Returns the ref of a copy, by the part with which it was added."""
-        length = next(n for n in range(len(path), 0, -1) if path[:n] in self._numbers)
+        length = next(size for size in range(len(path), 0, -1) if path[:size] in self._numbers)
         ref = f"{NEW}{self._numbers[path[:length]]}"
         for end in range(length + 1, len(path) + 1):
             step = path[end - 1]
@@ -225,7 +231,7 @@ def pasted(
             continue
         owner, feature = _place(command, chosen, model)
         if owner not in taken:
-            taken[owner] = {name_of(one) for one in model.owned(owner)}
+            taken[owner] = {name_of(sibling) for sibling in model.owned(owner)}
         values = dict(command.values)
         if values.get(_NAME):
             name = numbered_name(values[_NAME][0], taken[owner])

@@ -66,7 +66,11 @@ class Draft:
 
     def referring(self, file: str) -> list[str]:
         """Returns a file, and then those whose models have elements of it."""
-        others = [f for f in self.models if f != file and _mentions(self.files[f].good, file)]
+        others = [
+            other
+            for other in self.models
+            if other != file and _mentions(self.files[other].good, file)
+        ]
         return [file, *(other for other in others if file in self.documents(other))]
 
     def documents(self, file: str) -> list[str]:

@@ -268,12 +268,15 @@ class _Work:
         if isinstance(command, Set) and command.feature not in _NAMING:
             return files
         # Other files name elements by position or by name, and must follow.
-        concerned_files = dict.fromkeys(f for file in files for f in self._draft.referring(file))
+        concerned_files = dict.fromkeys(
+            concerned for file in files for concerned in self._draft.referring(file)
+        )
         if isinstance(command, Set | Rename):
             return [
-                f
-                for f in concerned_files
-                if f in files or names_elements(f, self._draft.files[f].data)
+                concerned
+                for concerned in concerned_files
+                if concerned in files
+                or names_elements(concerned, self._draft.files[concerned].data)
             ]
         return list(concerned_files)
 

@@ -283,7 +283,11 @@ class Project:
         """
         with self._lock:
             wanted = sorted(set(paths) or {*self._files, *model_files(self.root, SUFFIXES)})
-            known = (f for f in wanted if f in self._files or is_model_file(f, self.root, SUFFIXES))
+            known = (
+                name
+                for name in wanted
+                if name in self._files or is_model_file(name, self.root, SUFFIXES)
+            )
             return (*self.unreported(), *filter(None, map(self._refreshed, list(known))))
 
     def unreported(self) -> tuple[records.Change, ...]:

@@ -91,7 +91,9 @@ class Reader:
         """Returns the files of the project that the model of a file has elements of."""
         model = self.read(file, files).model
         return [
-            f for f in (file_of(document, self._root) for document in model.documents) if f in files
+            file
+            for file in (file_of(document, self._root) for document in model.documents)
+            if file in files
         ]
 
     def _with_faults(self, result: ReadResult, files: Mapping[str, Stored]) -> ReadResult:

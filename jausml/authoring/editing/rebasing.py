@@ -199,11 +199,13 @@ class OutsideChange:
             # Names first; others are known by their contents, if these are unique.
             pairs = [*_unique(before, after, _named)]
             paired = set(chain.from_iterable(pairs))
-            left, other = ([e for e in side if e not in paired] for side in (before, after))
+            left, other = (
+                [element for element in side if element not in paired] for side in (before, after)
+            )
             pairs += _unique(left, other, self._content)
-            for one, same in pairs:
-                self._same[one] = same
-                pending.append((_owned(one), _owned(same)))
+            for element, same in pairs:
+                self._same[element] = same
+                pending.append((_owned(element), _owned(same)))
 
     def _content(self, copy: ElementCopy) -> Hashable:
         """Returns the contents of a copy, without its position."""

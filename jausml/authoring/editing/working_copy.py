@@ -145,7 +145,10 @@ class WorkingCopy:
                     paths[copy] = path
                     for name, children in copy.owned.items():
                         if copy.table.features[name].many:
-                            pending += [(c, f"{path}/@{name}.{i}") for i, c in enumerate(children)]
+                            pending += [
+                                (child, f"{path}/@{name}.{index}")
+                                for index, child in enumerate(children)
+                            ]
                         else:
                             pending += [(child, f"{path}/@{name}") for child in children]
         return paths

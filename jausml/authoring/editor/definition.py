@@ -161,7 +161,11 @@ class Definition:
 def word_at(text: str, place: Place) -> Token | None:
     """Returns the word or text at a place; the place behind its last character counts."""
     tokens = parsed_text(text).tokens
-    candidates = (t for t in tokens if t.end_line == place.line and is_within(span_of(t), place))
+    candidates = (
+        token
+        for token in tokens
+        if token.end_line == place.line and is_within(span_of(token), place)
+    )
     return next((token for token in candidates if token.type not in _PUNCTUATION), None)
 
 

@@ -39,13 +39,13 @@ def comments_of(text: str, *, is_xmi: bool) -> list[Comment]:
     if is_xmi:
         return [Comment(match.group(), *match.span()) for match in _COMMENT.finditer(text)]
     tokens = scan(text).comments
-    return [Comment(str(e), e.start_pos or 0, e.end_pos or 0) for e in tokens]
+    return [Comment(str(token), token.start_pos or 0, token.end_pos or 0) for token in tokens]
 
 
 def with_comments(merged: str, base: str, theirs: str, line_of: LineOf, *, is_xmi: bool) -> str:
     """Returns a merge with their changes of the comments of the base."""
     was, here, there = (comments_of(version, is_xmi=is_xmi) for version in (base, merged, theirs))
-    counts = [Counter(comment.said for comment in one) for one in (was, here, there)]
+    counts = [Counter(comment.said for comment in comments) for comments in (was, here, there)]
     ends = [match.end() for match in re.finditer(r"\n|\Z", merged)]
     starts = [0, *ends[:-1]]
     edits: list[tuple[int, int, str]] = []

@@ -49,7 +49,11 @@ class Execution:
 
     def run(self, plan: planning.Plan) -> None:
         """Carries a plan out."""
-        going = {e for one in (*plan.removed, *plan.replaced) for e in self._sides.all_of(one)}
+        going = {
+            part
+            for element in (*plan.removed, *plan.replaced)
+            for part in self._sides.all_of(element)
+        }
         self._moved = plan.moved
         # Where there is room for one element alone, the old one must go first.
         for replaced_element in plan.replaced:
@@ -136,7 +140,7 @@ class Execution:
                 texts = tuple(filter(None, targets))
             else:
                 owned = self._added(obj, own_feature)
-                children += [self._described(one, own_feature.name, owner) for one in owned]
+                children += [self._described(element, own_feature.name, owner) for element in owned]
                 continue
             if texts:
                 values[own_feature.name] = texts

@@ -94,7 +94,9 @@ def merged(
         with suppress(UnmergeableError):  # its own merge tells why
             files = _Merge(name, root, states, around, files).files
     one = _Merge(file, root, States(base, files[file].data, theirs), around, files)
-    merged_too = {name for name, e in around.items() if e.base not in (e.ours, e.theirs)}
+    merged_too = {
+        name for name, states in around.items() if states.base not in (states.ours, states.theirs)
+    }
     conflicts = [*one.conflicts, *_elsewhere(one, file, merged_too)]
     data, left_out = one.with_comments()
     conflicts += [
@@ -141,8 +143,8 @@ class _Merge:
         # References to what only another branch has would make a state unreadable.
         absent = [
             reference
-            for one in results
-            for reference in one.lost
+            for result in results
+            for reference in result.lost
             if reference.path is not None and reference.path != root / file
             if reference.path.is_relative_to(root)
         ]
@@ -159,7 +161,8 @@ class _Merge:
         self.before = files
         self.mine = self._reader.read(file, files).model
         kinds = [
-            [element.eClass for element in m.documents[0].roots] for m in (was, self.mine, other)
+            [element.eClass for element in state.documents[0].roots]
+            for state in (was, self.mine, other)
         ]
         if not kinds[0] or kinds[0] != kinds[1] or kinds[0] != kinds[2]:
             raise UnmergeableError("the roots of the three states are not of the same classes")
@@ -196,7 +199,9 @@ class _Merge:
         again = self._reader.read(self._file, files).model
         before, after = (list(state.documents[0].roots) for state in (model, again))
         pairs = zip(before, after, strict=False)
-        if len(before) == len(after) and not any(compare(*e, model.metamodels) for e in pairs):
+        if len(before) == len(after) and not any(
+            compare(*pair, model.metamodels) for pair in pairs
+        ):
             return written, []
         known = {
             comment.said for text in (base, now) for comment in comments_of(text, is_xmi=is_xmi)
@@ -227,9 +232,11 @@ def _files(root: Path, known: Mapping[str, bytes | None]) -> dict[str, Stored]:
     """Returns the model files of a folder, some with the known bytes of our side."""
     disk = Disk(root)
     stored_files = {
-        n: stored(n, data, 0) for n in model_files(root) if (data := disk.readable(n)) is not None
+        file: stored(file, data, 0)
+        for file in model_files(root)
+        if (data := disk.readable(file)) is not None
     }
-    ours = {n: stored(n, data, 0) for n, data in known.items() if data is not None}
+    ours = {file: stored(file, data, 0) for file, data in known.items() if data is not None}
     return {**stored_files, **ours}
 
 
@@ -319,7 +326,9 @@ def placeholders(lost: Iterable[LostReference], metamodels: Metamodels) -> dict[
             elements.setdefault(path, {}).setdefault(reference.fragment, table)
     uris = {package.name: package.ns_uri for package in metamodels.packages.values()}
     return {
-        path: b"\n".join([_XMI, _present(path), *(_line(*e, uris) for e in tables_by_id.items())])
+        path: b"\n".join(
+            [_XMI, _present(path), *(_line(*item, uris) for item in tables_by_id.items())]
+        )
         + b"\n</xmi:XMI>\n"
         for path, tables_by_id in elements.items()
     }

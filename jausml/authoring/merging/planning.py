@@ -211,7 +211,11 @@ class _Planner:
         """Looks at what our side changed and theirs has no more, or has in another place."""
         sides = self._sides
         # Only when all additions are known can one of them be the element that is missing.
-        new = [e for addition in self.plan.additions for e in sides.all_of(addition.element)]
+        new = [
+            element
+            for addition in self.plan.additions
+            for element in sides.all_of(addition.element)
+        ]
         for base, ours in self._gone:
             moved_element = next(
                 (element for element in new if self._is_moved(base, element)), None
@@ -228,7 +232,7 @@ class _Planner:
         """Tells whether theirs has an element of the base in another place, by id or name."""
         if base.eClass is not theirs.eClass or theirs in self.plan.moved:
             return False
-        identifiers = (e.identifier for e in (self._sides.base, self._sides.theirs.model))
+        identifiers = (side.identifier for side in (self._sides.base, self._sides.theirs.model))
         one, other = (of(obj) for of, obj in zip(identifiers, (base, theirs), strict=True))
         # An id is surer than a name, so with an id on either side names do not count.
         if one or other:
@@ -299,7 +303,11 @@ class _Planner:
         self, base: EObject, ours: EObject, theirs: EObject, feature: FeatureTable
     ) -> None:
         news = (self._ours.news, self._theirs.news)
-        common = [e for e in contents(base, feature) if all(e in pairing for pairing in news)]
+        common = [
+            element
+            for element in contents(base, feature)
+            if all(element in pairing for pairing in news)
+        ]
         here = self._in_base(contents(ours, feature), self._ours.olds, common)
         there = self._in_base(contents(theirs, feature), self._theirs.olds, common)
         if there in (common, here):

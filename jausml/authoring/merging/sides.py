@@ -109,7 +109,7 @@ class Sides:
             before, now = contents(base, feature), contents(obj, feature)
             if [side.matching.news.get(element) for element in before] != list(now):
                 return False
-            if not all(self.is_same(b, n, side) for b, n in zip(before, now, strict=True)):
+            if not all(self.is_same(old, new, side) for old, new in zip(before, now, strict=True)):
                 return False
         return True
 
@@ -127,7 +127,10 @@ class Sides:
             here, there = contents(ours, feature), contents(theirs, feature)
             if len(here) != len(there):
                 return False
-            if not all(self.is_alike(o, t) for o, t in zip(here, there, strict=True)):
+            if not all(
+                self.is_alike(here_element, there_element)
+                for here_element, there_element in zip(here, there, strict=True)
+            ):
                 return False
         return True
 

@@ -233,9 +233,9 @@ def bridge_in(at: Opened, name: str) -> bridge.Bridge:
     # Eclipse's Control... puts what a system owns into a file of its own.
     apart = (
         system_bridge
-        for one in roots
-        if isinstance(one, system.System)
-        for system_bridge in one.bridges
+        for root in roots
+        if isinstance(root, system.System)
+        for system_bridge in root.bridges
     )
     bridges = list(dict.fromkeys((*bridges_of(at.scope), *apart)))
     chosen = [candidate for candidate in bridges if name in ("", name_of(candidate))]
@@ -310,6 +310,6 @@ def _begin(folder: Path, wish: Wish) -> list[str]:
 
 def _outermost(sets: Sequence[jaus.ServiceSet]) -> list[jaus.Service]:
     """Returns the services that no other one of the sets inherits."""
-    services = [service for one in sets for service in one.services]
+    services = [service for service_set in sets for service in service_set.services]
     inherited = [service.inherits for service in services]
     return [service for service in services if service not in inherited]

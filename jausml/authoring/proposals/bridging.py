@@ -91,7 +91,7 @@ def offer_of(message: jaus.MessageDef, *, to_ros: bool) -> Offer | None:
 def _exchange(message: jaus.MessageDef, service: jaus.Service) -> str:
     """Reports that can be asked for cross by events, all else by messages."""
     wanted = query_name(message)
-    asked = any(query.name == wanted for one in lineage(service) for query in one.inputs)
+    asked = any(query.name == wanted for ancestor in lineage(service) for query in ancestor.inputs)
     return EVENT if message in service.outputs and asked else MESSAGE
 
 
@@ -216,8 +216,8 @@ def peer_of(scope: Scope, offer: Offer) -> jaus.Component | None:
     for component in scope.model.instances(jaus.Component, library=False):
         if isinstance(component, bridge.Bridge):
             continue
-        for one in offers(component, offer.direction):
-            if one.is_provided and name_of(one.message) == name_of(offer.message):
+        for offered in offers(component, offer.direction):
+            if offered.is_provided and name_of(offered.message) == name_of(offer.message):
                 return component
     return None
 
@@ -292,7 +292,7 @@ def with_service(scope: Scope, owner: bridge.Bridge, offer: Offer) -> list[Comma
 def has_message(services: Iterable[jaus.Service], message: jaus.MessageDef) -> bool:
     """Tells whether services, or those that they inherit, have a message."""
     reached = with_inherited(services)
-    messages = [output for one in reached for output in (*one.inputs, *one.outputs)]
+    messages = [output for service in reached for output in (*service.inputs, *service.outputs)]
     return find_same(message, messages) is not None
 
 

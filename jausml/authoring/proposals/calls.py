@@ -94,10 +94,12 @@ def call_of(
     if not isinstance(owner, jaus.Service) or message not in owner.inputs:
         raise AnswerError(f"no service takes {name_of(message)}, so nobody asks by it")
     replies = list(responses(message, owner)) if is_command(message) else []
-    outputs = [output for one in lineage(owner) for output in one.outputs]
+    outputs = [output for ancestor in lineage(owner) for output in ancestor.outputs]
     confirming = [response for response in replies if not is_rejection(response)]
     if answer is None and not is_command(message):
-        answer = next((e for e in outputs if query_name(e) == name_of(message)), None)
+        answer = next(
+            (output for output in outputs if query_name(output) == name_of(message)), None
+        )
     if answer is None:
         answer = next(iter(confirming), None)
     elif named(name_of(answer), outputs) is None:

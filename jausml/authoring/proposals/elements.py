@@ -160,7 +160,9 @@ def message_of(scope: Scope, word: str) -> jaus.MessageDef:
         owners = ", ".join(sorted(f"{urn.rpartition(':')[2]}.{name}" for urn in by_urn))
         raise AnswerError(f"several services have a {name}: say which ({owners})")
     if not by_urn:
-        names = (name_of(m) for owner in services for m in (*owner.inputs, *owner.outputs))
+        names = (
+            name_of(message) for owner in services for message in (*owner.inputs, *owner.outputs)
+        )
         way = "'jausml new service' makes messages, 'jausml import jsidl' reads them"
         raise _missing("message", name, names, way)
     return next(iter(by_urn.values()))
@@ -304,7 +306,11 @@ def everywhere(
         whole = _system_of(element)
         return _choices(scope, [candidate for candidate in own if _system_of(candidate) is whole])
     if kind is jaus.Field:
-        types = (field for one in scope.model.instances(jaus.ServiceSet) for field in one.types)
+        types = (
+            field
+            for service_set in scope.model.instances(jaus.ServiceSet)
+            for field in service_set.types
+        )
         return _choices(scope, [field for field in types if field is not element])
     return (*_choices(scope, own), *library_choices(target))
 
@@ -378,8 +384,12 @@ def _taken(element: EObject) -> list[EObject] | None:
     if service is None:
         return None
     is_served = service.urn in SERVED_BY_RUNTIME
-    own = [one for one in lineage(service) if is_served or one.urn not in SERVED_BY_RUNTIME]
-    return [message for one in own for message in one.inputs if name_of(message)]
+    own = [
+        ancestor
+        for ancestor in lineage(service)
+        if is_served or ancestor.urn not in SERVED_BY_RUNTIME
+    ]
+    return [message for ancestor in own for message in ancestor.inputs if name_of(message)]
 
 
 _NARROW: Mapping[str, Callable[[EObject], list[EObject] | None]] = {

@@ -36,7 +36,9 @@ def free_name(wanted: str, taken: Iterable[str]) -> str:
         return name
     begin = name[:_LONGEST_BEGIN].rstrip("_")
     return next(
-        taken_name for n in count(2) if package_key(taken_name := f"{begin}_{n}") not in used
+        taken_name
+        for number in count(2)
+        if package_key(taken_name := f"{begin}_{number}") not in used
     )
 
 
@@ -62,7 +64,8 @@ def free_address(model: Model, taken: Iterable[str] = (), near: str = "") -> str
     """
     components = model.instances(jaus.Component, library=False)
     known = [
-        _parts(str(address_text)) for address_text in (*(one.address for one in components), *taken)
+        _parts(str(address_text))
+        for address_text in (*(component.address for component in components), *taken)
     ]
     used = {address for address in known if address is not None}
     places = Counter(address[:2] for address in sorted(used) if _is_usable(*address[:2]))
@@ -207,7 +210,9 @@ def _first_name(
     if special and package_key(special) not in used:
         return special
     numbers = chain([""], count(2))
-    return next(e for n in numbers if package_key(e := f"{_CAPITAL[kind]}{n}") not in used)
+    return next(
+        name for number in numbers if package_key(name := f"{_CAPITAL[kind]}{number}") not in used
+    )
 
 
 def _of_the_core(owner: EObject, kind: str) -> str:
@@ -222,4 +227,6 @@ def _of_the_core(owner: EObject, kind: str) -> str:
 def free_code(model: Model) -> str:
     """Returns the first code of the range for users that no message of a model has."""
     used = {str(message_def.code or "").upper() for message_def in model.instances(jaus.MessageDef)}
-    return next(e for n in count(FIRST_CODE) if (e := f"0x{n:04X}").upper() not in used)
+    return next(
+        code for number in count(FIRST_CODE) if (code := f"0x{number:04X}").upper() not in used
+    )

@@ -116,7 +116,7 @@ class _Applying:
     def __init__(self, scope: Scope, plan: Plan) -> None:
         self._scope = scope
         self._plan = plan
-        self._home = {c: old.origin for old in plan.before for c in old.carriers}
+        self._home = {carrier: old.origin for old in plan.before for carrier in old.carriers}
         self._moved = dict(plan.moved)
         self._new = [planned for planned in plan.after if planned.owner is None]
         self._whole: system.System = plan.before[0].origin.eContainer()  # type: ignore[assignment]
@@ -153,7 +153,9 @@ class _Applying:
         return f"{NEW}{self._new.index(planned)}"
 
     def _set(self, element: Any, feature: str, values: Sequence[Any]) -> Set:
-        refs = tuple(v if isinstance(v, str) else self._scope.ref(v) for v in values)
+        refs = tuple(
+            value if isinstance(value, str) else self._scope.ref(value) for value in values
+        )
         return Set(self._scope.ref(element), feature, refs)
 
     def _new_bridges(self) -> Iterator[Command]:
@@ -179,15 +181,19 @@ class _Applying:
 
     def _quantities(self, planned: Planned) -> Iterator[Child]:
         """Yields the quantities of a bridge that maps of its new connections need."""
-        known = {name_of(one) for one in planned.owner.quantities} if planned.owner else set()
+        known = (
+            {name_of(quantity) for quantity in planned.owner.quantities} if planned.owner else set()
+        )
         for carrier in planned.carriers:
-            needed = {name_of(one) for map_ in maps_of(carrier) for one in map_.quantities}
-            for one in self._home[carrier].quantities:
-                if name_of(one) in needed - known:
-                    known.add(name_of(one))
-                    stated = {"name": (name_of(one),), "value": (literal(one.value),)}
-                    if one.units:
-                        stated["units"] = (str(one.units),)
+            needed = {
+                name_of(quantity) for map_ in maps_of(carrier) for quantity in map_.quantities
+            }
+            for quantity in self._home[carrier].quantities:
+                if name_of(quantity) in needed - known:
+                    known.add(name_of(quantity))
+                    stated = {"name": (name_of(quantity),), "value": (literal(quantity.value),)}
+                    if quantity.units:
+                        stated["units"] = (str(quantity.units),)
                     yield Child("quantities", "bridge.Quantity", stated)
 
     def _kept(self, carrier: Carrier, planned: Planned) -> Iterator[Command]:
@@ -262,17 +268,27 @@ class _Applying:
         """Returns the services that a bridge provides and uses, as its connections need them."""
         known: dict[str, list[jaus.Service]] = {"provides": [], "uses": []}
         sources = [planned.owner] if planned.owner else []
-        sources += [self._home[c] for c in planned.carriers if self._home[c] is not planned.owner]
+        sources += [
+            self._home[carrier]
+            for carrier in planned.carriers
+            if self._home[carrier] is not planned.owner
+        ]
         for source in dict.fromkeys(sources):
             for feature, services in known.items():
                 for service in getattr(source, feature):
                     is_core = feature == "provides" and str(service.urn).startswith(CORE)
                     if service in services or (is_core and planned.owner not in (None, source)):
                         continue
-                    users = [c for c in carriers_of(source) if _needs(c, service, feature)]
-                    remains = source is planned.owner and not all(c in self._moved for c in users)
+                    users = [
+                        carrier
+                        for carrier in carriers_of(source)
+                        if _needs(carrier, service, feature)
+                    ]
+                    remains = source is planned.owner and not all(
+                        carrier in self._moved for carrier in users
+                    )
                     remains |= source is planned.owner and not users
-                    comes = any(self._moved.get(c) is planned for c in users)
+                    comes = any(self._moved.get(carrier) is planned for carrier in users)
                     if remains or comes or (is_core and planned.owner is None):
                         services.append(service)
         return known
@@ -298,14 +314,16 @@ class _Applying:
         taken: dict[tuple[str, str], list[str]] = defaultdict(list)
         for planned in self._plan.after:
             for feature in _FEATURES.values() if planned.owner is not None else ():
-                kept = (one for one in getattr(planned.owner, feature) if one not in going)
+                kept = (
+                    service for service in getattr(planned.owner, feature) if service not in going
+                )
                 taken[planned.name, feature] += map(name_of, kept)
         maps = self._scope.model.instances(bridge.AttributeMap)
         for element, planned in going.items():
             known, name = taken[planned.name, _FEATURES[type(element)]], name_of(element)
             if isinstance(element, bridge.AttributeMap):
                 # On their way, texts of two bridges name it: there must be no other of its name.
-                known += [name_of(one) for one in maps if one is not element]
+                known += [name_of(map_) for map_ in maps if map_ is not element]
             free = free_name(name, known) if name in known else name
             known.append(free)
             if free != name:
@@ -347,7 +365,11 @@ class _Applying:
             left |= {planned.owner} if planned.owner is not None else set()
         for placement in self._whole.placements:
             new = placed.pop(placement.host, [])
-            kept = [self._scope.ref(one) for one in placement.components if one not in left]
+            kept = [
+                self._scope.ref(component)
+                for component in placement.components
+                if component not in left
+            ]
             if not (new or kept or placement.nodes):
                 yield Remove(self._scope.ref(placement))
             elif new or len(kept) < len(placement.components):

@@ -94,7 +94,7 @@ def _connections(
         used = scope.ref(crossing.map)
         if crossing.has_own_map:
             maps.append(free_name(f"{crossing.topic.name}_{name_of(crossing.map)}", maps))
-            before = first + sum(isinstance(one, Add) for one in commands)
+            before = first + sum(isinstance(command, Add) for command in commands)
             used = f"{NEW}{before}"
             commands += copied_with_names(
                 scope, place, crossing.map, maps[-1], crossing.names, crossing.frames, first=before
@@ -294,7 +294,9 @@ def _free(begin: int, taken: set[int], octet: int | None) -> int:
         return begin + octet
     begins = (_COMMANDS, *_BEGINS.values())
     together = (
-        n for n in range(1, _MOST) if taken.isdisjoint(base_code + n for base_code in begins)
+        offset
+        for offset in range(1, _MOST)
+        if taken.isdisjoint(base_code + offset for base_code in begins)
     )
     number = next(together, None)
     if number is not None:

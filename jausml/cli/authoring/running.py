@@ -144,7 +144,8 @@ def _named(word: str, known: dict[str, TopicEnd]) -> TopicEnd:
 def _line(topic: RunningTopic) -> str:
     kinds = " and ".join(topic.types)
     ends = (
-        _nodes(endpoint.node for endpoint in one) for one in (topic.publishers, topic.subscriptions)
+        _nodes(endpoint.node for endpoint in endpoints)
+        for endpoints in (topic.publishers, topic.subscriptions)
     )
     return f"{topic.name}  {kinds}  from {' to '.join(ends)}"
 

@@ -135,7 +135,9 @@ def chosen_crossings(
     for crossing, first in clashes(taken_crossings):
         taken_crossings.remove(crossing)
         _clash(crossing, first)
-    map_ = {topic_name for one in joined(taken_crossings, topics) for topic_name in one.values()}
+    map_ = {
+        topic_name for joins in joined(taken_crossings, topics) for topic_name in joins.values()
+    }
     for topic in topics:
         is_left = topic.name in waiting and not offered[topic.name] and topic.name not in map_
         if is_left and left_out is not None:
@@ -239,12 +241,27 @@ def _without(
 
 def _parts_carried(kind: str, maps: Sequence[bridge.AttributeMap]) -> Iterator[str]:
     """Yields which elements of a type ready maps carry, one on a topic."""
-    whole = next((e for e in library().instances(ros.MessageType) if ros_name(e) == kind), None)
+    whole = next(
+        (
+            message_type
+            for message_type in library().instances(ros.MessageType)
+            if ros_name(message_type) == kind
+        ),
+        None,
+    )
     for field in whole.fields if whole is not None else ():
         if isinstance(field, ros.MessageField) and field.arrayKind.name != "single":
             inner = ros_name(field.messageType)
-            carried = (one for one in maps if one.type and one.toJaus)
-            names = [name_of(one) for one in carried if ros_name(one.type) == inner]
+            carried = (
+                attribute_map
+                for attribute_map in maps
+                if attribute_map.type and attribute_map.toJaus
+            )
+            names = [
+                name_of(attribute_map)
+                for attribute_map in carried
+                if ros_name(attribute_map.type) == inner
+            ]
             if names:
                 yield (
                     f"its {field.name} are {inner}, and of a topic of one of them "
@@ -299,7 +316,8 @@ def _taken(
         text = f"{topic.name} fits several maps: name one, or take the first by --yes{listed}"
         raise click.UsageError(text)
     return [
-        candidates[n] for n in choose(f"{topic.name} ({topic.type}) fits several maps:", options)
+        candidates[index]
+        for index in choose(f"{topic.name} ({topic.type}) fits several maps:", options)
     ]
 
 

@@ -159,7 +159,9 @@ def _drawn(case: SafetyCase) -> dict[str, str]:
 
     with ending_at(LayoutError), step("drawing"):
         drawings = pictures(case)
-    return {_DOCUMENT: render(case, drawings)} | {f"{name}.svg": e for name, e in drawings.items()}
+    return {_DOCUMENT: render(case, drawings)} | {
+        f"{name}.svg": drawing for name, drawing in drawings.items()
+    }
 
 
 def _write(case: SafetyCase, folder: Path) -> None:

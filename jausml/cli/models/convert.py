@@ -186,7 +186,11 @@ def _left_behind(result: ReadResult, target: str, written: str) -> Iterator[str]
             if not other.is_xml and f"{quote(other.path.name)}#" in written:
                 yield f"refers to {other.display}, which Eclipse cannot read: convert it too"
     root = find_project_root([Path(target)])
-    outside = [e for e in others if not e.is_library and not e.path.is_relative_to(root)]
+    outside = [
+        document
+        for document in others
+        if not document.is_library and not document.path.is_relative_to(root)
+    ]
     if outside:
         yield (
             f"refers to {outside[0].display}, which lies outside of {root}: there it is read with "

@@ -244,7 +244,9 @@ def _sources(words: tuple[str, ...], installation: Installation) -> list[Package
         for source in matches:
             known = sources.setdefault(source.name, PackageSource(source.name))
             paths = {os.path.realpath(file.path) for file in known.files}
-            known.files += [f for f in source.files if os.path.realpath(f.path) not in paths]
+            known.files += [
+                file for file in source.files if os.path.realpath(file.path) not in paths
+            ]
     return list(sources.values())
 
 

@@ -93,7 +93,9 @@ def _around(path: Path, root: Path, *states: bytes) -> dict[str, States]:
         changed |= set(os.fsdecode(listed.stdout).split("\0"))
     others = [model_path for model_path in changed - {named} if model_path.endswith(SUFFIXES)]
     return {
-        (top / other).relative_to(root).as_posix(): States(*(_shown(c, other) for c in commits))
+        (top / other).relative_to(root).as_posix(): States(
+            *(_shown(commit, other) for commit in commits)
+        )
         for other in others
     }
 

@@ -165,7 +165,7 @@ def _check_inputs(output: str, inputs: Iterable[str | Path]) -> None:
 
 def counted(*counts: tuple[int, str]) -> str:
     """Returns numbers of things as words, such as `1 set, 2 services`."""
-    return ", ".join(f"{n} {noun}{'' if n == 1 else 's'}" for n, noun in counts)
+    return ", ".join(f"{number} {noun}{'' if number == 1 else 's'}" for number, noun in counts)
 
 
 def say(line: str, *, quiet: bool) -> None:

@@ -265,7 +265,11 @@ def readable_model(
     result = read(paths, reading, is_one=is_one)
     errors = [error for error in result.diagnostics if error.severity is Severity.ERROR]
     if errors:
-        raise ModelFault("\n".join(one_line(f"{e.location}: {e.rule} {e.message}") for e in errors))
+        raise ModelFault(
+            "\n".join(
+                one_line(f"{error.location}: {error.rule} {error.message}") for error in errors
+            )
+        )
     return result.model
 
 

@@ -192,7 +192,7 @@ def choose(question: str, options: Sequence[str], *, is_one: bool = False) -> li
         if (
             not words
             or len(indices) != len(words)
-            or not all(0 <= n < len(options) for n in indices)
+            or not all(0 <= index < len(options) for index in indices)
             or (is_one and len(words) > 1)
         ):
             wanted = "a number" if is_one else "numbers"

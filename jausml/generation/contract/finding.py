@@ -141,7 +141,7 @@ def fix_files(out: Path, findings: Sequence[Finding]) -> list[Fix]:
     """Makes the edits of findings, and returns them; a file that they do not fit stays."""
     fixed: list[Fix] = []
     for path, path_findings in groupby(
-        sorted(findings, key=lambda f: f.path), key=lambda f: f.path
+        sorted(findings, key=lambda finding: finding.path), key=lambda finding: finding.path
     ):
         edits = sorted({edit for finding in path_findings for edit in finding.edits})
         data = read_input(out / path) if edits else b""
@@ -201,7 +201,11 @@ def removal(
         # Comments, and what shares the last line, are left to the user.
         return () if "#" in edit.old or (not is_alone and edit.end) else (edit,)
     edits = []
-    last = max(i for i, imported_name in enumerate(statement.names) if imported_name not in unused)
+    last = max(
+        position
+        for position, imported_name in enumerate(statement.names)
+        if imported_name not in unused
+    )
     for index, alias in enumerate(statement.names):
         if alias in unused and index < last:
             edits.append(text.replaced(_start(alias), _start(statement.names[index + 1]), ""))

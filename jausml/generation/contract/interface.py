@@ -29,8 +29,12 @@ class Interface:
     ) -> None:
         self._out = out
         self._deleted = deleted
-        self._texts = {a.path: a.text for a in artifacts if a.kind is Kind.GENERATED}
-        self._shared = {a.path for a in artifacts if a.is_shared}
+        self._texts = {
+            artifact.path: artifact.text
+            for artifact in artifacts
+            if artifact.kind is Kind.GENERATED
+        }
+        self._shared = {artifact.path for artifact in artifacts if artifact.is_shared}
         listed = {path for path, entry in manifest.files.items() if entry.kind is Kind.GENERATED}
         self._generated = listed | self._texts.keys()
         live = self._generated - deleted

@@ -125,7 +125,11 @@ def compare_class(file: File, contract: SkeletonContract, known: Mapping[str, st
 
 
 def _no_class(path: str, contract: SkeletonContract, classes: Mapping[str, SourceClass]) -> Finding:
-    heirs = [c for c in classes.values() if contract.base_name in c.ancestors]
+    heirs = [
+        source_class
+        for source_class in classes.values()
+        if contract.base_name in source_class.ancestors
+    ]
     message = f"there is no class {contract.class_name}({contract.base_name})"
     if heirs:
         message += f"; is it {heirs[0].name}, which derives from {contract.base_name}?"
@@ -142,7 +146,7 @@ def _compare_methods(
     comparison: Comparison,
 ) -> Iterator[Finding]:
     path, expected = file.path, {method.name: method for method in contract.methods}
-    missing = {n: m for n, m in expected.items() if n not in user.methods}
+    missing = {name: method for name, method in expected.items() if name not in user.methods}
     orphans = {
         name: definition
         for name, definition in user.methods.items()
@@ -201,10 +205,10 @@ def _successor(
     if known.get(name):
         same = [method for method in missing.values() if method.identity == known[name]]
         return same[0] if len(same) == 1 else None
-    candidates = [n for n in missing if _resemble(name, n)]
+    candidates = [candidate for candidate in missing if _resemble(name, candidate)]
     if len(candidates) != 1:
         return None
-    rivals = [n for n in orphans if _resemble(n, candidates[0])]
+    rivals = [rival for rival in orphans if _resemble(rival, candidates[0])]
     return missing[candidates[0]] if len(rivals) == 1 else None
 
 
@@ -213,8 +217,8 @@ def _renaming(
 ) -> tuple[Edit, ...]:
     """Returns the edits that rename a method, where no other name in the file is the same."""
     function = definition.function
-    used = [n for n in file.nodes if isinstance(n, ast.Attribute) and n.attr == name]
-    defined = [n for n in file.nodes if isinstance(n, Function) and n.name == name]
+    used = [node for node in file.nodes if isinstance(node, ast.Attribute) and node.attr == name]
+    defined = [node for node in file.nodes if isinstance(node, Function) and node.name == name]
     is_certain = (
         function is not None
         and defined == [function]
@@ -246,16 +250,22 @@ def _signature_problem(function: Function, method: MethodContract) -> str:
     """Says why the base's call, by position, does not fit; other parameter names do no harm."""
     if isinstance(function, ast.AsyncFunctionDef):
         return "is async, but the base does not await it"
-    if any(isinstance(d, ast.Name) and d.id == "staticmethod" for d in function.decorator_list):
+    if any(
+        isinstance(decorator, ast.Name) and decorator.id == "staticmethod"
+        for decorator in function.decorator_list
+    ):
         return "is a static method"
     arguments = function.args
     # A leading underscore says only that a parameter is not used.
-    names = [a.arg.lstrip("_") for a in (*arguments.posonlyargs, *arguments.args)][1:]
+    names = [argument.arg.lstrip("_") for argument in (*arguments.posonlyargs, *arguments.args)][1:]
     wanted = [name.lstrip("_") for name in method.parameters]
     required = len(names) - len(arguments.defaults)
     if len(wanted) < required or (len(wanted) > len(names) and arguments.vararg is None):
         return f"takes ({', '.join(names)})"
     if None in arguments.kw_defaults:
         return "requires keyword arguments"
-    swapped = any(n != w and w in names for n, w in zip(names, wanted, strict=False))
+    swapped = any(
+        name != wanted_name and wanted_name in names
+        for name, wanted_name in zip(names, wanted, strict=False)
+    )
     return f"takes its parameters in another order ({', '.join(names)})" if swapped else ""

@@ -44,7 +44,9 @@ def former_names(before: Interface, after: Interface, remembered: object = None)
 def _checked_renames(remembered: object) -> Mapping[str, str]:
     """Returns the renames that the manifest remembers, which anybody may have edited."""
     pairs = remembered.items() if isinstance(remembered, dict) else ()
-    return {k: v for k, v in pairs if isinstance(k, str) and isinstance(v, str)}
+    return {
+        name: value for name, value in pairs if isinstance(name, str) and isinstance(value, str)
+    }
 
 
 def _in_present_classes(name: str, renames: Mapping[str, str]) -> str:
@@ -94,10 +96,18 @@ class _RenameFinder:
         before = {name: self._old.member(old_module, name) for name in self._old.names(old_module)}
         after = {name: self._new.member(new_module, name) for name in self._new.names(new_module)}
         offered = self._old.offered(old_module)
-        removed = {n: s for n, s in _public_without(before, after).items() if n in offered}
+        removed = {
+            name: symbol
+            for name, symbol in _public_without(before, after).items()
+            if name in offered
+        }
         successors = _paired(removed, _public_without(after, before), _identity)
         yield from ((f"{old_module.name}.{name}", successors.get(name, "")) for name in removed)
-        own = {n: s for n, s in before.items() if isinstance(s, Class) and s.module is old_module}
+        own = {
+            name: symbol
+            for name, symbol in before.items()
+            if isinstance(symbol, Class) and symbol.module is old_module
+        }
         yield from self._of_classes(own, after, successors)
 
     def _of_classes(
@@ -144,7 +154,11 @@ def _renamed_fields(
 
 def _public_without(symbols: _Symbols, excluded: _Symbols) -> _Symbols:
     """Returns the symbols with a public name that others lack."""
-    return {n: s for n, s in symbols.items() if n not in excluded and not n.startswith("_")}
+    return {
+        name: symbol
+        for name, symbol in symbols.items()
+        if name not in excluded and not name.startswith("_")
+    }
 
 
 def _paired(

@@ -284,7 +284,10 @@ class Modules:
 
 def is_enumeration(modules: Modules, cls: Class) -> bool:
     """Tells whether the members of a class are its objects."""
-    return any(isinstance(e, type) and issubclass(e, enum.Enum) for e in modules.ancestors(cls))
+    return any(
+        isinstance(ancestor, type) and issubclass(ancestor, enum.Enum)
+        for ancestor in modules.ancestors(cls)
+    )
 
 
 def is_slotted(modules: Modules, cls: Class) -> bool:
@@ -334,7 +337,9 @@ def _symbol(name: str, binding: Binding, module: Module, owner: Class | None) ->
 def _set_by_methods(node: ast.ClassDef) -> Iterator[str]:
     """Yields the names of attributes that methods of a class set on their object."""
     functions = (
-        e for e in flat(node.body) if isinstance(e, (ast.FunctionDef, ast.AsyncFunctionDef))
+        statement
+        for statement in flat(node.body)
+        if isinstance(statement, (ast.FunctionDef, ast.AsyncFunctionDef))
     )
     for function in functions:
         arguments = [*function.args.posonlyargs, *function.args.args][:1]

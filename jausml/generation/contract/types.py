@@ -141,7 +141,8 @@ class Types:
             return self.modules.attribute(owner.of, name)
         above = [self.modules.symbol(node, owner.of.module) for node in owner.of.node.bases]
         symbols = [
-            self.modules.attribute(e, name) if isinstance(e, Class) else UNKNOWN for e in above
+            self.modules.attribute(ancestor, name) if isinstance(ancestor, Class) else UNKNOWN
+            for ancestor in above
         ]
         return next((symbol for symbol in symbols if symbol is not None), None)
 
@@ -149,7 +150,11 @@ class Types:
         decorators = function.node.decorator_list
         is_object = isinstance(owner, Object)
         # These decorators do not change how a method is called.
-        match [d for d in decorators if not is_decorated_by(d, "override", "abstractmethod")]:
+        match [
+            decorator
+            for decorator in decorators
+            if not is_decorated_by(decorator, "override", "abstractmethod")
+        ]:
             case []:
                 return Method(function, is_bound=is_object)
             case [decorator] if is_decorated_by(decorator, "property", "cached_property"):

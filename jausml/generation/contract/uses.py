@@ -104,8 +104,12 @@ def _of_class(modules: Modules, cls: Class) -> Signature | None:
         initializer = members.get("__init__")
         if isinstance(initializer, Function):
             return None if initializer.node.decorator_list else _of_function(initializer.node, 1)
-        if any(is_decorated_by(d, "dataclass") for d in ancestor.node.decorator_list):
-            return _of_fields([e for e in reversed(ancestors) if isinstance(e, Class)])
+        if any(
+            is_decorated_by(decorator, "dataclass") for decorator in ancestor.node.decorator_list
+        ):
+            return _of_fields(
+                [ancestor for ancestor in reversed(ancestors) if isinstance(ancestor, Class)]
+            )
         if initializer is not None or ancestor.node.decorator_list:
             return None
     return None
@@ -115,10 +119,17 @@ def _of_fields(classes: Sequence[Class]) -> Signature | None:
     """Returns the parameters of the constructor of a data class."""
     positional: dict[str, bool] = {}
     for cls in classes:
-        decorators = [d for d in cls.node.decorator_list if is_decorated_by(d, "dataclass")]
+        decorators = [
+            decorator
+            for decorator in cls.node.decorator_list
+            if is_decorated_by(decorator, "dataclass")
+        ]
         if not decorators:
             continue
-        if any("kw_only" in ast.unparse(d) or "init=" in ast.unparse(d) for d in decorators):
+        if any(
+            "kw_only" in ast.unparse(decorator) or "init=" in ast.unparse(decorator)
+            for decorator in decorators
+        ):
             return None
         for statement in cls.node.body:
             if not isinstance(statement, ast.AnnAssign) or not isinstance(
@@ -215,7 +226,7 @@ class _Reader:
         label = cls.name if cls.module.is_generated else generated[0].name
         places = [f"{ancestor.module.name}.{ancestor.name}" for ancestor in generated]
         yield self._lost_attribute(
-            node, label, places, [n for n in members if not n.startswith("_")]
+            node, label, places, [member for member in members if not member.startswith("_")]
         )
 
     def _classes(self, cls: Class) -> list[Class]:

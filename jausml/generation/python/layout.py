@@ -367,7 +367,9 @@ def _bracketed(parts: Sequence[Part], indent: str, before: str = "", after: str 
             line += space + flat([part])
             continue
         rest = parts[at + 1 :]
-        stop = next((n for n, next_part in enumerate(rest) if _has_content(next_part)), None)
+        stop = next(
+            (index for index, next_part in enumerate(rest) if _has_content(next_part)), None
+        )
         following = _tail(rest if stop is None else rest[:stop])
         following += after if stop is None else " " * rest[stop].spaced + "("
         whole = line + space + flat([part])

@@ -120,7 +120,7 @@ def source_names(paths: Sequence[str]) -> dict[str, int]:
             indices_by_name.setdefault(".".join(steps[start:]), []).append(index)
     names = {name: indices[0] for name, indices in indices_by_name.items() if len(indices) == 1}
     # The whole path always names its source, also where it ends another one.
-    names.update({path.lstrip("/"): i for i, path in enumerate(paths) if path != "."})
+    names.update({path.lstrip("/"): index for index, path in enumerate(paths) if path != "."})
     for index in range(len(paths)):
         names.setdefault("value" if len(paths) == 1 else f"value{index + 1}", index)
     return names

@@ -98,7 +98,9 @@ def nearest_units(text: str) -> list[str]:
 
 
 def _unit(factor: float = 1.0, offset: float = 0.0, /, **powers: int) -> Unit:
-    return Unit(tuple(sorted((k, Fraction(v)) for k, v in powers.items())), factor, offset)
+    return Unit(
+        tuple(sorted((base, Fraction(power)) for base, power in powers.items())), factor, offset
+    )
 
 
 def _times(left: Unit, right: Unit) -> Unit:

@@ -97,7 +97,7 @@ def parse_interface(path: str, kind: str, text: str) -> Definition:
         message = f"the file has no structure {missing[0]!r}"
         hint = f"it defines {', '.join(names)}, as its name says"
         reader.faults.append(ReadFault("JML652", message, hint))
-    return Definition([] if missing else [reader.sections[n] for n in names], reader.faults)
+    return Definition([] if missing else [reader.sections[name] for name in names], reader.faults)
 
 
 def _tokens(text: str) -> list[_Token]:

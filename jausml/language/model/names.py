@@ -77,7 +77,9 @@ class NameFinder:
         known: dict[str, None] = {}
         for visible_document in (document, *document.imports):
             for elements in self._index(visible_document).values():
-                known.update((name_of(o), None) for o in elements if self._is_a(o, wanted))
+                known.update(
+                    (name_of(element), None) for element in elements if self._is_a(element, wanted)
+                )
         known.update(dict.fromkeys(_library_names(_tags(self._model.metamodels, wanted))))
         last = _last_step(_normal(name))
         folded = [candidate for candidate in known if candidate.lower() == last.lower()]
@@ -141,7 +143,11 @@ class NameFinder:
     def _within(
         self, documents: Iterable[Document], name: str, wanted: ClassTable
     ) -> list[EObject]:
-        return [element for one in documents for element in self._in_document(one, name, wanted)]
+        return [
+            element
+            for document in documents
+            for element in self._in_document(document, name, wanted)
+        ]
 
     def _in_document(self, document: Document, name: str, wanted: ClassTable) -> list[EObject]:
         text = _normal(name)
@@ -277,7 +283,7 @@ def library_index() -> Mapping[str, list[tuple[str, str]]]:
 @cache
 def library_codes() -> frozenset[int]:
     """Returns the codes of all messages of the library."""
-    return frozenset(int(c, 16) for _, text in _library_texts() for c in _CODE.findall(text))
+    return frozenset(int(code, 16) for _, text in _library_texts() for code in _CODE.findall(text))
 
 
 def _library_texts() -> Iterator[tuple[str, str]]:

@@ -30,7 +30,8 @@ def project_folder(path: Path) -> Path | None:
     """
     marks = (MARKER, _CHECKOUT)
     return next(
-        (parent for parent in path.parents if any(os.path.exists(parent / m) for m in marks)), None
+        (parent for parent in path.parents if any(os.path.exists(parent / mark) for mark in marks)),
+        None,
     )
 
 

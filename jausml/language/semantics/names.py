@@ -47,7 +47,13 @@ _IDENTIFIER = re.compile("[A-Za-z][A-Za-z0-9_]*")
 _URN = re.compile(r"urn:[A-Za-z0-9][A-Za-z0-9-]{1,31}:[A-Za-z0-9().,:=@;$_!*'%/+&~-]+")
 _LONGEST_URN = 255
 DEVICES = frozenset(
-    {"con", "prn", "aux", "nul", *(f"{port}{n}" for port in ("com", "lpt") for n in range(1, 10))}
+    {
+        "con",
+        "prn",
+        "aux",
+        "nul",
+        *(f"{port}{number}" for port in ("com", "lpt") for number in range(1, 10)),
+    }
 )
 # Interface packages of ROS are not among them: a model of one has its name.
 _TOOLING = frozenset(

@@ -139,7 +139,9 @@ def _divided(
     standing: list[Diagnostic] = []
     aside: list[SetAside] = []
     for diagnostic in diagnostics:
-        about = next((one for one in allowances if one.is_about(diagnostic)), None)
+        about = next(
+            (allowance for allowance in allowances if allowance.is_about(diagnostic)), None
+        )
         if about is None:
             standing.append(diagnostic)
         elif diagnostic.severity is Severity.ERROR:

@@ -369,5 +369,7 @@ def comparable(layout: object, leaving_out: Collection[str]) -> object:
     names = getattr(layout, "__dataclass_fields__", ())  # many: `fields` takes five times as long
     if not names:
         return layout
-    values = (comparable(getattr(layout, n), leaving_out) for n in names if n not in leaving_out)
+    values = (
+        comparable(getattr(layout, name), leaving_out) for name in names if name not in leaving_out
+    )
     return (type(layout).__name__, *values)

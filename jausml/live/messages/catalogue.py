@@ -66,15 +66,15 @@ class Catalogue:
         """
         name, _, version = service.partition("/")
         every = list(self.services.values())
-        named = [s for s in every if name in (s.urn, s.name)]
-        named = named or [s for s in every if name and s.urn.endswith(f":{name}")]
-        matches = tuple(s for s in named if version in ("", s.version))
+        named = [service for service in every if name in (service.urn, service.name)]
+        named = named or [service for service in every if name and service.urn.endswith(f":{name}")]
+        matches = tuple(service for service in named if version in ("", service.version))
         if matches:
             return matches
         if named:
-            versions = [f"{name}/{s.version}" for s in named]
+            versions = [f"{name}/{service.version}" for service in named]
             raise UnknownServiceError(f"service {name} has no version {version}", versions)
-        known = {identifier for s in every for identifier in (s.urn, s.name)}
+        known = {identifier for service in every for identifier in (service.urn, service.name)}
         raise UnknownServiceError(f"no service {shown(name)}", similar(name, known))
 
     def find(self, code: int, service: str | None = None) -> tuple[MessageEntry, ...]:
@@ -117,7 +117,9 @@ class Catalogue:
         """Returns the one entry that a service leaves."""
         left = entries if service is None else self._of_service(entries, service)
         if not left:
-            choices = tuple(f"{s.label}" for entry in entries for s in entry.services)
+            choices = tuple(
+                f"{known_service.label}" for entry in entries for known_service in entry.services
+            )
             raise UnknownMessageError(f"{service} has no message {what}", choices[:3])
         if len(left) > 1:
             raise AmbiguousMessageError(what, _choices(left))
@@ -137,8 +139,13 @@ class Catalogue:
     def _similar(self, name: str, service: str | None) -> list[str]:
         if service is None:
             return similar(name, self._codes)
-        entries = [e for s in self.find_services(service) for a in s.lineage for e in a.messages]
-        return similar(name, {e.name for e in entries}) or similar(name, self._codes)
+        entries = [
+            entry
+            for known_service in self.find_services(service)
+            for ancestor in known_service.lineage
+            for entry in ancestor.messages
+        ]
+        return similar(name, {entry.name for entry in entries}) or similar(name, self._codes)
 
     def decode(
         self, payload: bytes, service: str | None = None, message: str | None = None

@@ -62,7 +62,9 @@ def _library_catalogue() -> DefinedCatalogue:
 def _catalogue_of(result: ReadResult) -> DefinedCatalogue:
     errors = [error for error in result.diagnostics if error.severity is Severity.ERROR]
     if errors:
-        raise CatalogueError("\n".join(f"{e.location}: {e.rule} {e.message}" for e in errors))
+        raise CatalogueError(
+            "\n".join(f"{error.location}: {error.rule} {error.message}" for error in errors)
+        )
     return DefinedCatalogue(result.model)
 
 

@@ -40,7 +40,10 @@ def sound_files(files: Iterable[Path], what: str, warn: Callable[[str], None]) -
     readable_files = []
     for file in files:
         diagnostics = read_models([file], notations=NOTATIONS).diagnostics
-        fault = next((d for d in diagnostics if d.severity is Severity.ERROR), None)
+        fault = next(
+            (diagnostic for diagnostic in diagnostics if diagnostic.severity is Severity.ERROR),
+            None,
+        )
         if fault is None:
             readable_files.append(file)
         else:

@@ -90,7 +90,11 @@ class Journal:
             self._alarms[self._count] = Alarm(self._count, time.time(), cause, about, text)
             if len(self._alarms) > _MOST_ALARMS:
                 # One that sounds is kept longer than any that somebody has silenced.
-                del self._alarms[min(self._alarms, key=lambda n: (not self._alarms[n].silenced, n))]
+                del self._alarms[
+                    min(
+                        self._alarms, key=lambda number: (not self._alarms[number].silenced, number)
+                    )
+                ]
         self.note("alarm", f"{about}: {text}")
 
     def returned(self, subject: str) -> None:

@@ -42,7 +42,14 @@ def read(path: Path) -> Knowledge:
     beside = () if index is None else index.files_with_messages
     for file in (path,) if index is None else index.files_with_systems:
         result = read_models([file], notations=NOTATIONS)
-        fault = next((d for d in result.diagnostics if d.severity is Severity.ERROR), None)
+        fault = next(
+            (
+                diagnostic
+                for diagnostic in result.diagnostics
+                if diagnostic.severity is Severity.ERROR
+            ),
+            None,
+        )
         if fault is not None:
             messages, _ = _messages(())
             return Knowledge(messages, fault=f"{fault.location}: {fault.message}")

@@ -182,7 +182,9 @@ class QueryClient:
         """
         queries = [self._begin(target, *question) for question in questions]
         awaited(lambda: any(query.is_over for query in queries))
-        indices = (i for i, query in enumerate(queries) if query.within(_SHORT_GRACE) is not None)
+        indices = (
+            index for index, query in enumerate(queries) if query.within(_SHORT_GRACE) is not None
+        )
         first = next(indices, None)
         for query in queries:
             query.cancel()

@@ -69,9 +69,9 @@ def _differing(
     forms = [[(field.name, *_form(field.type)) for field in some] for some in fields]
     if forms[0] != forms[1]:
         return f"has {own} recorded as {_shown(fields[0])}, and the model has {_shown(fields[1])}"
-    for one, two in zip(*fields, strict=True):
-        if not one.type.is_primitive:
-            names = (_name(field.type, of) for field, of in ((one, own), (two, other)))
+    for ours, theirs in zip(*fields, strict=True):
+        if not ours.type.is_primitive:
+            names = (_name(field.type, of) for field, of in ((ours, own), (theirs, other)))
             difference = _differing(recorded, modelled, *names)
             if difference:
                 return difference

@@ -220,7 +220,10 @@ class ParameterReader:
         from rclpy.parameter import parameter_value_to_python  # noqa: PLC0415
 
         values = map(parameter_value_to_python, answer.values)
-        self._note(name, {n: v for n, v in zip(wanted, values, strict=False) if v is not None})
+        self._note(
+            name,
+            {name: value for name, value in zip(wanted, values, strict=False) if value is not None},
+        )
 
     def _note(self, name: str, values: dict[str, Any]) -> None:
         with self._come:

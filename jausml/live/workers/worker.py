@@ -112,7 +112,9 @@ def _connection(
 ) -> bridge.Connection:
     topics = [make(metamodels, bridge.Topic, name=name)]
     if not to_ros:
-        topics += [make(metamodels, bridge.Topic, name=str(e.name), join=e) for e in used.joins]
+        topics += [
+            make(metamodels, bridge.Topic, name=str(join.name), join=join) for join in used.joins
+        ]
     reports = used.reportJoins if to_ros else ()
     return make(
         metamodels,

@@ -190,7 +190,9 @@ class Bridge:
             if self.ward is not None:
                 self.ward.release()
             for connection in self.connections:
-                account = "; ".join(f"{name} {n}" for name, n in connection.close_account() if n)
+                account = "; ".join(
+                    f"{name} {number}" for name, number in connection.close_account() if number
+                )
                 LOGGER.info("account of %s: %s", connection.name, account or "nothing")
             self._is_open = False
 

@@ -206,7 +206,9 @@ def _quick(run: Sequence[_Field], pack: Callable[..., bytes], careful: Write) ->
     """Returns a function that packs integers at once; `careful` raises the error at a misfit."""
     value_of = operator.attrgetter(*(field.name for field in run))
     # Indices and limits of fields whose bytes can hold more.
-    narrow = [(index, *f.kind.limits) for index, f in enumerate(run) if f.kind.is_narrow]
+    narrow = [
+        (index, *member.kind.limits) for index, member in enumerate(run) if member.kind.is_narrow
+    ]
     lower, upper = run[0].kind.limits
 
     def write(part: Any, out: bytearray) -> None:

@@ -145,7 +145,10 @@ def _report_of(system: System, assumptions: Assumptions) -> Report:
             str(host.name),
             str(host.transport.name),
             tuple(component.name for component in components if component.host == host.name),
-            _load_at({e for e in elements if host_of(system, e) is host}, traffic.streams),
+            _load_at(
+                {element for element in elements if host_of(system, element) is host},
+                traffic.streams,
+            ),
         )
         for host in system.hosts
     )

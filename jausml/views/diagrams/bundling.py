@@ -73,7 +73,9 @@ def _box(
     )
     host = hosts.get(node.group, "")
     subtitle = f"{node.subtitle}, {host}" if host else node.subtitle
-    findings = dict.fromkeys([*node.findings, *(f for p in node.ports for f in p.findings)])
+    findings = dict.fromkeys(
+        [*node.findings, *(finding for port in node.ports for finding in port.findings)]
+    )
     return replace(
         node,
         ports=rows,
@@ -97,7 +99,7 @@ def _bundle(edges: list[Edge], bridges: set[str]) -> Edge:
         count=len(edges),
         element=first.element if len(edges) == 1 else "",
         details=tuple((edge.title, ", ".join(edge.labels) or edge.kind) for edge in edges),
-        findings=tuple(dict.fromkeys(f for edge in edges for f in edge.findings)),
+        findings=tuple(dict.fromkeys(finding for edge in edges for finding in edge.findings)),
         state=_common_state(edges),
     )
 

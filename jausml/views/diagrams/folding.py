@@ -57,7 +57,9 @@ def folded(graph: Graph, opened: Collection[str]) -> Graph:
 def frames_of(graph: Graph) -> dict[str, tuple[str, ...]]:
     """Returns by node the frames around it, the innermost first."""
     groups = {group.id: group for group in graph.groups}
-    return {node.id: tuple(f.id for f in _around(node.group, groups)) for node in graph.nodes}
+    return {
+        node.id: tuple(frame.id for frame in _around(node.group, groups)) for node in graph.nodes
+    }
 
 
 def _around(name: str, groups: dict[str, Group]) -> Iterator[Group]:

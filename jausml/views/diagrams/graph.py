@@ -185,7 +185,9 @@ _GRAVEST = ("error", "warning", "info")
 
 def severity(findings: tuple[Finding, ...]) -> str:
     """Returns the gravest severity of findings, empty without any."""
-    return next((level for level in _GRAVEST if any(f.severity == level for f in findings)), "")
+    return next(
+        (level for level in _GRAVEST if any(finding.severity == level for finding in findings)), ""
+    )
 
 
 Step = tuple[Literal["box", "begin", "end"], int, int]

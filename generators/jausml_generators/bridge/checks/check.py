@@ -54,7 +54,9 @@ class Check:
     def of(self, connection: str, class_name: str, frames: Iterable[str]) -> Check:
         """Returns the check with the names of a connection, its message and its frames."""
         stand_ins = {NAME: connection, FORM_CLASS: class_name}
-        stand_ins |= {frame_stand_in(n): python_string(frame) for n, frame in enumerate(frames)}
+        stand_ins |= {
+            frame_stand_in(number): python_string(frame) for number, frame in enumerate(frames)
+        }
 
         def named(text: str) -> str:
             for stand_in, own in stand_ins.items():

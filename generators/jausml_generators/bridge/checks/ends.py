@@ -118,7 +118,9 @@ class Ends:
         Vectors are figures of the map as it stands.
         """
         maps = used_maps(self.map, to_ros=self.to_ros)
-        return self.surroundings.overridden(quantity for one in maps for quantity in one.quantities)
+        return self.surroundings.overridden(
+            quantity for attribute_map in maps for quantity in attribute_map.quantities
+        )
 
     def join_of(self, path: str) -> AnyJoin | None:
         """Returns the join that a path of the source starts with."""

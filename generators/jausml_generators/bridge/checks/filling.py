@@ -238,10 +238,15 @@ class Marker:
         """
         places = {place.path: place for place in self.places.values()}
         changed = [place for path, place in places.items() if free is None or path not in free]
-        trials = product(*([e for e in _TRIED if _may_be(place, e)] for place in changed))
+        trials = product(
+            *([number for number in _TRIED if _may_be(place, number)] for place in changed)
+        )
         for numbers in islice(trials, _MOST_TRIALS):
             pairs = zip(changed, numbers, strict=True)
-            trial = {place.path: int(e) if place.kind == INTEGER else e for place, e in pairs}
+            trial = {
+                place.path: int(number) if place.kind == INTEGER else number
+                for place, number in pairs
+            }
             if self.holds({**values, **trial}) is (free is None):
                 return dict(trial)
         return None
@@ -293,10 +298,12 @@ class RosMessage:
             for condition in self.field(path).conditions
             if isinstance(condition, HasValue)
         )
-        typed_marks = (m for m in marks if all(operand.type for _, operand in m.operands))
+        typed_marks = (mark for mark in marks if all(operand.type for _, operand in mark.operands))
         return [
             Marker(
-                self.type, mark.marker, {n: self.place(_path(e.place)) for n, e in mark.operands}
+                self.type,
+                mark.marker,
+                {name: self.place(_path(operand.place)) for name, operand in mark.operands},
             )
             for mark in typed_marks
         ]
@@ -361,7 +368,9 @@ class RosMessage:
 def _path(place: places.Place) -> str:
     """The path of a place in a message."""
     steps = place.steps
-    return "".join(f"[{e}]" if isinstance(e, int) else f".{e}" for e in steps).removeprefix(".")
+    return "".join(
+        f"[{step}]" if isinstance(step, int) else f".{step}" for step in steps
+    ).removeprefix(".")
 
 
 def _up_to(place: places.Place) -> list[places.Place]:

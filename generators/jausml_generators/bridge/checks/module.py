@@ -114,7 +114,9 @@ class TestModule:
             ends = self._ends(view, view.name)
             frames = frames_of(view.connection.map)
             if view.alike not in known:
-                stand_ins = {path: Code(frame_stand_in(n)) for n, path in enumerate(frames)}
+                stand_ins = {
+                    path: Code(frame_stand_in(number)) for number, path in enumerate(frames)
+                }
                 shared = self._ends(view.unnamed(), NAME)
                 known[view.alike] = self._shared(replace(shared, frames=stand_ins))
             sample, checks = known[view.alike]

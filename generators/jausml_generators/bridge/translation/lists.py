@@ -94,7 +94,10 @@ class _ListSteps:
 
     def _all_conditions(self) -> tuple[Requirement, ...]:
         others = [self._outer.source.value(path, NO_POLICY) for path in self._paths[1:]]
-        conditions = [*self._many.conditions, *(c for other in others for c in other.conditions)]
+        conditions = [
+            *self._many.conditions,
+            *(condition for other in others for condition in other.conditions),
+        ]
         return without_implied(conditions)
 
     # -- what is gone through --------------------------------------------------------------------

@@ -306,10 +306,19 @@ class BaseModule:
         """The attributes that parameters of the node may change."""
         return (
             *(
-                ParameterView(e.name, e.name, e.value, _description(e), e.is_maximum)
-                for e in self.quantities
+                ParameterView(
+                    quantity.name,
+                    quantity.name,
+                    quantity.value,
+                    _description(quantity),
+                    quantity.is_maximum,
+                )
+                for quantity in self.quantities
             ),
-            *(ParameterView(e.parameter, e.name, e.value, e.about) for e in self.frames),
+            *(
+                ParameterView(frame.parameter, frame.name, frame.value, frame.about)
+                for frame in self.frames
+            ),
         )
 
     @property
@@ -354,7 +363,7 @@ def _missing(method: UserMethod) -> str:
 def names_of(method: UserMethod) -> tuple[str, ...]:
     """Returns the names of the parameters of a conversion that the user writes."""
     count = len(method.inputs)
-    return ("value",) if count == 1 else tuple(f"value{i}" for i in range(1, count + 1))
+    return ("value",) if count == 1 else tuple(f"value{number}" for number in range(1, count + 1))
 
 
 def _constant(constant: Constant) -> str:

@@ -175,7 +175,9 @@ class AlikeMaps:
         kind = element.eClass
         if kind not in self._features:
             features = kind.eAllStructuralFeatures()
-            self._features[kind] = [(e.name, e.many) for e in features if e.name not in without]
+            self._features[kind] = [
+                (feature.name, feature.many) for feature in features if feature.name not in without
+            ]
         key_parts: list[Hashable] = [kind]
         for name, is_many in self._features[kind]:
             # Names of frames are parameters, so maps that differ in nothing else share their code.

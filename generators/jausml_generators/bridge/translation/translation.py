@@ -229,7 +229,12 @@ class Translation(ABC):
         if not knows_unknown(assignment):
             return values
         return [
-            replace(value, conditions=tuple(w for w in value.conditions if not _is_marker(w)))
+            replace(
+                value,
+                conditions=tuple(
+                    condition for condition in value.conditions if not _is_marker(condition)
+                ),
+            )
             for value in values
         ]
 

@@ -165,7 +165,9 @@ class VariableFieldClass:
     @property
     def attributes(self) -> tuple[tuple[str, str], ...]:
         """Names and descriptions for the docstring."""
-        choices = "; ".join(f"{a.index}: {a.description}" for a in self.alternatives)
+        choices = "; ".join(
+            f"{alternative.index}: {alternative.description}" for alternative in self.alternatives
+        )
         return (("index", f"Which type and unit: {choices}."), ("value", "The number."))
 
     @property

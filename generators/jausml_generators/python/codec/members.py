@@ -69,7 +69,7 @@ class VariantValue:
     @property
     def min_size(self) -> int:
         """Fewest bytes on the wire."""
-        return self.tag_size + min(o.min_size for o in self.options)
+        return self.tag_size + min(option.min_size for option in self.options)
 
     @property
     def tag_struct(self) -> str:

@@ -76,7 +76,7 @@ def build_message_map(elements: Iterable[jaus.MessageDef]) -> dict[jaus.MessageD
     classes: dict[MessageView, MessageView] = {}
     views_by_element: dict[jaus.MessageDef, MessageView] = {}
     for element in sorted(
-        dict.fromkeys(elements), key=lambda e: (int(str(e.code), 16), str(e.name))
+        dict.fromkeys(elements), key=lambda element: (int(str(element.code), 16), str(element.name))
     ):
         view = build_message(element)
         if view not in classes:
@@ -208,7 +208,9 @@ class MessageBuilder:
         return tuple(segments)
 
     def _run(self, members: Sequence[Member], presence_format: str) -> Run:
-        formats = [m.value.format for m in members if isinstance(m.value, scalars.Fixed)]
+        formats = [
+            member.value.format for member in members if isinstance(member.value, scalars.Fixed)
+        ]
         items = [presence_format, *formats] if presence_format else formats
         size = struct.calcsize("<" + "".join(items))
         name = self._scope.use("".join(items))
@@ -241,7 +243,7 @@ class MessageBuilder:
         self, jaus_name: str, kind: wire.VariableNumber, name: str, summary: str
     ) -> VariableFieldClass:
         numbers = [scalars.number(alternative.number) for alternative in kind.alternatives]
-        python_type = "float" if any(n.python_type == "float" for n in numbers) else "int"
+        python_type = "float" if any(number.python_type == "float" for number in numbers) else "int"
         alternatives = []
         for alternative, value in zip(kind.alternatives, numbers, strict=True):
             self._scope.use(value.format)

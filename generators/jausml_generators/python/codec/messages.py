@@ -262,7 +262,9 @@ class MessageScope:
         scope = names.Scope()
         # Of several names of one value the first is kept, as an enumeration needs.
         first = dict(reversed(listed))
-        constants = tuple((scope.claim(names.constant_name(first[v])), v) for v in dict(listed))
+        constants = tuple(
+            (scope.claim(names.constant_name(first[value])), value) for value in dict(listed)
+        )
         key = (name, constants)
         if key not in self.known:
             self.known[key] = Enumeration(self.claim(name), of, constants)

@@ -61,7 +61,10 @@ def _target(node: Node, child: Node, context: Context, names: Naming) -> EObject
     targets = list(value)
     # A name that led nowhere has no target, so positions agree only if none is missing.
     if len(targets) == len(alike):
-        return cast("EObject", targets[next(i for i, e in enumerate(alike) if e is child)])
+        return cast(
+            "EObject",
+            targets[next(index for index, element in enumerate(alike) if element is child)],
+        )
     return names.meant(child.get(BY_NAME) or "", node.obj, feature)
 
 

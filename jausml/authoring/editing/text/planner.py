@@ -74,7 +74,10 @@ class _Plan:
         self._keep_roots(items)
         imports = [Import(location) for location in self._names.imports]
         if imports:
-            at = max((i + 1 for i, item in enumerate(items) if isinstance(item, Import)), default=0)
+            at = max(
+                (index + 1 for index, item in enumerate(items) if isinstance(item, Import)),
+                default=0,
+            )
             behind = items[at : at + 1]
             if behind:
                 # The heading comment stays the first.

@@ -330,7 +330,7 @@ class _Printer(DocumentPrinter[Target]):
                 self._spaces |= {prefix: node.prefixes[prefix]} if prefix in node.prefixes else {}
             value = self._followed(text) if name == "href" else text
             head += f' {self._prefixed(node, space)}{local}="{attribute_text(value)}"'
-        inner = [line for e in node.children for line in self._raw(e, file, f"{indent}  ")]
+        inner = [line for child in node.children for line in self._raw(child, file, f"{indent}  ")]
         if inner:
             lines = [f"{head}>", *inner, f"{indent}</{tag}>"]
         else:

@@ -39,13 +39,15 @@ def _partition(
     if names is None:
         plan = planner.propose(Limits(max(0, most), max(load, 0.001) / 100))
     else:
-        homes = {one.name for one in planner.before}
+        homes = {planned.name for planned in planner.before}
         for name in set(names.values()) - homes:
             _check_new(name, scope)
-        known = {named(carrier): carrier for one in planner.before for carrier in one.carriers}
+        known = {
+            named(carrier): carrier for planned in planner.before for carrier in planned.carriers
+        }
         if unknown := names.keys() - known.keys():
             raise AnswerError(f"there is no connection {min(unknown)} any more")
-        plan = planner.assigned({known[n]: home for n, home in names.items()})
+        plan = planner.assigned({known[name]: home for name, home in names.items()})
     return {**plain(plan), "commands": () if plan.faults else commands_of(scope, plan)}
 
 
@@ -63,8 +65,8 @@ def _carry(
 ) -> object:
     """Returns the option that moves connections to a bridge, by default to a new one."""
     scope, planner = _planner(context, file)
-    known = {id(carrier): carrier for one in planner.before for carrier in one.carriers}
-    carriers = [known[id(e)] for e in map(scope.find, elements) if id(e) in known]
+    known = {id(carrier): carrier for planned in planner.before for carrier in planned.carriers}
+    carriers = [known[id(element)] for element in map(scope.find, elements) if id(element) in known]
     if len(carriers) < len(elements) or not carriers:
         raise AnswerError("connections of bridges go to other bridges; choose some")
     return taken_over(scope, planner, carriers, name_of(scope.find(bridge)) if bridge else "")
@@ -79,9 +81,11 @@ def _loads(context: StudioContext, file: str) -> dict[str, Any]:
         return {"loads": {}}
     ids = Context(scope.model, "system", ())
     loads = {
-        ids.id_of(one.origin): f"{number(one.share * 100)} % CPU, {one.datagrams:.0f} datagrams/s, "
-        f"waits {one.wait * 1000:.2g} ms"
-        for one in _planner(context, file)[1].before
+        ids.id_of(
+            planned.origin
+        ): f"{number(planned.share * 100)} % CPU, {planned.datagrams:.0f} datagrams/s, "
+        f"waits {planned.wait * 1000:.2g} ms"
+        for planned in _planner(context, file)[1].before
     }
     return {"loads": loads}
 

@@ -264,7 +264,11 @@ def _placed(
         placed = {
             name: refs
             for name in _FEATURES
-            if (refs := tuple(scope.ref(e) for e in elements if _feature(e) == name))
+            if (
+                refs := tuple(
+                    scope.ref(element) for element in elements if _feature(element) == name
+                )
+            )
         }
         placement_values = {"host": (scope.ref(host),), **placed}
         yield Add(scope.ref(whole), "placements", "system.Placement", placement_values)

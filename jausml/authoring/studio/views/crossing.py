@@ -185,7 +185,7 @@ def _by_ready_map(
     map_: bridge.AttributeMap,
 ) -> Option:
     """Returns the way by a ready map whose end at the ROS side is a topic without a node yet."""
-    topics = [topic for one in owner.bridgeConnections for topic in one.topics]
+    topics = [topic for connection in owner.bridgeConnections for topic in connection.topics]
     name = name_among(snake_case(name_of(offer.message)), (*owner.bridgeConnections, *topics))
     draft = Draft(offer, component, map_.type, map_, name, name, {})
     return _option(owner, component, draft, draft.commands(scope, owner))
@@ -357,7 +357,7 @@ def _is_carried(
         and bridge_connection.map.message is not None
         and find_same(offer.message, [bridge_connection.map.message]) is not None
         and (not bridge_connection.peers or component in bridge_connection.peers)
-        and (not topic or any(one.name == topic for one in bridge_connection.topics))
+        and (not topic or any(carried.name == topic for carried in bridge_connection.topics))
         for bridge_connection in owner.bridgeConnections
     )
 

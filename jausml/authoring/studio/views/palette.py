@@ -177,7 +177,7 @@ def _services(services: Iterable[jaus.Service]) -> Iterator[Entry]:
     for service in _ordered([known_service for known_service in services if known_service.urn]):
         family = str(service.urn).removesuffix(f":{name_of(service)}").rpartition(":")[2]
         where = f"{service.urn} {service.version}"
-        names = " ".join(name_of(m) for m in (*service.inputs, *service.outputs))
+        names = " ".join(name_of(message) for message in (*service.inputs, *service.outputs))
         about = str(service.documentation or "")
         key = f"service {where}"
         component = partial(_component_with, service=service)

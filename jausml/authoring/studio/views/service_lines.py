@@ -203,7 +203,7 @@ def targets_from(machine: Machine, source: str) -> dict[str, str]:
         names = path.split(".")
         shorter = (".".join(names[at:]) for at in range(len(names) - 1, -1, -1))
         shortest_names[path] = next(
-            (e for e in shorter if machine.resolve(source, e) == path), path
+            (name for name in shorter if machine.resolve(source, name) == path), path
         )
     return shortest_names
 

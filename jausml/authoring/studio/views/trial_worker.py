@@ -61,8 +61,8 @@ class Translation:
         after = self._connection.statistics.out_of_range
         values["notes"] = [
             f"{field}: {policy}"
-            for (policy, field), n in after.items()
-            if n != counts.get((policy, field))
+            for (policy, field), count in after.items()
+            if count != counts.get((policy, field))
         ]
         return values
 

@@ -33,9 +33,9 @@ def behaviour(service: jaus.Service) -> Element:
     """Returns the machines of a service, or that it is stateless: AS5684 asks for a machine."""
     machines = [(machine, machine_with(machine)) for machine in service.machines]
     written = [
-        _Writer(service, machine.name, w, machine.states).machine(machine)
-        for machine, w in machines
-        if w
+        _Writer(service, machine.name, whole, machine.states).machine(machine)
+        for machine, whole in machines
+        if whole
     ]
     if not written:
         silent = Machine(CORE_MACHINE, core_machine(service))
@@ -57,7 +57,12 @@ class _Writer:
         for path, state in _paths(states):
             self._states.setdefault(path, []).extend([state] if state is not None else [])
         # Who extends a machine says its states again: generators of others look for them.
-        inherited = (m for s in lineage(service)[1:] for m in s.machines if m.name == name)
+        inherited = (
+            machine
+            for ancestor in lineage(service)[1:]
+            for machine in ancestor.machines
+            if machine.name == name
+        )
         for machine in inherited:
             self._states |= {
                 path: [] for path, _ in _paths(machine.states) if path not in self._states
@@ -113,7 +118,10 @@ class _Writer:
 
     def _transitions(self, transitions: list[jaus.Transition], path: str) -> list[Element]:
         # Those for all triggers stand behind the others (AS5684).
-        ordered = sorted(transitions, key=lambda t: t.message is None and not event_name(t.event))
+        ordered = sorted(
+            transitions,
+            key=lambda transition: transition.message is None and not event_name(transition.event),
+        )
         return [self._transition(transition, path) for transition in ordered]
 
     def _transition(self, transition: jaus.Transition, path: str) -> Element:
@@ -123,7 +131,9 @@ class _Writer:
             name = self._of_transport("Receive")
         elif event:
             name = _qualified(
-                event, self._service, lambda s: any(e.name == event for e in s.events)
+                event,
+                self._service,
+                lambda service: any(declared.name == event for declared in service.events),
             )
         carried = self._parameters(transition)
         parts = [
@@ -134,7 +144,9 @@ class _Writer:
             of_message = next(iter(carried)) if message is not None else None
             parts.append(element("guard", condition=_called(transition.guard, of_message)))
         parts.append(self._kind(transition, path))
-        parts += [self._action(a, has_sender=message is not None) for a in transition.actions]
+        parts += [
+            self._action(action, has_sender=message is not None) for action in transition.actions
+        ]
         transition_element = element(
             "transition" if name else "default_transition", parts, name=name
         )
@@ -151,8 +163,15 @@ class _Writer:
             first = names[0] if names and _MESSAGE not in names else _MESSAGE
             return {first: str(transition.message.name), _SENDER: _SENT_WITH}
         event = event_name(transition.event)
-        events = (e for s in lineage(self._service) for e in s.events if e.name == event)
-        body = next((str(e.body.name) for e in events if e.body is not None), "")
+        events = (
+            declared
+            for ancestor in lineage(self._service)
+            for declared in ancestor.events
+            if declared.name == event
+        )
+        body = next(
+            (str(declared.body.name) for declared in events if declared.body is not None), ""
+        )
         of_body = {body[:1].lower() + body[1:]: f"{event}.Body.{body}"}
         return {name: of_body.get(name, event) for name in names} if event else {}
 
@@ -241,8 +260,9 @@ def _machine_name(name: str, service: jaus.Service) -> str:
     return _qualified(
         name,
         service,
-        lambda s: (
-            (is_core and str(s.urn).startswith(CORE)) or any(m.name == name for m in s.machines)
+        lambda service: (
+            (is_core and str(service.urn).startswith(CORE))
+            or any(machine.name == name for machine in service.machines)
         ),
     )
 

@@ -53,7 +53,11 @@ def differences(
     paths, targets by where they lead. Runs of white space are one blank.
     """
     candidates = [*_declared(service, imported, metamodels), *_done(service, imported)]
-    return [e for e in candidates if folded(e.first) != folded(e.second) and not _is_same_code(e)]
+    return [
+        pair
+        for pair in candidates
+        if folded(pair.first) != folded(pair.second) and not _is_same_code(pair)
+    ]
 
 
 def _is_same_code(difference: Difference) -> bool:
@@ -251,7 +255,7 @@ def export_jsidl(model: Model, services: Iterable[jaus.Service]) -> ExportResult
     written = [
         (service, document(service_element(service))) for service in with_inherited(services)
     ]
-    again = import_sources(Source(f"{n}", data) for n, (_, data) in enumerate(written))
+    again = import_sources(Source(f"{number}", data) for number, (_, data) in enumerate(written))
     diagnostics = list(_refused(model, [service for service, _ in written], again))
     if not diagnostics:
         diagnostics = [

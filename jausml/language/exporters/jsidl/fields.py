@@ -87,7 +87,10 @@ class FieldWriter:
                 return [tag, *map(self.field, field.options)]
             case jaus.Array():
                 sizes = enumerate(field.dimensions, 1)
-                dimensions = (element("dimension", name=f"Dimension{n}", size=s) for n, s in sizes)
+                dimensions = (
+                    element("dimension", name=f"Dimension{number}", size=size)
+                    for number, size in sizes
+                )
                 return [self.field(field.element), *dimensions]
         return _leaf_children(field)
 
@@ -104,7 +107,8 @@ def _leaf_children(field: jaus.Field) -> list[Element]:
             elements = list(map(_sub_field, field.subFields))
         case jaus.VariableFormatField():
             known = (
-                element("format_enum", index=f.index, field_format=f.name) for f in field.formats
+                element("format_enum", index=format_.index, field_format=format_.name)
+                for format_ in field.formats
             )
             elements = [element("format_field", known)]
     match field:

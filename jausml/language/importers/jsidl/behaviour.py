@@ -125,8 +125,8 @@ class BehaviourBuilder:
             name=path[-1],
             documentation=documentation(place.node),
             initial=is_initial or None,
-            entry=[a for child in children(place, "entry") for a in self._actions(child)],
-            exit=[a for child in children(place, "exit") for a in self._actions(child)],
+            entry=[action for child in children(place, "entry") for action in self._actions(child)],
+            exit=[action for child in children(place, "exit") for action in self._actions(child)],
             transitions=self._transitions(place),
             defaults=[
                 transition

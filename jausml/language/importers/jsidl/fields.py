@@ -302,7 +302,9 @@ class FieldBuilder:
             jaus.SubField,
             place,
             name=self._values.text(place, "name"),
-            documentation=documentation(*(e.node for e in (place, bits, values) if e is not None)),
+            documentation=documentation(
+                *(part.node for part in (place, bits, values) if part is not None)
+            ),
             lowBit=first,
             highBit=last,
             values=self._values_of(scope, values),

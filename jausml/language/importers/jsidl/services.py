@@ -204,7 +204,10 @@ def grouped(services: Iterable[ImportedService]) -> list[SetOfServices]:
 def _group(members: list[ImportedService]) -> SetOfServices:
     place = members[0].place
     versions = Counter(member.service.version for member in members)
-    version = pick_version("", [v for v, n in versions.items() if n == max(versions.values())])
+    version = pick_version(
+        "",
+        [candidate for candidate, number in versions.items() if number == max(versions.values())],
+    )
     owner = place.node.parent
     name = _name_in(str(members[0].service.urn))
     if owner is not None:

@@ -120,7 +120,10 @@ class _DocumentWriter(DocumentPrinter["EObject"]):
                     value = getattr(obj, feature.name)
                     steps = [(value, f"{at}/@{feature.name}")]
                     if feature.many:
-                        steps = [(e, f"{at}/@{feature.name}.{i}") for i, e in enumerate(value)]
+                        steps = [
+                            (element, f"{at}/@{feature.name}.{index}")
+                            for index, element in enumerate(value)
+                        ]
                     # Elements of other documents are written there, and referred to by href.
                     pending += [step for step in reversed(steps) if not self.is_apart(step[0])]
 

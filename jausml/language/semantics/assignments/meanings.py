@@ -55,7 +55,7 @@ def unknown_targets(map_: bridge.AttributeMap, *, to_ros: bool) -> Iterator[tupl
         target
         for assigned, targets in placed
         for target in targets
-        for at in (one.find(_steps(target)) for one in expected)
+        for at in (expected_steps.find(_steps(target)) for expected_steps in expected)
         if at == 0 or (at > 0 and assigned.scope.is_nested)
     }
     tables = {
@@ -183,7 +183,7 @@ def _namesake(owner: FoundPlace, name: str, like: Attribute) -> str:
             attribute = attribute_at(_at(owner, str(member.name)))
             same = ("kind", "integral", "units")
             is_alike = isinstance(attribute, Attribute) and all(
-                getattr(attribute, one) == getattr(like, one) for one in same
+                getattr(attribute, feature) == getattr(like, feature) for feature in same
             )
             return str(member.name) if is_alike else ""
     return ""
@@ -215,8 +215,8 @@ def outcome(
     (source,), (target,) = placed.source_attributes, placed.target_attributes
     texts = source_values.get(str(placed.assignment.source).strip()), expected.value
     ends = [
-        dict(one.constants).get(str(text), str(text))
-        for one, text in zip((source, target), texts, strict=True)
+        dict(end.constants).get(str(text), str(text))
+        for end, text in zip((source, target), texts, strict=True)
     ]
     if not all(map(is_real, ends)) or (source.kind, target.kind) != (NUMBER, NUMBER):
         return None

@@ -173,9 +173,9 @@ def driver_messages(service: jaus.Service | None) -> DriverMessages | None:
     if service is not None and str(service.urn) in WAYPOINTS:
         return _waypoint_messages(service)
     services = lineage(service)
-    inputs = [m for ancestor in services for m in ancestor.inputs]
-    outputs = [m for ancestor in services for m in ancestor.outputs]
-    spooler = tuple(m for name in SPOOLER if (m := named(name, inputs)) is not None)
+    inputs = [message for ancestor in services for message in ancestor.inputs]
+    outputs = [message for ancestor in services for message in ancestor.outputs]
+    spooler = tuple(message for name in SPOOLER if (message := named(name, inputs)) is not None)
     if any(ancestor.name == LIST_MANAGER for ancestor in services):
         spooler = ()
         candidates = named(EXECUTE, inputs), named(QUERY, inputs), named(REPORT, outputs)
@@ -207,7 +207,7 @@ def speed_answer(driver: jaus.Service) -> Answer | None:
     messages = driver_messages(driver)
     if messages is None or not knows_speed(messages):
         return None
-    outputs = (m for service in lineage(driver) for m in service.outputs)
+    outputs = (message for service in lineage(driver) for message in service.outputs)
     return answer_by(driver, named(SPEED_REPORT, outputs))
 
 
@@ -238,7 +238,7 @@ def unanswered(service: jaus.Service, sent: Container[int]) -> list[jaus.Message
     if str(service.urn) in SERVED_BY_RUNTIME:
         return []
     # A service may send a report for which one that it inherits has the query.
-    asked = {message.name: message for one in lineage(service) for message in one.inputs}
+    asked = {message.name: message for ancestor in lineage(service) for message in ancestor.inputs}
     reports = (output for output in service.outputs if code(output) not in sent)
     queries = (asked.get(query_name(report)) for report in reports)
     return [message for message in queries if message is not None]

@@ -94,7 +94,7 @@ def report_join_of(
 
 def requested_fields(owner: bridge.Bridge) -> Mapping[jaus.MessageDef, frozenset[str]]:
     """Returns by report the fields that some connection of a bridge reads."""
-    incoming = (c.map for c in owner.bridgeConnections if is_to_ros(c))
+    incoming = (connection.map for connection in owner.bridgeConnections if is_to_ros(connection))
     fields: dict[jaus.MessageDef, set[str]] = defaultdict(set)
     for attribute_map in dict.fromkeys(incoming):
         for path in _read_paths(attribute_map):

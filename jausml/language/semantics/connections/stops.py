@@ -186,7 +186,11 @@ def _defaults(attribute_map: bridge.AttributeMap, scope: PathScope) -> dict[str,
 
 def _source_units(attribute_map: bridge.AttributeMap, scope: PathScope, path: str) -> str:
     """Returns the unit of the source of a target, which is that of a target without its own."""
-    filling = [e for e in _filling(attribute_map, scope) if path in target_paths(e.assignment)]
+    filling = [
+        filled
+        for filled in _filling(attribute_map, scope)
+        if path in target_paths(filled.assignment)
+    ]
     sources = filling[-1].source_attributes if filling else ()
     return next((source.units for source in sources if source.units), "")
 

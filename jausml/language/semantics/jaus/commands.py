@@ -130,7 +130,9 @@ def controlled_by_nobody(service: jaus.Service) -> list[jaus.MessageDef]:
     # Most services have none, and need not look through all that they inherit.
     if not suspects:
         return []
-    query_names = {query_name(message) for one in lineage(service) for message in one.outputs}
+    query_names = {
+        query_name(message) for ancestor in lineage(service) for message in ancestor.outputs
+    }
     return [message for message in suspects if message.name not in query_names]
 
 

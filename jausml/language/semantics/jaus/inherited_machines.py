@@ -91,7 +91,7 @@ def core_events() -> frozenset[str]:
     """
     kept = (f"{CORE}Transport", f"{CORE}Events")
     of_core = (service for urn, service in newest_services().items() if urn not in kept)
-    return frozenset(str(e.name) for service in of_core for e in service.events)
+    return frozenset(str(event.name) for service in of_core for event in service.events)
 
 
 @cache
@@ -297,7 +297,11 @@ def machine_with(element: jaus.StateMachine) -> Machine | None:
         None where it stands in no service.
     """
     owner = element.eContainer()
-    chain = [e for e in lineage(owner) if e is owner or e.urn not in SERVED_BY_RUNTIME]
+    chain = [
+        ancestor
+        for ancestor in lineage(owner)
+        if ancestor is owner or ancestor.urn not in SERVED_BY_RUNTIME
+    ]
     machines = machines_of(reversed(chain))
     return next((machine for machine in machines if element in machine.elements), None)
 

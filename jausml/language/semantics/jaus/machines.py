@@ -111,7 +111,9 @@ def _behaviours(subject: Subject, service: jaus.Service) -> tuple[Behaviour, ...
         (element, next((machine for machine in machines if element in machine.elements), None))
         for element in service.machines
     )
-    return tuple(Behaviour(service, one, whole) for one, whole in wholes if whole is not None)
+    return tuple(
+        Behaviour(service, machine, whole) for machine, whole in wholes if whole is not None
+    )
 
 
 def trigger(transition: jaus.Transition) -> tuple[str, str]:

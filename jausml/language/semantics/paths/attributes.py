@@ -101,7 +101,9 @@ def count_of_elements(label: str) -> Attribute:
 def nearest_name(name: str, fields: Iterable[Part]) -> str:
     """Returns a hint for a name that is not among those of some fields."""
     known = [field.name for field in fields if field.name]
-    near = [k for k in known if k.lower() == name.lower()] or get_close_matches(name, known, n=1)
+    near = [
+        candidate for candidate in known if candidate.lower() == name.lower()
+    ] or get_close_matches(name, known, n=1)
     if near:
         return f"did you mean '{near[0]}'?"
     return f"it has {', '.join(known)}" if 0 < len(known) <= 8 else ""

@@ -369,8 +369,8 @@ def _directions(subject: Subject, owner: Directed) -> tuple[Direction, ...]:
         written = [(map_, map_.toRos, True), (map_, map_.toJaus, False)]
         written += ((stop, stop.values, to_ros) for stop, to_ros in stops if stop is not None)
     return tuple(
-        _direction(subject, map_, one, assignments, to_ros=to_ros)
-        for one, assignments, to_ros in written
+        _direction(subject, map_, place, assignments, to_ros=to_ros)
+        for place, assignments, to_ros in written
         if assignments
     )
 

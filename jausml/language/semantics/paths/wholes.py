@@ -117,7 +117,7 @@ def _members(place: PathPlace) -> dict[str, str] | None:
             return None
         return {snake_case(str(field.name)): str(field.name) for field in place.type.fields}
     if isinstance(place.field, jaus.Record | jaus.Sequence) or place.message is not None:
-        return {snake_case(str(e.name)): str(e.name) for e in place.members() or ()}
+        return {snake_case(str(member.name)): str(member.name) for member in place.members() or ()}
     return None
 
 

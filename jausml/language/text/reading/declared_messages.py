@@ -136,8 +136,12 @@ class OwnService:
     def _stated_codes(self, ends: Sequence[WrittenEnd]) -> Iterator[int]:
         items = self.written.items if self.written is not None else []
         features = [item for item in items if isinstance(item, Feature)]
-        blocks = [v for feature in features for v in feature.values if isinstance(v, Element)]
-        of_messages = [[f for f in block.items if isinstance(f, Feature)] for block in blocks]
+        blocks = [
+            value for feature in features for value in feature.values if isinstance(value, Element)
+        ]
+        of_messages = [
+            [feature for feature in block.items if isinstance(feature, Feature)] for block in blocks
+        ]
         for facts in [*(end.end.features for end in ends), *of_messages]:
             code = stated_code(facts)
             if code is not None:
@@ -163,13 +167,18 @@ def is_command(end: End) -> bool:
     """Tells whether an end declares a command."""
     return any(
         feature.name.text == "isCommand"
-        and [getattr(v, "text", "") for v in feature.values] == ["true"]
+        and [getattr(value, "text", "") for value in feature.values] == ["true"]
         for feature in end.features
     )
 
 
 def stated_code(features: Sequence[Feature]) -> int | None:
     """Returns the code that features state for a message, None for none or for no number."""
-    texts = [getattr(v, "text", "") for f in features if f.name.text == "code" for v in f.values]
+    texts = [
+        getattr(value, "text", "")
+        for feature in features
+        if feature.name.text == "code"
+        for value in feature.values
+    ]
     match = re.fullmatch("0x([0-9A-Fa-f]{4})", texts[0]) if texts else None
     return int(match[1], 16) if match else None

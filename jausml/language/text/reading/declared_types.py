@@ -364,7 +364,7 @@ class JausFields(MemberBuilder):
 def _is_optional(member: Member) -> bool:
     return any(
         feature.name.text == "optional"
-        and [getattr(v, "text", "") for v in feature.values] == ["true"]
+        and [getattr(value, "text", "") for value in feature.values] == ["true"]
         for feature in member.features
     )
 

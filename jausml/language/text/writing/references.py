@@ -195,14 +195,18 @@ class ReferenceNames(DocumentNames):
                 value = getattr(obj, feature.name)
                 steps = [(value, f"@{feature.name}")]
                 if feature.many:
-                    steps = [(child, f"@{feature.name}.{i}") for i, child in enumerate(value)]
+                    steps = [
+                        (child, f"@{feature.name}.{index}") for index, child in enumerate(value)
+                    ]
                 yield from (step for step in steps if not self.is_apart(step[0]))
 
     def _name_fragments(self, roots: Sequence[EObject]) -> dict[EObject, str]:
         """Returns the elements in document order with their paths by features, as EMF has them."""
         fragments: dict[EObject, str] = {}
         several = len(roots) > 1
-        pending = [(root, f"/{i}" if several else "/") for i, root in enumerate(roots)][::-1]
+        pending = [(root, f"/{index}" if several else "/") for index, root in enumerate(roots)][
+            ::-1
+        ]
         while pending:
             obj, at = pending.pop()
             fragments[obj] = at

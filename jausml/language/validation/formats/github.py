@@ -38,7 +38,9 @@ def _command(name: str, diagnostic: Diagnostic) -> str:
         "col": place.column,
         "title": diagnostic.rule,
     }
-    listed = ",".join(f"{key}={_property(one_line(str(v)))}" for key, v in properties.items())
+    listed = ",".join(
+        f"{key}={_property(one_line(str(value)))}" for key, value in properties.items()
+    )
     hint = f" ({diagnostic.hint})" if diagnostic.hint else ""
     notes = [f"{note.location}: {note.message}" for note in diagnostic.related]
     text = "\n".join(one_line(line) for line in (f"{diagnostic.message}{hint}", *notes))

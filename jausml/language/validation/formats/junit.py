@@ -87,7 +87,10 @@ def _case(case: Case) -> ET.Element:
 
 def _printable(text: str) -> str:
     """Returns text with all but line breaks and printable characters escaped."""
-    return "".join(c if c.isprintable() or c == "\n" else ascii(c)[1:-1] for c in text)
+    return "".join(
+        character if character.isprintable() or character == "\n" else ascii(character)[1:-1]
+        for character in text
+    )
 
 
 def render(report: Report) -> str:

@@ -24,7 +24,7 @@ def all_rules() -> tuple[Rule, ...]:
     )
     members = (member for module in modules for member in vars(module).values())
     return tuple(
-        sorted((member for member in members if isinstance(member, Rule)), key=lambda e: e.id)
+        sorted((member for member in members if isinstance(member, Rule)), key=lambda rule: rule.id)
     )
 
 

@@ -177,19 +177,19 @@ def message_names(subject: Subject, component: jaus.Component) -> Iterator[Findi
     services = with_inherited((*component.provides, *component.uses))
     messages = sorted(
         (
-            m
+            message
             for service in services
-            for m in (*service.inputs, *service.outputs)
-            if m.name and m.code
+            for message in (*service.inputs, *service.outputs)
+            if message.name and message.code
         ),
-        key=lambda m: (m.name, m.code),
+        key=lambda message: (message.name, message.code),
     )
     for message in messages:
         first = holders.setdefault(snake_case(message.name), message)
         if first.code.lower() != message.code.lower():
             text = f"'{component.name}' has two messages named {message.name}"
             text += f", of codes {first.code} and {message.code}"
-            notes = tuple(Note(m, subject.path(m), "name") for m in (first, message))
+            notes = tuple(Note(held, subject.path(held), "name") for held in (first, message))
             yield Finding(component, text, related=notes)
 
 

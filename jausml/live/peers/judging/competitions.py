@@ -197,7 +197,7 @@ def task_names(name: str) -> set[str]:
         return known_names()
     tasks = competition(name).tasks
     return {competition_task.name for competition_task in tasks} | {
-        part.check.id for e in tasks for part in e.parts
+        part.check.id for task in tasks for part in task.parts
     }
 
 

@@ -99,10 +99,13 @@ class CallTranslation(Limiting):
         half = self.name.rpartition("_")[2]
         return [
             *(
-                (f"{half} out of range: {policy} {field}", str(n))
-                for (policy, field), n in sorted(counts.out_of_range.items())
+                (f"{half} out of range: {policy} {field}", str(number))
+                for (policy, field), number in sorted(counts.out_of_range.items())
             ),
-            *((f"{half} dropped: {reason}", str(n)) for reason, n in sorted(counts.drops.items())),
+            *(
+                (f"{half} dropped: {reason}", str(number))
+                for reason, number in sorted(counts.drops.items())
+            ),
         ]
 
 
@@ -299,7 +302,7 @@ class Calls(Generic[CallT, AskingT]):
         return [
             ("calls taken", counts.arrivals),
             ("calls answered", counts.passed),
-            *((f"failed: {reason}", n) for reason, n in sorted(counts.drops.items())),
+            *((f"failed: {reason}", number) for reason, number in sorted(counts.drops.items())),
         ]
 
     # ------------------------------------------------------------------ diagnostics
@@ -340,7 +343,10 @@ class Calls(Generic[CallT, AskingT]):
             ("calls answered", str(counts.passed)),
             ("calls under way", str(len(self._under_way))),
             ("age (s)", age),
-            *((f"failed: {reason}", str(n)) for reason, n in sorted(counts.drops.items())),
+            *(
+                (f"failed: {reason}", str(number))
+                for reason, number in sorted(counts.drops.items())
+            ),
             *(pair for translation in self._translations() for pair in translation.describe()),
             *self.describe_peers(),
         )

@@ -148,7 +148,11 @@ class Reporting(Stopping):
             now,
             counts.arrivals,
             # Messages that a filter holds back are no losses.
-            sum(n for reason, n in counts.drops.items() if reason != FILTERED or not self.filters),
+            sum(
+                number
+                for reason, number in counts.drops.items()
+                if reason != FILTERED or not self.filters
+            ),
             self.note_losses(),
             counts.errors,
             counts.limited,
@@ -178,10 +182,16 @@ class Reporting(Stopping):
             ("messages taken", counts.arrivals),
             ("messages passed", counts.passed),
             *(((THINNED, counts.thinned),) if counts.thinned else ()),
-            *((f"dropped: {reason}", n) for reason, n in sorted(counts.drops.items())),
-            *((f"withheld from {peer}", n) for peer, n in sorted(counts.withheld.items())),
-            *((f"not taken: {reason}", n) for reason, n in sorted(self.not_taken().items())),
-            *((reason.replace("_", " "), n) for reason, n in self.losses().items()),
+            *((f"dropped: {reason}", number) for reason, number in sorted(counts.drops.items())),
+            *(
+                (f"withheld from {peer}", number)
+                for peer, number in sorted(counts.withheld.items())
+            ),
+            *(
+                (f"not taken: {reason}", number)
+                for reason, number in sorted(self.not_taken().items())
+            ),
+            *((reason.replace("_", " "), number) for reason, number in self.losses().items()),
         ]
 
     def _values(self, now: float, faults: list[TopicFault]) -> tuple[tuple[str, str], ...]:
@@ -192,7 +202,7 @@ class Reporting(Stopping):
             ("translation", self.form.value),
             *self.override,
             *((("passed on by the core", str(counts.alone)),) if counts.alone else ()),
-            *((name, str(n)) for name, n in self.account()),
+            *((name, str(number)) for name, number in self.account()),
             ("rate (Hz)", f"{self._rate.hertz:.2f}"),
             ("declared rate (Hz)", f"{self.declared_rate:.2f}"),
             ("age (s)", age),
@@ -203,11 +213,11 @@ class Reporting(Stopping):
             *((fault.kind.replace("_", " "), fault.text) for fault in faults),
             *((("when lost", self.when_lost),) if self.is_command else ()),
             ("safe values", str(counts.safe_values)),
-            *((f"stopped: {reason.value}", str(n)) for reason, n in counts.stops.items()),
+            *((f"stopped: {reason.value}", str(number)) for reason, number in counts.stops.items()),
             ("values limited", str(counts.limited)),
             *(
-                (f"out of range: {policy} {field}", str(n))
-                for (policy, field), n in sorted(counts.out_of_range.items())
+                (f"out of range: {policy} {field}", str(number))
+                for (policy, field), number in sorted(counts.out_of_range.items())
             ),
             *(() if self._latency is None else self._latency.describe()),
             *self.describe_peers(),
@@ -258,13 +268,13 @@ class Reporting(Stopping):
     def _failing(self) -> str:
         """Returns why no message passes, once several in a row have failed; else an empty text."""
         counts = self.statistics
-        failures = {reason: n for reason, n in counts.drops.items() if reason in FAILURES}
+        failures = {reason: number for reason, number in counts.drops.items() if reason in FAILURES}
         passed, before = self._last_success
         # A message has passed: failures are counted from here on.
         if counts.passed != passed:
             self._last_success = counts.passed, failures
             return ""
-        new = {reason: n - before.get(reason, 0) for reason, n in failures.items()}
+        new = {reason: number - before.get(reason, 0) for reason, number in failures.items()}
         if sum(new.values()) < FEWEST_FAILURES:
             return ""
         reason = max(new, key=lambda failure: new[failure])

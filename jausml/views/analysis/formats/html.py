@@ -64,7 +64,9 @@ def render(report: Report) -> str:
     bridges = []
     for bridge in report.bridges:
         heaviest = sorted(bridge.connections, key=lambda one: (-_octets(one.load), one.name))
-        table = _Table(_LOAD, list(map(_row, heaviest)), [one.load for one in heaviest])
+        table = _Table(
+            _LOAD, list(map(_row, heaviest)), [connection.load for connection in heaviest]
+        )
         bridges.append((bridge, table, heaviest))
     known = {"report": report, "words": words, "bridges": bridges}
     known["sums"] = _Table(_SUMS, sums, loads)

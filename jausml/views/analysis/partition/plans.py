@@ -119,9 +119,15 @@ class Planner:
                 faults.append(_together(group))
             parts.setdefault(wanted[group.carriers[0]], []).append(number)
         for name, part in parts.items():
-            moved = [n for n in part if any(str(o.name) != name for o in scale.groups[n].origins)]
-            whys = scale.clashes([scale.groups[n] for n in part], self._owners.get(name))
-            who = _listed([c for n in moved for c in scale.groups[n].carriers])
+            moved = [
+                number
+                for number in part
+                if any(str(origin.name) != name for origin in scale.groups[number].origins)
+            ]
+            whys = scale.clashes([scale.groups[number] for number in part], self._owners.get(name))
+            who = _listed(
+                [carrier for number in moved for carrier in scale.groups[number].carriers]
+            )
             # A person may give what others command another JAUS id; names become whole.
             apart = [why for why in whys if moved and not why.startswith(_ROUTES)]
             faults += [f"{name} cannot carry {who}: {why}" for why in apart]
@@ -157,7 +163,9 @@ class Planner:
         return self._free(self._weighing.owner_of[carrier], ())
 
     def _free(self, origin: bridge.Bridge, taken: Collection[str]) -> str:
-        used = {str(one.name).lower() for one in self._weighing.participants}.union(taken)
+        used = {str(participant.name).lower() for participant in self._weighing.participants}.union(
+            taken
+        )
         free = (f"{origin.name}_{number}" for number in count(2))
         return next(name for name in free if name.lower() not in used)
 
@@ -172,7 +180,10 @@ class Planner:
         numbers = {group.carriers[0]: number for number, group in enumerate(scale.groups)}
         return tuple(
             self._planned(
-                scale, name, frozenset(numbers[c] for c in carriers_of(owner)), is_placed=True
+                scale,
+                name,
+                frozenset(numbers[carrier] for carrier in carriers_of(owner)),
+                is_placed=True,
             )
             for name, owner in self._owners.items()
         )
@@ -180,7 +191,9 @@ class Planner:
     def _named(self, scale: Scale, parts: Sequence[Part]) -> tuple[Planned, ...]:
         """Assigns parts to the bridges with most of their connections, else to new names."""
         groups = [[scale.groups[number] for number in part] for part in parts]
-        names = {n: group.pin for n, some in enumerate(groups) for group in some if group.pin}
+        names = {
+            number: group.pin for number, part in enumerate(groups) for group in part if group.pin
+        }
         graph: networkx.Graph[tuple[str, int | str]] = networkx.Graph()
         for number, part in enumerate(parts):
             for owner, carried in scale.origins(part).items():
@@ -206,8 +219,10 @@ class Planner:
         """Returns the bridge for a part; one that is placed stays on its host."""
         owner = self._owners.get(name)
         cost, groups = scale.cost(part), [scale.groups[number] for number in sorted(part)]
-        origins = [one for one, _ in scale.origins(part).most_common()]
-        origin = owner or next((o for o in origins if not scale.clashes(groups, o)), origins[0])
+        origins = [origin for origin, _ in scale.origins(part).most_common()]
+        origin = owner or next(
+            (origin for origin in origins if not scale.clashes(groups, origin)), origins[0]
+        )
         home = host_of(self._weighing.system, origin)
         host = home if is_placed or not part else scale.host(part)
         reasons = [_together(group) for group in groups if group.reasons]
@@ -247,7 +262,7 @@ def _excess(scale: Scale, parts: Sequence[Part], after: Sequence[Planned]) -> It
         if not scale.weight(part)[0]:
             continue
         groups = [scale.groups[number] for number in sorted(part)]
-        name = next(one.name for one in after if groups[0].carriers[0] in one.carriers)
+        name = next(planned.name for planned in after if groups[0].carriers[0] in planned.carriers)
         cost = scale.cost(part)
         if limits.most and cost.connections > limits.most:
             yield f"{name} carries {cost.connections} connections, more than {limits.most}"

@@ -121,7 +121,9 @@ class Scale:
         said = [f"both provide {key}" for key, number in twice.items() if number > 1]
         if len(worlds) == len(needed):
             return said
-        values = {name: sorted(str(v) for one, v in worlds if one == name) for name in needed}
+        values = {
+            name: sorted(str(value) for key, value in worlds if key == name) for name in needed
+        }
         return said + [
             f"{name} is {' here, '.join(some)} there"
             for name, some in sorted(values.items())

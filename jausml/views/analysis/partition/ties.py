@@ -48,8 +48,8 @@ def serves(service: jaus.Service, carrier: bridge.Connection) -> bool:
     wanted = code(carrier.map.message)
     return any(
         code(known) == wanted
-        for one in lineage(service)
-        for known in (one.inputs if is_to_ros(carrier) else one.outputs)
+        for ancestor in lineage(service)
+        for known in (ancestor.inputs if is_to_ros(carrier) else ancestor.outputs)
     )
 
 
@@ -126,4 +126,4 @@ def _searches(carrier: bridge.Connection, service: jaus.Service) -> bool:
     """Tells whether a search could find the bridge of a service, if it were another one."""
     wanted = carrier.search.services if carrier.search is not None else ()
     urns = {searched.urn for searched in wanted}
-    return any(one.urn in urns for one in lineage(service))
+    return any(ancestor.urn in urns for ancestor in lineage(service))

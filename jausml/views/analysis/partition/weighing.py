@@ -108,7 +108,10 @@ def world_of(owner: bridge.Bridge) -> tuple[tuple[str, Hashable], ...]:
         ("allowedHosts", tuple(sorted(map(str, owner.allowedHosts)))),
         ("fixedSources", bool(owner.fixedSources)),
         *((name, getattr(owner, name)) for name in SAFE),
-        *((f"quantity {one.name}", f"{one.value:g} {one.units or ''}") for one in owner.quantities),
+        *(
+            (f"quantity {quantity.name}", f"{quantity.value:g} {quantity.units or ''}")
+            for quantity in owner.quantities
+        ),
     )
 
 
@@ -177,8 +180,12 @@ class Weighing:
     @cached_property
     def hosts(self) -> list[Host]:
         """The hosts on which bridges can run: where something of ROS does."""
-        of_ros = (one for one in self.participants if isinstance(one, bridge.Bridge | ros.Node))
-        known = [host_of(self.system, one) for one in of_ros]
+        of_ros = (
+            participant
+            for participant in self.participants
+            if isinstance(participant, bridge.Bridge | ros.Node)
+        )
+        known = [host_of(self.system, participant) for participant in of_ros]
         return list(dict.fromkeys(host for host in known if host is not None))
 
     def groups(self, limits: Limits, *, are_divided: bool = False) -> list[Group]:
@@ -191,15 +198,23 @@ class Weighing:
         for name in dict.fromkeys(pins.values()):
             pinned = [carrier for carrier in pins if pins[carrier] == name]
             # What commands a bridge stays in it, and so with what is to come there.
-            pinned += [c for c, o in self.owner_of.items() if o.name == name and _commands(c)]
+            pinned += [
+                carrier
+                for carrier, owner in self.owner_of.items()
+                if owner.name == name and _commands(carrier)
+            ]
             wanted.append((f"you want it in {name}", pinned))
         for reason, carriers in () if are_divided else (*tied(self.owners), *wanted):
             networkx.add_path(graph, carriers)
             reasons[carriers[0]][reason] = None
         order = {carrier: number for number, carrier in enumerate(self.costs)}
-        parts = (sorted(one, key=order.__getitem__) for one in networkx.connected_components(graph))
+        parts = (
+            sorted(group, key=order.__getitem__) for group in networkx.connected_components(graph)
+        )
         return [
-            self._group(carriers, pins, [r for carrier in carriers for r in reasons[carrier]])
+            self._group(
+                carriers, pins, [reason for carrier in carriers for reason in reasons[carrier]]
+            )
             for carriers in parts
         ]
 
@@ -233,7 +248,9 @@ class Weighing:
         commanding = [owner for owner, carrier in pairs if commands(carrier)]
         # Who commands a bridge knows it by its JAUS id.
         commanded = [owner for owner, carrier in pairs if _commands(carrier)]
-        pinned = {pins[c] for c in carriers if c in pins} or {str(o.name) for o in commanded}
+        pinned = {pins[carrier] for carrier in carriers if carrier in pins} or {
+            str(owner.name) for owner in commanded
+        }
         names = {str(owner.name): owner for owner in self.owners}
         world = {pair for owner in owners for pair in world_of(owner)[:ALWAYS_ALIKE]}
         for home in map(self.homes.get, owners):
@@ -243,7 +260,7 @@ class Weighing:
         world.update(("bridge", pin) for pin in pinned)
         for owner, carrier in pairs:
             stated = dict(world_of(owner))
-            for quantity in (one for map_ in maps_of(carrier) for one in map_.quantities):
+            for quantity in (quantity for map_ in maps_of(carrier) for quantity in map_.quantities):
                 key = f"quantity {quantity.name}"
                 world.add((key, stated.get(key, "what the map says")))
             if isinstance(carrier, bridge.Connection) and any(

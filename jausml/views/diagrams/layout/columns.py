@@ -81,7 +81,9 @@ class _Work:
     def content(self, frame: str) -> Block:
         """Returns the block with the contents of a frame, or of the whole sheet."""
         if self._sheet.packed and self._frames[frame]:
-            inner = [block for f in self._frames[frame] for block in self._framed(f)]
+            inner = [
+                block for inner_frame in self._frames[frame] for block in self._framed(inner_frame)
+            ]
             loose = [box for box in self._own[frame] if box.id not in self._linked]
             rest = [box for box in self._own[frame] if box.id in self._linked]
             return packed([*inner, *([self._grid(rest, frame)] if rest else ()),
@@ -174,7 +176,9 @@ class _Work:
         """
         if column not in (columns[0], columns[-1]):
             return 0.5
-        ends = [{self._boxes[end[0]].column for end in (e.source, e.target)} for e in lines]
+        ends = [
+            {self._boxes[end[0]].column for end in (line.source, line.target)} for line in lines
+        ]
         arcs = sum(end == {column} for end in ends)
         is_inside = arcs < sum(column in end and len(end) > 1 for end in ends)
         return float(is_inside == (column == columns[0] != columns[-1]))
@@ -193,7 +197,9 @@ class _Work:
             columns = sorted(self._boxes[end[0]].column for end in (line.source, line.target))
             bent |= columns == [left, left] and bool(left)
             if columns == [left, right]:
-                one, other = (tops[e[0]] + self._middles[e] for e in (line.source, line.target))
+                one, other = (
+                    tops[end[0]] + self._middles[end] for end in (line.source, line.target)
+                )
                 sloped += abs(one - other) >= 1
                 wide = line.width + _ROOM if line.width else 0
                 bundles[frozenset((line.source, line.target))] += wide

@@ -109,9 +109,9 @@ class _Work:
         """Moves an item down (1) or up (-1), with its neighbours, if that helps."""
         pushed = self._touched(number, way)
         wished = [
-            way * (self.tops[other] + down - self.tops[one])
-            for one in pushed
-            for other, down in self._links[one]
+            way * (self.tops[other] + down - self.tops[item])
+            for item in pushed
+            for other, down in self._links[item]
             if other not in pushed
         ]
         wish = median_low(wished) if wished else 0
@@ -119,8 +119,8 @@ class _Work:
         step = min(wish, *room) if room else wish
         if step < _LEAST:
             return False
-        for one in pushed:
-            self.tops[one] += way * step
+        for item in pushed:
+            self.tops[item] += way * step
         return True
 
     def _touched(self, number: int, way: int) -> set[int]:
@@ -131,8 +131,8 @@ class _Work:
 
     def _spaces(self, pushed: Collection[int], way: int) -> Iterator[tuple[int, float]]:
         """Yields the neighbours of some items on one side, and the space between."""
-        for one in pushed:
-            for other in (self._below if way > 0 else self._above)[one]:
+        for item in pushed:
+            for other in (self._below if way > 0 else self._above)[item]:
                 if other not in pushed:
-                    upper, lower = (one, other) if way > 0 else (other, one)
+                    upper, lower = (item, other) if way > 0 else (other, item)
                     yield other, self.tops[lower] - self._bottom(upper)

@@ -127,7 +127,10 @@ def on_curve(points: Sequence[Point], part: float) -> Point:
     """Returns a point of a cubic Bezier curve."""
     rest = 1 - part
     weights = rest**3, 3 * part * rest**2, 3 * part * part * rest, part**3
-    x, y = (sum(w * p[axis] for w, p in zip(weights, points, strict=True)) for axis in (0, 1))
+    x, y = (
+        sum(weight * point[axis] for weight, point in zip(weights, points, strict=True))
+        for axis in (0, 1)
+    )
     return x, y
 
 

@@ -35,7 +35,10 @@ def spaced(sheet: Sheet, places: Places) -> Places:
         sheet,
         replace(
             places,
-            frames={name: ((a.left, a.top), (a.right, a.bottom)) for name, a in frames.items()},
+            frames={
+                name: ((area.left, area.top), (area.right, area.bottom))
+                for name, area in frames.items()
+            },
             lines=lines,
         ),
     )

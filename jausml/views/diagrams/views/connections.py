@@ -80,7 +80,9 @@ def add_idle_services(builder: Builder, owner: jaus.Component) -> None:
     ]
     for way, services in ((PROVIDES, owner.provides), (USES, owner.uses)):
         for service in services:
-            if service.urn in SERVED_BY_RUNTIME or any(one in carried for one in lineage(service)):
+            if service.urn in SERVED_BY_RUNTIME or any(
+                ancestor in carried for ancestor in lineage(service)
+            ):
                 continue
             builder.put(
                 own,

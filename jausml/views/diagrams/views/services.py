@@ -209,7 +209,9 @@ def _add_state(builder: Builder, machine: Machine, path: str, *, is_composite: b
             column=0 if initial and not is_composite else 1,
             is_initial=initial,
             details=tuple(detail for state in elements for detail in details(state)),
-            findings=tuple(f for s in elements for f in context.findings(s, deep=False)),
+            findings=tuple(
+                finding for state in elements for finding in context.findings(state, deep=False)
+            ),
             element=element,
             key=context.key(elements[-1]) if elements else "",
         )

@@ -110,7 +110,7 @@ def _columns(diagram: SequenceDiagram) -> _Columns:
     column = round(max([*texts, *heads]) + _GAP, 1)
     left = MARGIN + max([_TIMES, *(width(event.time, SMALL) + 6 for event in diagram.events)])
     first = left + column / 2
-    places = {name: round(first + column * n, 1) for n, name in enumerate(participants)}
+    places = {name: round(first + column * number, 1) for number, name in enumerate(participants)}
     title = width(cut(diagram.title, _LONGEST), _TITLE, bold=True)
     end = width(cut(diagram.end, _LONGEST), ROW, bold=True)
     right = max(first + column * len(heads), MARGIN + title, MARGIN + end)

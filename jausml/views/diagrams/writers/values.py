@@ -145,7 +145,9 @@ def settled(
         # Of so many lines each page draws those that it shows.
         drawn = None if graph.is_crowded else place(sheet)
         exact = corners_in_columns(sheet) if drawn is None else drawn.boxes
-        corners: Mapping[str, Point] = {n: (round(x), round(y)) for n, (x, y) in exact.items()}
+        corners: Mapping[str, Point] = {
+            identifier: (round(x), round(y)) for identifier, (x, y) in exact.items()
+        }
         boxes = {box.id: box for box in sheet.boxes}
         sheet = replace(sheet, boxes=tuple(boxes[node.id] for node in graph.nodes))
         for name, corner in corners.items():
@@ -162,7 +164,11 @@ def settled(
         places = _placed(sheet, known, fixed, standing)
     corners = places.corners
     # A box that users moved goes back to where it stood when they undo that.
-    standing.boxes |= {keys[n]: corner for n, corner in corners.items() if n not in fixed}
+    standing.boxes |= {
+        keys[identifier]: corner
+        for identifier, corner in corners.items()
+        if identifier not in fixed
+    }
     standing.shown = {keys[node.id]: (node.kind, corners[node.id]) for node in graph.nodes}
     return Settled(graph, places)
 

@@ -31,7 +31,7 @@ def report_joins(subject: Subject, attribute_map: bridge.AttributeMap) -> Iterat
     """
     if not attribute_map.reportJoins or not subject.is_intact(attribute_map.message):
         return
-    fields = {str(one.name) for one in attributes(attribute_map.message)}
+    fields = {str(attribute.name) for attribute in attributes(attribute_map.message)}
     used = first_names(attribute_map.toRos)
     yield from join_findings(attribute_map.reportJoins, "report join", "message", fields, used)
 

@@ -34,7 +34,9 @@ def commands(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
     """
     for behaviour in behaviours_of(subject, service):
         services = lineage(behaviour.service)
-        if not behaviour.machine.extends_core or all(s.name != ACCESS_CONTROL for s in services):
+        if not behaviour.machine.extends_core or all(
+            service.name != ACCESS_CONTROL for service in services
+        ):
             continue
         for _, transition in behaviour.transitions():
             message = transition.message
@@ -67,7 +69,7 @@ def controlled_alike(_: Subject, service: jaus.Service) -> Iterator[Finding]:
     Good: `isCommand: true` of LockHatch, or its guard
     """
     for message in controlled_by_nobody(service):
-        sibling = next(one for one in service.inputs if needs_control(one, service))
+        sibling = next(command for command in service.inputs if needs_control(command, service))
         text = f"anybody may send {message.name}, without control of the component"
         note = Note(sibling, f"{sibling.name} is obeyed from the controller alone")
         hint = f"say isCommand of it, or {CONTROLLER} in the guards that take it"
