@@ -123,71 +123,32 @@ IDENTIFICATION = tuple(
 )
 
 CATALOG = (
-    row(
-        "QueryConfiguration subsystem: nodes and components",
-        JOINED,
-        when=("client", QueryConfiguration(query_type=SUBSYSTEM), configuration((1, 1), (5, 6))),
-    ),
-    row(
-        "QueryConfiguration node: those of the own node",
-        JOINED,
-        when=("client", QueryConfiguration(query_type=NODE), configuration((1, 1))),
-    ),
-    row(
-        "QueryConfiguration subsystem, scope NODE: silence",
-        when=("client", QueryConfiguration(query_type=SUBSYSTEM)),
-        scope=NODE,
-    ),
-    row(
-        "QueryConfiguration node, scope COMPONENT: silence",
-        when=("client", QueryConfiguration(query_type=NODE)),
-        scope=COMPONENT,
-    ),
+    row("QueryConfiguration subsystem: nodes and components", JOINED,
+        when=("client", QueryConfiguration(query_type=SUBSYSTEM), configuration((1, 1), (5, 6)))),
+    row("QueryConfiguration node: those of the own node", JOINED,
+        when=("client", QueryConfiguration(query_type=NODE), configuration((1, 1)))),
+    row("QueryConfiguration subsystem, scope NODE: silence",
+        when=("client", QueryConfiguration(query_type=SUBSYSTEM)), scope=NODE),
+    row("QueryConfiguration node, scope COMPONENT: silence",
+        when=("client", QueryConfiguration(query_type=NODE)), scope=COMPONENT),
     row("QuerySubsystemList: the own one", when=("client", QuerySubsystemList(), subsystems(OWN))),
-    row(
-        "QuerySubsystemList: those that identified themselves",
-        OCU,
-        when=("client", QuerySubsystemList(), subsystems(JausAddress(2, 1, 1), OWN)),
-    ),
-    row(
-        "QuerySubsystemList: not those that were not heard of lately",
-        OCU,
-        after(301.0),
-        when=("client", QuerySubsystemList(), subsystems(OWN)),
-    ),
-    row(
-        "QuerySubsystemList, scope NODE: silence", when=("client", QuerySubsystemList()), scope=NODE
-    ),
-    row(
-        "QueryServices 255/255: all",
-        JOINED,
-        when=("client", query_services(), services({OWN: own(), MEMBER: (SENSOR,)})),
-    ),
-    row(
-        "QueryServices, v1.0: the same",
-        JOINED,
+    row("QuerySubsystemList: those that identified themselves", OCU,
+        when=("client", QuerySubsystemList(), subsystems(JausAddress(2, 1, 1), OWN))),
+    row("QuerySubsystemList: not those that were not heard of lately", OCU, after(301.0),
+        when=("client", QuerySubsystemList(), subsystems(OWN))),
+    row("QuerySubsystemList, scope NODE: silence", when=("client", QuerySubsystemList()),
+        scope=NODE),
+    row("QueryServices 255/255: all", JOINED,
+        when=("client", query_services(), services({OWN: own(), MEMBER: (SENSOR,)}))),
+    row("QueryServices, v1.0: the same", JOINED,
         when=("client", query_services(), services({OWN: own(V1_0), MEMBER: (SENSOR,)})),
-        version=V1_0,
-    ),
-    row(
-        "QueryServices of one component: it alone",
-        JOINED,
-        when=("client", services_of(5, 6), services({MEMBER: (SENSOR,)})),
-    ),
-    row(
-        "QueryServices of an unknown node: an empty list",
-        JOINED,
-        when=("client", services_of(9, 255), ReportServices()),
-    ),
-    row(
-        "QueryServiceList 65535/255/255: all",
-        JOINED,
-        when=(
-            "client",
-            query_service_lists(),
-            report_service_list(query_service_lists(), {OWN: own(), MEMBER: (SENSOR,)}),
-        ),
-    ),
+        version=V1_0),
+    row("QueryServices of one component: it alone", JOINED,
+        when=("client", services_of(5, 6), services({MEMBER: (SENSOR,)}))),
+    row("QueryServices of an unknown node: an empty list", JOINED,
+        when=("client", services_of(9, 255), ReportServices())),
+    row("QueryServiceList 65535/255/255: all", JOINED, when=("client", query_service_lists(),
+        report_service_list(query_service_lists(), {OWN: own(), MEMBER: (SENSOR,)}))),
     row(
         "QueryServiceList of an unknown subsystem: an empty list",
         when=(
@@ -203,36 +164,17 @@ CATALOG = (
             ReportServiceList(),
         ),
     ),
-    row(
-        "QueryServiceList, v1.0: unknown, ignored",
-        when=("client", query_service_lists()),
-        version=V1_0,
-        counted="component.unknown_message",
-    ),
-    row(
-        "RegisterServices again: replaces",
-        registers(MEMBER, *own()),
-        JOINED,
-        when=("client", services_of(5, 6), services({MEMBER: (SENSOR,)})),
-    ),
-    row(
-        "RegisterServices of another subsystem: ignored",
-        when=("client", register_services([SENSOR])),
-        counted="discovery.registration_ignored",
-    ),
-    row(
-        "RegisterServices, scope COMPONENT: ignored",
-        when=JOINED,
-        scope=COMPONENT,
-        counted="discovery.registration_ignored",
-    ),
-    row(
-        "RegisterServices, not heard of lately: forgotten",
-        JOINED,
-        after(301.0),
-        when=("client", services_of(5, 6), ReportServices()),
-    ),
-)
+    row("QueryServiceList, v1.0: unknown, ignored", when=("client", query_service_lists()),
+        version=V1_0, counted="component.unknown_message"),
+    row("RegisterServices again: replaces", registers(MEMBER, *own()), JOINED,
+        when=("client", services_of(5, 6), services({MEMBER: (SENSOR,)}))),
+    row("RegisterServices of another subsystem: ignored",
+        when=("client", register_services([SENSOR])), counted="discovery.registration_ignored"),
+    row("RegisterServices, scope COMPONENT: ignored", when=JOINED, scope=COMPONENT,
+        counted="discovery.registration_ignored"),
+    row("RegisterServices, not heard of lately: forgotten", JOINED, after(301.0),
+        when=("client", services_of(5, 6), ReportServices())),
+)  # fmt: skip
 
 
 @rows(*IDENTIFICATION)

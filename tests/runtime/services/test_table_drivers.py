@@ -105,28 +105,18 @@ SITUATIONS = {
 
 COMMANDS = {
     "driver, Set: Ready": (SetWrenchEffort(), {"Ready", "Ready, unavailable"}),
-    "driver, waypoint: Controlled": (
-        SetGlobalWaypoint(),
-        {"Standby", "Ready", "Ready, unavailable"},
-    ),
+    "driver, waypoint: Controlled": (SetGlobalWaypoint(),
+        {"Standby", "Ready", "Ready, unavailable"}),
     "sensor, Set...Pose: Controlled": (SetLocalPose(), {"Standby", "Ready", "Ready, unavailable"}),
-    "VelocityStateDriver, current command: Ready": (
-        SetVelocityCommand(CURRENT),
-        {"Ready", "Ready, unavailable"},
-    ),
-    "VelocityStateDriver, maximum: Controlled": (
-        SetVelocityCommand(MAXIMUM),
-        {"Standby", "Ready", "Ready, unavailable"},
-    ),
-    "VelocityStateDriver, minimum: Controlled": (
-        SetVelocityCommand(MINIMUM),
-        {"Standby", "Ready", "Ready, unavailable"},
-    ),
-    "VelocityStateDriver, default: Controlled": (
-        SetVelocityCommand(DEFAULT),
-        {"Standby", "Ready", "Ready, unavailable"},
-    ),
-}
+    "VelocityStateDriver, current command: Ready": (SetVelocityCommand(CURRENT),
+        {"Ready", "Ready, unavailable"}),
+    "VelocityStateDriver, maximum: Controlled": (SetVelocityCommand(MAXIMUM),
+        {"Standby", "Ready", "Ready, unavailable"}),
+    "VelocityStateDriver, minimum: Controlled": (SetVelocityCommand(MINIMUM),
+        {"Standby", "Ready", "Ready, unavailable"}),
+    "VelocityStateDriver, default: Controlled": (SetVelocityCommand(DEFAULT),
+        {"Standby", "Ready", "Ready, unavailable"}),
+}  # fmt: skip
 
 
 @rows(

@@ -90,18 +90,12 @@ def test_liveness_of_v1_0_is_spelt_both_ways(world, spelling):
         pytest.param((), {}, 0, None, id="off without the service"),
         pytest.param(("iop:UnsolicitedHeartbeat",), {}, 11, (1, 255, 255), id="on with it: 1 Hz"),
         pytest.param((), {"heartbeat_rate": 2.0}, 21, (1, 255, 255), id="on by the setting"),
-        pytest.param(
-            ("iop:UnsolicitedHeartbeat",), {"heartbeat_rate": 0.0}, 0, None, id="off by the setting"
-        ),
-        pytest.param(
-            (),
-            {"heartbeat_rate": 1.0, "heartbeat_scope": Scope.SYSTEM},
-            11,
-            (65535, 255, 255),
-            id="to the whole system",
-        ),
+        pytest.param(("iop:UnsolicitedHeartbeat",), {"heartbeat_rate": 0.0}, 0, None,
+            id="off by the setting"),
+        pytest.param((), {"heartbeat_rate": 1.0, "heartbeat_scope": Scope.SYSTEM}, 11,
+            (65535, 255, 255), id="to the whole system"),
     ],
-)
+)  # fmt: skip
 def test_unsolicited_heartbeat(world, urns, settings, count, destination):
     services = tuple(ServiceIdentity(f"urn:jaus:jss:{urn}", 1, 1) for urn in urns)
     component = world.component("1.1.1", services=services, **settings)
@@ -161,34 +155,18 @@ TIME_REPORTS = tuple(
 TIME_COMMANDS = tuple(
     (Row(f"SetTime, {name}", controlled(), when=set_time(time, date)), told)
     for name, time, date, told in (
-        (
-            "time and date",
-            (1, 2, 3, 999, 29),
-            (29, 2, 28),
-            datetime(2028, 2, 29, 1, 2, 3, 999_000, tzinfo=UTC),
-        ),
+        ("time and date", (1, 2, 3, 999, 29), (29, 2, 28),
+            datetime(2028, 2, 29, 1, 2, 3, 999_000, tzinfo=UTC)),
         ("date alone: the time of day stays", None, (1, 3, 30), START.replace(2030, 3, 1)),
         ("time alone, today", (1, 0, 0, 0, 31), None, datetime(2026, 1, 31, 1, tzinfo=UTC)),
-        (
-            "time alone, the next month's",
-            (0, 0, 1, 0, 1),
-            None,
-            datetime(2026, 2, 1, 0, 0, 1, tzinfo=UTC),
-        ),
-        (
-            "time alone, a day before",
-            (12, 0, 0, 0, 30),
-            None,
-            datetime(2026, 1, 30, 12, tzinfo=UTC),
-        ),
-        (
-            "the last date that fits",
-            (0, 0, 0, 0, 31),
-            (31, 12, 127),
-            datetime(2127, 12, 31, tzinfo=UTC),
-        ),
+        ("time alone, the next month's", (0, 0, 1, 0, 1), None,
+            datetime(2026, 2, 1, 0, 0, 1, tzinfo=UTC)),
+        ("time alone, a day before", (12, 0, 0, 0, 30), None,
+            datetime(2026, 1, 30, 12, tzinfo=UTC)),
+        ("the last date that fits", (0, 0, 0, 0, 31), (31, 12, 127),
+            datetime(2127, 12, 31, tzinfo=UTC)),
     )
-)
+)  # fmt: skip
 
 
 def bits(milliseconds=0, seconds=0, minutes=0, hour=0, day=1):
@@ -319,103 +297,46 @@ def ignored(name, *given, when, links=LINE_LINKS, counted=REFUSED):
 
 LISTS = [
     taken("SetElement: a list", when=ABC, links=LINE_LINKS),
-    taken(
-        "SetElement in any order: links make the order",
-        when=sets(element(30, 20, 0), element(10, 0, 20), element(20, 10, 30)),
-        links=LINE_LINKS,
-    ),
+    taken("SetElement in any order: links make the order",
+        when=sets(element(30, 20, 0), element(10, 0, 20), element(20, 10, 30)), links=LINE_LINKS),
     taken("SetElement: one element", when=sets(element(7, 0, 0)), links=[(7, 0, 0)]),
-    taken(
-        "SetElement: a circular list, the tail's next is the head",
-        when=CIRCLE,
-        links=[(10, 0, 20), (20, 10, 30), (30, 20, 10)],
-    ),
-    taken(
-        "SetElement, append: the former tail's next is updated",
-        ABC,
+    taken("SetElement: a circular list, the tail's next is the head", when=CIRCLE,
+        links=[(10, 0, 20), (20, 10, 30), (30, 20, 10)]),
+    taken("SetElement, append: the former tail's next is updated", ABC,
         when=sets(element(40, 30, 0)),
-        links=[(10, 0, 20), (20, 10, 30), (30, 20, 40), (40, 30, 0)],
-    ),
-    taken(
-        "SetElement, insert: both neighbours are updated",
-        ABC,
-        when=sets(element(15, 10, 20)),
-        links=[(10, 0, 15), (15, 10, 20), (20, 15, 30), (30, 20, 0)],
-    ),
-    taken(
-        "SetElement, insert at the head: the former head's previous is updated",
-        ABC,
-        when=sets(element(5, 0, 10)),
-        links=[(5, 0, 10), (10, 5, 20), (20, 10, 30), (30, 20, 0)],
-    ),
-    taken(
-        "SetElement, two inserted at the head",
-        ABC,
+        links=[(10, 0, 20), (20, 10, 30), (30, 20, 40), (40, 30, 0)]),
+    taken("SetElement, insert: both neighbours are updated", ABC, when=sets(element(15, 10, 20)),
+        links=[(10, 0, 15), (15, 10, 20), (20, 15, 30), (30, 20, 0)]),
+    taken("SetElement, insert at the head: the former head's previous is updated", ABC,
+        when=sets(element(5, 0, 10)), links=[(5, 0, 10), (10, 5, 20), (20, 10, 30), (30, 20, 0)]),
+    taken("SetElement, two inserted at the head", ABC,
         when=sets(element(4, 0, 5), element(5, 4, 10)),
-        links=[(4, 0, 5), (5, 4, 10), (10, 5, 20), (20, 10, 30), (30, 20, 0)],
-    ),
-    taken(
-        "SetElement, replace: the same place",
-        ABC,
-        when=sets(element(20, 10, 30, WAYPOINT + b"new")),
-        links=LINE_LINKS,
-    ),
-    taken(
-        "SetElement, an element moves: the gap is closed",
-        ABC,
+        links=[(4, 0, 5), (5, 4, 10), (10, 5, 20), (20, 10, 30), (30, 20, 0)]),
+    taken("SetElement, replace: the same place", ABC,
+        when=sets(element(20, 10, 30, WAYPOINT + b"new")), links=LINE_LINKS),
+    taken("SetElement, an element moves: the gap is closed", ABC,
         when=sets(element(10, 30, 0), element(20, 0, 30)),
-        links=[(20, 0, 30), (30, 20, 10), (10, 30, 0)],
-    ),
-    taken(
-        "SetElement, append that closes the circle",
-        ABC,
-        when=sets(element(40, 30, 10)),
-        links=[(10, 0, 20), (20, 10, 30), (30, 20, 40), (40, 30, 10)],
-    ),
-    taken(
-        "SetElement, insert at the head of a circle: the tail's next follows",
-        CIRCLE,
-        when=sets(element(5, 0, 10)),
-        links=[(5, 0, 10), (10, 5, 20), (20, 10, 30), (30, 20, 5)],
-    ),
-    taken(
-        "SetElement, the circle is opened", CIRCLE, when=sets(element(30, 20, 0)), links=LINE_LINKS
-    ),
-    taken(
-        "DeleteElement in the middle: the neighbours are joined",
-        ABC,
-        when=deletes(20),
-        links=[(10, 0, 30), (30, 10, 0)],
-        request=2,
-    ),
-    taken(
-        "DeleteElement, head: the next one is the head",
-        ABC,
-        when=deletes(10),
-        links=[(20, 0, 30), (30, 20, 0)],
-        request=2,
-    ),
-    taken(
-        "DeleteElement, head of a circle: the tail's next follows",
-        CIRCLE,
-        when=deletes(10),
-        links=[(20, 0, 30), (30, 20, 20)],
-        request=2,
-    ),
-    taken(
-        "DeleteElement, all but one of a circle: no element follows itself",
-        CIRCLE,
-        when=deletes(10, 30),
-        links=[(20, 0, 0)],
-        request=2,
-    ),
+        links=[(20, 0, 30), (30, 20, 10), (10, 30, 0)]),
+    taken("SetElement, append that closes the circle", ABC, when=sets(element(40, 30, 10)),
+        links=[(10, 0, 20), (20, 10, 30), (30, 20, 40), (40, 30, 10)]),
+    taken("SetElement, insert at the head of a circle: the tail's next follows", CIRCLE,
+        when=sets(element(5, 0, 10)), links=[(5, 0, 10), (10, 5, 20), (20, 10, 30), (30, 20, 5)]),
+    taken("SetElement, the circle is opened", CIRCLE, when=sets(element(30, 20, 0)),
+        links=LINE_LINKS),
+    taken("DeleteElement in the middle: the neighbours are joined", ABC, when=deletes(20),
+        links=[(10, 0, 30), (30, 10, 0)], request=2),
+    taken("DeleteElement, head: the next one is the head", ABC, when=deletes(10),
+        links=[(20, 0, 30), (30, 20, 0)], request=2),
+    taken("DeleteElement, head of a circle: the tail's next follows", CIRCLE, when=deletes(10),
+        links=[(20, 0, 30), (30, 20, 20)], request=2),
+    taken("DeleteElement, all but one of a circle: no element follows itself", CIRCLE,
+        when=deletes(10, 30), links=[(20, 0, 0)], request=2),
     taken("DeleteElement 65535: all", ABC, when=deletes(65535), links=[], request=2),
     taken("DeleteElement 65535, empty: confirmed", when=deletes(65535), links=[], request=2),
     refused("Reject 1: UID 0", ABC, when=sets(element(0, 30, 0)), code=1),
     refused("Reject 1: UID 65535", ABC, when=sets(element(65535, 30, 0)), code=1),
-    refused(
-        "Reject 1: a UID twice", ABC, when=sets(element(40, 30, 0), element(40, 30, 0)), code=1
-    ),
+    refused("Reject 1: a UID twice", ABC, when=sets(element(40, 30, 0), element(40, 30, 0)),
+        code=1),
     refused("Reject 1: DeleteElement 0", ABC, when=deletes(0), code=1, request=2),
     refused("Reject 2: unknown previous", ABC, when=sets(element(40, 99, 0)), code=2),
     refused("Reject 2: previous is itself", ABC, when=sets(element(40, 40, 0)), code=2),
@@ -425,35 +346,22 @@ LISTS = [
     refused("Reject 3: unknown next", ABC, when=sets(element(40, 30, 99)), code=3),
     refused("Reject 3: next is itself", ABC, when=sets(element(40, 30, 40)), code=3),
     refused("Reject 3: elements cut off", ABC, when=sets(element(40, 10, 0)), code=3),
-    refused(
-        "Reject 3: a circle that does not end at the head",
-        when=sets(element(1, 0, 2), element(2, 1, 3), element(3, 2, 2)),
-        code=3,
-        links=[],
-    ),
+    refused("Reject 3: a circle that does not end at the head",
+        when=sets(element(1, 0, 2), element(2, 1, 3), element(3, 2, 2)), code=3, links=[]),
     refused("Reject 4: another message", ABC, when=sets(element(40, 30, 0, b"\x0d\x04")), code=4),
     refused("Reject 4: user defined", ABC, when=sets(element(40, 30, 0, WAYPOINT, 1)), code=4),
-    refused(
-        "Reject 4: one of several; none is set",
-        ABC,
-        when=sets(element(40, 30, 50), element(50, 40, 0, b"")),
-        code=4,
-    ),
+    refused("Reject 4: one of several; none is set", ABC,
+        when=sets(element(40, 30, 50), element(50, 40, 0, b"")), code=4),
     refused("Reject 5: DeleteElement, not found", ABC, when=deletes(99), code=5, request=2),
-    refused(
-        "Reject 5: one of several; none is deleted", ABC, when=deletes(10, 99), code=5, request=2
-    ),
-    refused(
-        "Reject 6: out of memory",
-        ABC,
-        when=sets(element(1, 30, 2), element(2, 1, 3), element(3, 2, 4), element(4, 3, 0)),
-        code=6,
-    ),
+    refused("Reject 5: one of several; none is deleted", ABC, when=deletes(10, 99), code=5,
+        request=2),
+    refused("Reject 6: out of memory", ABC,
+        when=sets(element(1, 30, 2), element(2, 1, 3), element(3, 2, 4), element(4, 3, 0)), code=6),
     refused("Reject 7: SetElement without elements", ABC, when=sets(), code=7),
     refused("Reject 7: DeleteElement without elements", ABC, when=deletes(), code=7, request=2),
     ignored("SetElement of another: ignored", ABC, when=sets(element(40, 30, 0), who="rival")),
     ignored("DeleteElement of another: ignored", ABC, when=deletes(10, who="rival")),
-]
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("row", "links"), LISTS)
@@ -471,20 +379,9 @@ def test_list(world, row, links):
 
 
 @rows(
-    row(
-        "QueryElement: the element",
-        ABC,
-        when=(
-            "rival",
-            QueryElement(element_uid=20),
-            ReportElement(
-                element_uid=20,
-                previous_uid=10,
-                next_uid=30,
-                element_data=ReportElement.ElementData(0, WAYPOINT),
-            ),
-        ),
-    ),
+    row("QueryElement: the element", ABC, when=("rival", QueryElement(element_uid=20),
+        ReportElement(element_uid=20, previous_uid=10, next_uid=30,
+        element_data=ReportElement.ElementData(0, WAYPOINT)))),
     row("QueryElement, unknown: silence", ABC, when=("rival", QueryElement(element_uid=21))),
     row(
         "QueryElementList: the order",
@@ -500,12 +397,9 @@ def test_list(world, row, links):
         ),
     ),
     row("QueryElementList, empty", when=("rival", QueryElementList(), ReportElementList())),
-    row(
-        "QueryElementCount",
-        ABC,
-        when=("rival", QueryElementCount(), ReportElementCount(element_count=3)),
-    ),
-)
+    row("QueryElementCount", ABC,
+        when=("rival", QueryElementCount(), ReportElementCount(element_count=3))),
+)  # fmt: skip
 def test_list_queries(world, row):
     play(world, row, Robot)
 

@@ -57,25 +57,10 @@ EXCHANGES = [
     (Resume(), []),
     (QueryStatus(), [ReportStatus]),
     (Standby(), []),
-    (
-        CreateEvent(
-            request_id=1,
-            event_type=1,
-            requested_periodic_rate=0.0,
-            query_message=QueryStatus().encode(),
-        ),
-        [ConfirmEventRequest, Event],
-    ),
-    (
-        UpdateEvent(
-            request_id=1,
-            event_type=1,
-            requested_periodic_rate=0.0,
-            event_id=0,
-            query_message=QueryStatus().encode(),
-        ),
-        [ConfirmEventRequest],
-    ),
+    (CreateEvent(request_id=1, event_type=1, requested_periodic_rate=0.0,
+        query_message=QueryStatus().encode()), [ConfirmEventRequest, Event]),
+    (UpdateEvent(request_id=1, event_type=1, requested_periodic_rate=0.0, event_id=0,
+        query_message=QueryStatus().encode()), [ConfirmEventRequest]),
     (QueryEvents(query_events_var=QueryEvents.AllEventsRec()), [ReportEvents]),
     (CancelEvent(request_id=1, event_id=0), [ConfirmEventRequest]),
     (QueryHeartbeatPulse(), [ReportHeartbeatPulse]),
@@ -86,7 +71,7 @@ EXCHANGES = [
     (SetEmergency(), [RejectControl]),
     (ClearEmergency(), []),
     (ReleaseControl(), [RejectControl]),
-]
+]  # fmt: skip
 
 # What came with v1.1; a v1.0 component does not know it and says nothing.
 ADDED = [QueryEventTimeout(), query_service_lists()]
