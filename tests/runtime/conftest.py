@@ -64,6 +64,19 @@ class Station:
         message = Received(source, payload, inbox.arrival.number)
         self.received.append((own, message))
 
+    def send(self, *message: object, **options: object) -> list[bool]:
+        """Sends a message; its result will stand in the list."""
+        results: list[bool] = []
+        self.transport.send(*message, on_result=results.append, **options)
+        return results
+
+    def result(self, *message: object, **options: object) -> bool:
+        """Sends a message and waits for its result, of which there is one."""
+        results = self.send(*message, **options)
+        wait_until(lambda: results)
+        (result,) = results
+        return result
+
     @property
     def payloads(self) -> list[bytes]:
         return [message.payload for _, message in list(self.received)]
@@ -246,9 +259,3 @@ class FakeClock:
 def clock() -> FakeClock:
     """A clock that only moves when told."""
     return FakeClock()
-
-
-@pytest.fixture(name="wait_until")
-def wait_until_fixture() -> Callable[..., None]:
-    """Waits for a condition, with a bound."""
-    return wait_until

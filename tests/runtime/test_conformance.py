@@ -13,13 +13,12 @@ import pytest
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.transports.packets.packet import AckNak, Broadcast, DataFlags, Packet, Priority
 
+from .conftest import wait_until
+from .transport_support import DRIVER, PEER, SENSOR, STATUS
+
 pytestmark = pytest.mark.ports
 
-DRIVER = JausAddress(100, 1, 1)
-SENSOR = JausAddress(100, 1, 2)
 ELSEWHERE = JausAddress(100, 1, 9)
-PEER = JausAddress(300, 1, 1)
-STATUS = b"\x02\x40" + bytes(5)
 LAST = b"\xff\xd0"
 
 
@@ -184,7 +183,7 @@ RECEIVED = [
 
 
 @pytest.mark.parametrize("row", RECEIVED, ids=[row.clause for row in RECEIVED])
-def test_what_is_received(row, station, peer, wait_until):
+def test_what_is_received(row, station, peer):
     here = station().attach(DRIVER, SENSOR)
     for data in row.datagrams:
         peer.send(data)
@@ -216,7 +215,7 @@ class TestAcknowledgement:
         expected = f"02000e00{0x30 | priority:02x}01012c01010164003412"
         assert raw(peer).hex() == expected
 
-    def test_it_consumes_no_number(self, station, peer, wait_until):
+    def test_it_consumes_no_number(self, station, peer):
         here = station(address_book={PEER: peer.endpoint}).attach(DRIVER)
         peer.send(packet(sequence=1))
         wait_until(lambda: here.received)
@@ -229,9 +228,7 @@ class TestAcknowledgement:
 
 
 class TestSent:
-    def test_one_message_in_each_datagram_and_none_longer_than_peers_take(
-        self, station, peer, wait_until
-    ):
+    def test_one_message_in_each_datagram_and_none_longer_than_peers_take(self, station, peer):
         here = station().attach(DRIVER)
         peer.send(packet())
         wait_until(lambda: here.received)

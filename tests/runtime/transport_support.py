@@ -3,6 +3,8 @@
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.transports.packets.packet import AckNak, Packet
 
+from .conftest import wait_until
+
 DRIVER = JausAddress(100, 1, 1)
 SENSOR = JausAddress(100, 1, 2)
 OCU = JausAddress(200, 1, 1)
@@ -14,7 +16,7 @@ def from_peer(payload: bytes = STATUS, sequence: int = 1, **fields) -> Packet:
     return Packet(fields.pop("destination", DRIVER), PEER, payload, sequence, **fields)
 
 
-def join(peer, at, wait_until) -> None:
+def join(peer, at) -> None:
     """Lets a station learn where the peer is."""
     before = at.counter("transport.nak")
     peer.send(from_peer(b"", 0, acknowledge=AckNak.NAK), at.transport.endpoint)

@@ -20,6 +20,7 @@ from jausml.runtime.messages import (
     Shutdown,
 )
 
+from ..conftest import wait_until
 from .state_tables import V1_1, core_services
 
 pytestmark = pytest.mark.ports
@@ -66,7 +67,7 @@ class TestOneProcess:
         for jaus_component in made:
             jaus_component.stop()
 
-    def test_control_and_events(self, pair, wait_until):
+    def test_control_and_events(self, pair):
         robot, operator = pair
         statuses = []
         session = operator.control(ROBOT, authority=100)
@@ -80,7 +81,7 @@ class TestOneProcess:
         wait_until(lambda: statuses[-1].status == Status.STANDBY)
         assert robot.controller is None
 
-    def test_discovery_of_each_other(self, pair, wait_until):
+    def test_discovery_of_each_other(self, pair):
         found = []
         pair[1].discover(DISCOVERY, found.append)
         wait_until(lambda: found)
@@ -94,7 +95,7 @@ class TestOneProcess:
 
 
 class TestTwoProcesses:
-    def test_commands_reports_and_discovery(self, robot, operator, wait_until):
+    def test_commands_reports_and_discovery(self, robot, operator):
         tested = robot()
         times, found = [], []
         session = operator.control(ROBOT, authority=100)
@@ -116,7 +117,7 @@ class TestTwoProcesses:
         assert found[0].address == ROBOT
 
     @pytest.mark.slow
-    def test_recovery_of_a_killed_robot(self, robot, operator, wait_until):
+    def test_recovery_of_a_killed_robot(self, robot, operator):
         first = robot()
         pulses, silences = [], []
         session = operator.control(ROBOT, authority=100)
@@ -140,7 +141,7 @@ class TestTwoProcesses:
         assert len(silences) == 1
 
     @pytest.mark.slow
-    def test_three_processes_on_one_port(self, robot, operator, wait_until):
+    def test_three_processes_on_one_port(self, robot, operator):
         addresses = [JausAddress(3, 1, number) for number in (1, 2)]
         for address in addresses:
             robot("--jaus-id", str(address), "--discovery-scope", "component")
@@ -148,7 +149,7 @@ class TestTwoProcesses:
         wait_until(lambda: all(session.state is ControlState.READY for session in sessions), 20.0)
 
     @pytest.mark.slow
-    def test_members_register_with_the_subsystem(self, robot, operator, wait_until):
+    def test_members_register_with_the_subsystem(self, robot, operator):
         robot("--jaus-id", "4.1.1").expect("initialize")
         robot("--jaus-id", "4.1.2", "--discovery-scope", "component").expect("initialize")
         found = []
@@ -158,7 +159,7 @@ class TestTwoProcesses:
 
 class TestEnd:
     @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
-    def test_by_signal(self, robot, operator, wait_until, number):
+    def test_by_signal(self, robot, operator, number):
         tested = robot()
         statuses = []
         session = operator.control(ROBOT, authority=100)
@@ -173,7 +174,7 @@ class TestEnd:
         wait_until(lambda: statuses[-1].status == Status.SHUTDOWN)
         wait_until(lambda: session.state is ControlState.SEEKING)
 
-    def test_by_jaus_shutdown(self, robot, operator, wait_until):
+    def test_by_jaus_shutdown(self, robot, operator):
         tested = robot()
         session = operator.control(ROBOT, authority=100)
         wait_until(lambda: session.state is ControlState.READY)
