@@ -142,15 +142,12 @@ def test_a_bridge_without_vectors_has_a_test(tmp_path):
         tmp_path,
         """\
 import `jaus.manipulator-2.0`
-joints {
-  JAUS ReportJointPositions
-  ROS sensor_msgs/JointState
+joints { JAUS ReportJointPositions  ROS sensor_msgs/JointState
   JAUS->ROS ( JointPositionList -> position { JointPosition.radian -> . : user(trim) } )
 }
 component arm { address: 10.1.2  provides: ManipulatorJointPositionSensor }
 bridge arm_bridge {
-  address: 10.1.1
-  uses: ManipulatorJointPositionSensor
+  address: 10.1.1  uses: ManipulatorJointPositionSensor
   connection joints { map: joints  exchange: query  peers: arm  topic joint_states {} }
 }
 """,
@@ -165,20 +162,16 @@ def test_alternatives_of_one_field_do_not_stand_in_one_message(tmp_path):
         tmp_path,
         """\
 import jaus.hmi
-axis {
-  JAUS ReportAnalogAction
-  ROS std_msgs/Float64
+axis { JAUS ReportAnalogAction  ROS std_msgs/Float64
   JAUS->ROS (
     Yaw.byte, Yaw.integer -> data : expression("byte + integer") {
-      whenAbsent: useDefault
-      defaultValue: 0
+      whenAbsent: useDefault  defaultValue: 0
     }
   )
 }
 component desk { address: 10.1.2  provides: AnalogControl }
 bridge desk_bridge {
-  address: 10.1.1
-  uses: AnalogControl
+  address: 10.1.1  uses: AnalogControl
   connection axis { map: axis  exchange: query  peers: desk  topic yaw {} }
 }
 """,
@@ -192,19 +185,13 @@ def test_a_field_is_not_tried_absent_beside_a_value_of_its_own(tmp_path):
         tmp_path,
         """\
 import jaus.mobility
-days {
-  JAUS ReportLocalPose
-  ROS std_msgs/Header
+days { JAUS ReportLocalPose  ROS std_msgs/Header
   table words ( 2 <-> "two" )
-  JAUS->ROS (
-    TimeStamp -> stamp : timestamp_to_time
-    TimeStamp.Day -> frame_id : look_up(words)
-  )
+  JAUS->ROS ( TimeStamp -> stamp : timestamp_to_time  TimeStamp.Day -> frame_id : look_up(words) )
 }
 component rover { address: 10.1.2  provides: LocalPoseSensor }
 bridge day_bridge {
-  address: 10.1.1
-  uses: LocalPoseSensor
+  address: 10.1.1  uses: LocalPoseSensor
   connection days { map: days  peers: rover  topic days {} }
 }
 """,
@@ -217,20 +204,14 @@ bridge day_bridge {
 JOINED = """\
 import jaus.mobility
 import `jaus.core-1.1`
-poses {
-  JAUS ReportLocalPose
-  ROS nav_msgs/OccupancyGrid
+poses { JAUS ReportLocalPose  ROS nav_msgs/OccupancyGrid
   table words ( 1 <-> "one" )
   report_join near { message: Discovery.ReportServices  freshness: 1.5  whenStale: %s }
-  JAUS->ROS (
-    X -> info.origin.position.x
-    %s
-  )
+  JAUS->ROS ( X -> info.origin.position.x  %s )
 }
 component rover { address: 10.1.2  provides: LocalPoseSensor, Discovery }
 bridge pose_bridge {
-  address: 10.1.1
-  uses: LocalPoseSensor
+  address: 10.1.1  uses: LocalPoseSensor
   connection poses { map: poses  peers: rover  topic poses {} }
 }
 """
