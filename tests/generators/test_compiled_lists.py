@@ -134,13 +134,9 @@ bridge compiled_lists {
 CONNECTIONS = re.findall(r"connection (\w+)", TEXT)
 ODD = [0.0, -0.0, math.nan, math.inf, -math.inf, 65.535, 65.5354, 3.4e38, -1.0, 1e-45, 100000.0]
 LISTS = [
-    [],
-    [1.25],
-    [0.0005, 0.0015, 0.0025, 32.7675, 65.535],
-    [-0.0005, -0.0015, -3.0],
-    *([1.0, number, 2.0] for number in ODD),
-    [number * 0.01 for number in range(6)],
-]
+    [], [1.25], [0.0005, 0.0015, 0.0025, 32.7675, 65.535], [-0.0005, -0.0015, -3.0],
+    *([1.0, number, 2.0] for number in ODD), [number * 0.01 for number in range(6)],
+]  # fmt: skip
 
 
 @pytest.fixture(scope="module")

@@ -44,18 +44,10 @@ def workspace() -> Path:
 def test_a_package_is_an_ament_python_package(package):
     files = {path.removeprefix(f"{package}/") for path in texts() if path.startswith(f"{package}/")}
     assert files == {
-        "package.xml",
-        "setup.py",
-        "setup.cfg",
-        f"resource/{package}",
-        f"{package}/__init__.py",
-        f"{package}/py.typed",
-        f"{package}/messages.py",
-        f"{package}/{package}_base.py",
-        f"{package}/{package}.py",
-        f"{package}/main.py",
-        f"test/test_{package}.py",
-    }
+        "package.xml", "setup.py", "setup.cfg", f"resource/{package}", f"{package}/__init__.py",
+        f"{package}/py.typed", f"{package}/messages.py", f"{package}/{package}_base.py",
+        f"{package}/{package}.py", f"{package}/main.py", f"test/test_{package}.py",
+    }  # fmt: skip
 
 
 def test_only_the_skeleton_is_the_users():

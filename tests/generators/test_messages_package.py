@@ -67,13 +67,9 @@ def test_a_module_for_each_service(files):
         path for path in files if path.startswith("catvehicle_messages/catvehicle_messages/")
     ]
     assert [Path(path).name for path in modules] == [
-        "__init__.py",
-        "local_pose_sensor.py",
-        "primitive_driver.py",
-        "py.typed",
-        "velocity_state_driver.py",
-        "velocity_state_sensor.py",
-    ]
+        "__init__.py", "local_pose_sensor.py", "primitive_driver.py", "py.typed",
+        "velocity_state_driver.py", "velocity_state_sensor.py",
+    ]  # fmt: skip
 
 
 def test_packages_depend_on_the_messages_that_they_use(files):

@@ -32,14 +32,9 @@ SYSTEMS = (
     "tests/generators/narrow_bridge.xmi",
 )
 PUBLIC = {
-    public.FACE,
-    public.MESSAGES,
-    public.CONVERSIONS,
-    public.OCTETS,
-    public.WIRE,
-    public.LIGHT,
+    public.FACE, public.MESSAGES, public.CONVERSIONS, public.OCTETS, public.WIRE, public.LIGHT,
     public.VALUES,
-}
+}  # fmt: skip
 
 
 def original(module):
