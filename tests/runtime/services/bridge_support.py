@@ -285,9 +285,7 @@ class Setting:
 
 
 def peer_component(world, address=PEER, **settings):
-    component = world.component(str(address), services=CORE, **settings)
-    component.start()
-    return component
+    return world.started(str(address), services=CORE, **settings)
 
 
 def minutes_to_number(report):

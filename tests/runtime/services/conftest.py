@@ -180,6 +180,12 @@ class World:
             settings=ComponentSettings(**settings),
         )
 
+    def started(self, address: str, **options: Any) -> Any:
+        """Makes a component that runs."""
+        component = self.component(address, **options)
+        component.start()
+        return component
+
     def probe(self, address: str, *, strict: bool = True):
         """Makes a peer that does nothing by itself; a strict one understands all that it gets."""
         return Probe(self, JausAddress.parse(address), strict=strict)
@@ -214,6 +220,12 @@ class Probe:
         """Sends any bytes."""
         target = getattr(destination, "address", destination)
         self._world.send(self.address, target, payload)
+
+    def tell(self, destination: Any, *messages: Message) -> None:
+        """Sends messages in a row, and lets everything happen that follows at once."""
+        for message in messages:
+            self.send(message, destination)
+        self._world.settle()
 
     def ask(self, message: Message, destination: Any) -> list[Message]:
         """Sends a message and returns what comes back at once."""

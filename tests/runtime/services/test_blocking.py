@@ -18,8 +18,7 @@ def test_a_handler_that_blocks_is_named_once(world, caplog):
     probe = world.probe("1.1.2")
     with caplog.at_level(logging.WARNING, "jausml"):
         for _ in range(3):
-            probe.send(SetTime(), component.address)
-            world.settle()
+            probe.tell(component.address, SetTime())
     assert world.counters.snapshot()["component.handler_blocked"] == 3
     (line,) = [record.getMessage() for record in caplog.records]
     assert "component.handler_blocked (1 times): " in line

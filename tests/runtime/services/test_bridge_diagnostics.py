@@ -77,8 +77,7 @@ def test_diagnostics_count_the_reasons_of_stops(world, setting):
     )
     operator = world.probe("5.1.1")
     for message in (ReleaseControl(), ReleaseControl(), Reset()):
-        for request in (RequestControl(authority_code=200), Resume(), minutes(2), message):
-            operator.send(request, OWN)
+        operator.tell(OWN, RequestControl(authority_code=200), Resume(), minutes(2), message)
         world.run(1.1)
     told = values(setting.ros.statuses[-1]["times"])
     assert {key: value for key, value in told.items() if key.startswith("stopped: ")} == {
@@ -93,8 +92,7 @@ def test_diagnostics_tell_lapsed_control_from_released(world, setting):
         message_connection(when=Guard.READY, safe_value=lambda: Number(-1.0)), services=CORE
     )
     operator = world.probe("5.1.1")
-    for message in (RequestControl(authority_code=200), Resume(), minutes(2)):
-        operator.send(message, OWN)
+    operator.tell(OWN, RequestControl(authority_code=200), Resume(), minutes(2))
     world.run(7.0)
     status = setting.ros.statuses[-1]["times"]
     lapsed = "control lapsed: its client did not request it again in time"
@@ -184,8 +182,7 @@ def test_a_peer_that_is_not_there_is_told_while_messages_go_to_it(world, setting
 
 def test_who_controls_a_peer_instead_or_why_it_refuses_is_told(world, setting):
     peer = peer_component(world)
-    rival = world.component("6.1.1", services=())
-    rival.start()
+    rival = world.started("6.1.1", services=())
     session = rival.control(PEER, authority=255)
     world.run(1.0)
     setting.open(command("drive", control=Guard.READY))

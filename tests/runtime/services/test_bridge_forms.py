@@ -205,8 +205,7 @@ def test_message_that_cannot_be_read_is_counted(world, setting):
     connection = setting.open(message_connection())
     operator = world.probe("5.1.1")
     operator.send_bytes(SetTime.CODE.to_bytes(2, "little"), OWN)
-    operator.send(minutes(7), OWN)
-    world.settle()
+    operator.tell(OWN, minutes(7))
     assert setting.ros.numbers("times") == [7.0]
     assert setting.drops(connection) == {"not_decodable": 1}
 

@@ -40,8 +40,7 @@ def test_more_peers_than_a_guardian_has_room_for_get_their_commands_and_are_told
 
 
 def test_the_place_of_a_peer_is_free_when_all_connections_have_lost_it(world, setting, ward):
-    peer = world.component(str(PEER))
-    peer.start()
+    peer = world.started(str(PEER))
     search = PeerSearch(("urn:jaus:jss:core:AccessControl",), choice=PeerChoice.ALL)
     options = {"peers": search, "is_command": True, "safe_value": safe}
     connections = command("one", **options), command("two", **options)

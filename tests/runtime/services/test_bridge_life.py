@@ -83,9 +83,7 @@ def test_control_ends_and_is_not_to_be_had(world, setting):
         services=CORE,
     )
     operator = world.probe("5.1.1")
-    for message in (RequestControl(authority_code=200), Resume(), minutes(2)):
-        operator.send(message, OWN)
-    world.settle()
+    operator.tell(OWN, RequestControl(authority_code=200), Resume(), minutes(2))
     operator.take()
     topic = setting.ros.numbers("times")
     assert topic == [-1.0, 2.0]
@@ -93,18 +91,14 @@ def test_control_ends_and_is_not_to_be_had(world, setting):
     world.settle()
     (reject,) = [message for message in operator.take() if isinstance(message, RejectControl)]
     assert reject.response_code == RejectControl.ResponseCode.NOT_AVAILABLE
-    operator.send(RequestControl(authority_code=255), OWN)
-    operator.send(minutes(3), OWN)
-    world.settle()
+    operator.tell(OWN, RequestControl(authority_code=255), minutes(3))
     (answer,) = [message for message in operator.take() if isinstance(message, ConfirmControl)]
     assert answer.response_code == ConfirmControl.ResponseCode.NOT_AVAILABLE
     (status,) = operator.ask(QueryStatus(), OWN)
     assert status.status == ReportStatus.Status.STANDBY
     assert setting.ros.numbers("times") == [-1.0, 2.0, -1.0]
     setting.bridge.set_active(True)
-    for message in (RequestControl(authority_code=200), Resume(), minutes(4)):
-        operator.send(message, OWN)
-    world.settle()
+    operator.tell(OWN, RequestControl(authority_code=200), Resume(), minutes(4))
     assert setting.ros.numbers("times")[-1] == 4.0
     assert connection.stopped is None
 
@@ -115,16 +109,14 @@ def test_what_stands_stands_for_the_latest_reason(world, setting):
     setting.ros.deliver["numbers"](Number(5.0))
     world.run(1.1)
     assert connection.stopped is StopReason.SILENCE
-    world.probe("5.1.1").send(SetEmergency(emergency_code=1), OWN)
-    world.settle()
+    world.probe("5.1.1").tell(OWN, SetEmergency(emergency_code=1))
     assert connection.stopped is StopReason.EMERGENCY
 
 
 def test_an_emergency_is_one_while_inactive_too(world, setting):
     setting.open(command(safe_value=safe, is_command=True), services=CORE)
     setting.bridge.set_active(False)
-    world.probe("5.1.1").send(SetEmergency(emergency_code=1), OWN)
-    world.settle()
+    world.probe("5.1.1").tell(OWN, SetEmergency(emergency_code=1))
     assert setting.bridge.standing.halt is StopReason.EMERGENCY
     setting.bridge.set_active(True)
     peer = world.probe(str(PEER))
@@ -135,8 +127,7 @@ def test_an_emergency_is_one_while_inactive_too(world, setting):
 def test_a_parameter_lifts_the_emergency_of_somebody_who_is_gone(world, setting):
     setting.open(command(safe_value=safe, is_command=True), services=CORE)
     stranger = world.probe("66.1.1")
-    stranger.send(SetEmergency(emergency_code=1), OWN)
-    world.settle()
+    stranger.tell(OWN, SetEmergency(emergency_code=1))
     (lift,) = [
         parameter for parameter in setting.ros.declared if parameter.name == "lift_emergency"
     ]
@@ -170,8 +161,7 @@ def test_a_bridge_that_is_activated_in_emergency_asks_nobody_for_control(world, 
     peer = world.probe(str(PEER))
     setting.bridge.set_active(False)
     operator = world.probe("5.1.1")
-    operator.send(SetEmergency(emergency_code=1), OWN)
-    world.settle()
+    operator.tell(OWN, SetEmergency(emergency_code=1))
     peer.take()
     setting.bridge.set_active(True)
     world.run(1.0)

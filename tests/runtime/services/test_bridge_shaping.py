@@ -103,8 +103,7 @@ def test_whoever_must_not_be_heard_takes_no_place(world, setting):
     setting.open(message_connection(shape=Shape(max_rate=1.0), peers=[PEER]))
     stranger, probe = world.probe("1.1.77"), world.probe(str(PEER))
     stranger.send(minutes(9), OWN)
-    probe.send(minutes(1), OWN)
-    world.settle()
+    probe.tell(OWN, minutes(1))
     assert setting.ros.numbers("times") == [1.0]
 
 
@@ -368,13 +367,11 @@ def test_age_is_that_of_a_simulation(world, setting):
     message = stamped(ros.now())
     sender.send(message, OWN)
     world.run(5.0, step=0.1)
-    sender.send(message, OWN)
-    world.settle()
+    sender.tell(OWN, message)
     assert connection.statistics.passed == 2
     clock[0] += 2.0
     ros.say_time(clock[0])
-    sender.send(message, OWN)
-    world.settle()
+    sender.tell(OWN, message)
     assert connection.statistics.passed == 2
     assert connection.statistics.drops == {"too_old": 1}
 

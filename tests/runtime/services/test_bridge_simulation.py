@@ -115,16 +115,15 @@ def test_reports_are_served_at_the_pace_of_the_simulation(world, setting, simula
     client = world.probe(str(OTHER))
     simulation.run(0.1)
     setting.ros.deliver["numbers"](Number(5.0))
-    client.send(
+    client.tell(
+        OWN,
         CreateEvent(
             request_id=1,
             event_type=CreateEvent.EventType.PERIODIC_SC,
             requested_periodic_rate=10.0,
             query_message=QueryTime(presence_vector=1).encode(),
         ),
-        OWN,
     )
-    world.settle()
     client.take()
     simulation.run(4.0, ratio)
     events = [message for message in client.take() if isinstance(message, Event)]

@@ -86,8 +86,7 @@ def test_controlled_is_enough_where_nobody_can_resume(world, setting):
 def test_report_is_served_to_queries_and_events(world, setting):
     setting.open(report(), services=CORE)
     watched = []
-    client = world.component("7.1.1", services=())
-    client.start()
+    client = world.started("7.1.1", services=())
     client.subscribe(
         OWN, QueryTime(presence_vector=1), ReportTime, lambda answer, _: watched.append(answer)
     )

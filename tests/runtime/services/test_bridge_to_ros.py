@@ -115,8 +115,7 @@ def test_commands_of_anybody_are_passed_on_in_their_order(world, setting, is_com
     sender = world.probe("5.1.1")
     for number in (10, 12, 11, 13):
         world.arrival.number = number
-        sender.send(minutes(number), OWN)
-        world.settle()
+        sender.tell(OWN, minutes(number))
     expected = [10.0, 12.0, 13.0] if is_command else [10.0, 12.0, 11.0, 13.0]
     assert setting.ros.numbers("times") == expected
     assert world.counters.drops().get("component.out_of_order", 0) == is_command
@@ -129,19 +128,12 @@ def test_command_needs_control_and_losing_it_is_safe_at_once(world, setting):
     )
     operator = world.probe("5.1.1")
     operator.send(minutes(1), OWN)  # not obeyed: no control
-    operator.send(RequestControl(authority_code=200), OWN)
-    operator.send(Resume(), OWN)
-    operator.send(minutes(2), OWN)
-    world.settle()
+    operator.tell(OWN, RequestControl(authority_code=200), Resume(), minutes(2))
     assert setting.ros.numbers("times") == [-1.0, 2.0]
-    operator.send(ReleaseControl(), OWN)
-    world.settle()
+    operator.tell(OWN, ReleaseControl())
     assert setting.ros.numbers("times") == [-1.0, 2.0, -1.0]
     assert connection.is_silent
-    operator.send(RequestControl(authority_code=200), OWN)
-    operator.send(Resume(), OWN)
-    operator.send(minutes(3), OWN)
-    world.settle()
+    operator.tell(OWN, RequestControl(authority_code=200), Resume(), minutes(3))
     assert setting.ros.numbers("times") == [-1.0, 2.0, -1.0, 3.0]
     assert not connection.is_silent
     world.run(60.0, step=0.5)
@@ -159,17 +151,13 @@ def test_take_over_in_ready_is_safe_at_once(world, setting, guard, timeout):
         control_timeout=60,
     )
     former, rival = world.probe("5.1.1"), world.probe("6.1.1")
-    for message in (RequestControl(authority_code=127), Resume(), minutes(2)):
-        former.send(message, OWN)
-    world.settle()
-    rival.send(RequestControl(authority_code=200), OWN)
-    world.settle()
+    former.tell(OWN, RequestControl(authority_code=127), Resume(), minutes(2))
+    rival.tell(OWN, RequestControl(authority_code=200))
     assert setting.bridge.component.status is Status.READY
     assert setting.bridge.component.controller == rival.address
     assert setting.ros.numbers("times") == [-1.0, 2.0, -1.0]
     former.send(minutes(3), OWN)
-    rival.send(minutes(4), OWN)
-    world.settle()
+    rival.tell(OWN, minutes(4))
     assert setting.ros.numbers("times") == [-1.0, 2.0, -1.0, 4.0]
     assert not connection.is_silent
 
@@ -181,8 +169,7 @@ def test_lapse_of_control_in_ready_is_safe_once(world, setting):
         control_timeout=2,
     )
     operator = world.probe("5.1.1")
-    for message in (RequestControl(authority_code=127), Resume(), minutes(2)):
-        operator.send(message, OWN)
+    operator.tell(OWN, RequestControl(authority_code=127), Resume(), minutes(2))
     world.run(1.9)
     assert setting.ros.numbers("times") == [-1.0, 2.0]
     world.run(0.2)
@@ -206,19 +193,13 @@ def test_guard_may_depend_on_the_message(world, setting):
         services=CORE,
     )
     operator = world.probe("5.1.1")
-    for message in (RequestControl(authority_code=200), minutes(0), minutes(7)):
-        operator.send(message, OWN)
-    world.settle()
+    operator.tell(OWN, RequestControl(authority_code=200), minutes(0), minutes(7))
     assert setting.ros.numbers("times") == [-1.0]
     assert setting.drops(connection) == {"no_counterpart": 1}
     assert setting.bridge.component.counters.drops()["component.command_refused"] == 1
-    for message in (Resume(), minutes(0), ReleaseControl()):
-        operator.send(message, OWN)
-    world.settle()
+    operator.tell(OWN, Resume(), minutes(0), ReleaseControl())
     assert setting.ros.numbers("times") == [-1.0, 5.0, -1.0]
-    operator.send(RequestControl(authority_code=200), OWN)
-    operator.send(minutes(7), OWN)
-    world.settle()
+    operator.tell(OWN, RequestControl(authority_code=200), minutes(7))
     assert connection.is_silent
     assert setting.ros.numbers("times") == [-1.0, 5.0, -1.0]
 
@@ -248,8 +229,7 @@ def test_reports_that_a_peer_sends_unasked_are_named(world, setting):
     peer = world.probe(str(PEER), strict=False)
     connection = setting.open(asking_for_time())
     peer.send(reported(5), OWN)
-    world.probe(str(OTHER), strict=False).send(reported(6), OWN)
-    world.settle()
+    world.probe(str(OTHER), strict=False).tell(OWN, reported(6))
     assert setting.ros.numbers("time") == []
     assert setting.drops(connection) == {"unasked": 1}
     # What others send is unknown, as before.
@@ -269,8 +249,7 @@ def test_a_report_that_another_connection_takes_is_not_called_unasked(world, set
         "taking", reported_number, message=ReportTime, type=Number, topics=[Topic("taken")]
     )
     setting.open(asking, taking)
-    peer.send(reported(5), OWN)
-    world.settle()
+    peer.tell(OWN, reported(5))
     assert setting.ros.numbers("taken") == [5.0]
     assert setting.drops(asking) == {}
 

@@ -53,9 +53,7 @@ class Outcome:
 
 @pytest.fixture
 def robot(world):
-    component = world.component(str(TARGET), kind=Robot)
-    component.start()
-    return component
+    return world.started(str(TARGET), kind=Robot)
 
 
 @pytest.fixture
@@ -185,8 +183,7 @@ class TestCommand:
         probe = world.probe("5.1.1")
         before = client.command(probe.address, Drive())
         (request,) = probe.take()
-        probe.send(CommandEvent(event_id=9, command_result=0), client)
-        world.settle()
+        probe.tell(client, CommandEvent(event_id=9, command_result=0))
         if ends_by == "cancel":
             before.cancel()
         elif ends_by == "confirmation":
@@ -199,16 +196,14 @@ class TestCommand:
         probe.take()
         client.command(probe.address, Drive(), **outcome.callbacks())
         (request,) = probe.take()
-        probe.send(ConfirmEventRequest(request_id=request.request_id, event_id=9), client)
-        world.settle()
+        probe.tell(client, ConfirmEventRequest(request_id=request.request_id, event_id=9))
         assert outcome.done == []
 
     def test_reject_without_code_and_text(self, world, client, outcome):
         probe = world.probe("5.1.1")
         client.command(probe.address, Drive(), **outcome.callbacks())
         (request,) = probe.take()
-        probe.send(RejectEventRequest(request_id=request.request_id), client)
-        world.settle()
+        probe.tell(client, RejectEventRequest(request_id=request.request_id))
         assert outcome.refused == [(None, "")]
 
 
@@ -293,8 +288,7 @@ def test_command_before_the_start(world, robot, outcome):
 
 
 def test_end_that_nobody_awaits_is_counted(world, client):
-    world.probe("5.1.1").send(CommandEvent(event_id=9, command_result=0), client)
-    world.settle()
+    world.probe("5.1.1").tell(client, CommandEvent(event_id=9, command_result=0))
     assert world.counters.snapshot()["command_client.unknown_event"] == 1
 
 

@@ -28,9 +28,7 @@ def client(world):
 
 
 def server(world, scope=Scope.SUBSYSTEM, address="1.1.1", **named):
-    component = world.component(address, services=(DISCOVERY,), discovery_scope=scope, **named)
-    component.start()
-    return component
+    return world.started(address, services=(DISCOVERY,), discovery_scope=scope, **named)
 
 
 def query_pairs(*pairs):
@@ -191,8 +189,7 @@ def test_component_registers_with_its_subsystem(world, client):
 
 
 def test_component_registers_with_a_server_that_comes_later_or_again(world, client):
-    member = world.component("1.5.6", services=(SENSOR,), register_services=True)
-    member.start()
+    world.started("1.5.6", services=(SENSOR,), register_services=True)
     world.run(60.0, step=1.0)
     for _ in range(2):
         tested = server(world)
@@ -203,8 +200,7 @@ def test_component_registers_with_a_server_that_comes_later_or_again(world, clie
 
 
 def test_component_registers_with_its_own_subsystem_only(world, client):
-    member = world.component("1.5.6", services=(SENSOR,), register_services=True)
-    member.start()
+    member = world.started("1.5.6", services=(SENSOR,), register_services=True)
     report = ReportIdentification(query_type=SUBSYSTEM, type_=20001, identification="ocu")
     assert client.ask(report, member) == []
     neighbour = world.probe("1.1.1")
@@ -213,8 +209,7 @@ def test_component_registers_with_its_own_subsystem_only(world, client):
 
 
 def test_registering_costs_little(world):
-    member = world.component("1.5.6", services=(SENSOR,), register_services=True)
-    member.start()
+    member = world.started("1.5.6", services=(SENSOR,), register_services=True)
     world.run(600.0, step=1.0)
     assert world.count(QueryIdentification.CODE) == pytest.approx(42, abs=2)
     member.stop()
@@ -231,41 +226,35 @@ def test_search(world):
     searcher.start()
     world.run(40.0, step=1.0)
     assert [(hit.address, hit.services) for hit in hits] == [(JausAddress(1, 2, 3), (SENSOR,))]
-    lone = world.component("8.1.1", services=(DISCOVERY, SENSOR))
-    lone.start()
+    world.started("8.1.1", services=(DISCOVERY, SENSOR))
     world.run(16.0, step=1.0)
     assert [hit.address for hit in hits[1:]] == [JausAddress(8, 1, 1)]
 
 
 def test_who_knows_no_wildcards_is_asked_by_name(world):
     """JAUS++ answers a query with wildcards by a report without components."""
-    searcher = world.component("2.1.1", services=())
-    searcher.start()
+    searcher = world.started("2.1.1", services=())
     hits = []
     searcher.discover(SENSOR.urn, hits.append)
     other = world.probe("152.1.1", strict=False)
     world.settle()
-    other.send(ReportServices(node_list=[]), searcher)
-    world.settle()
+    other.tell(searcher, ReportServices(node_list=[]))
     named = [message for message in other.take() if isinstance(message, QueryServices)][-1]
     (node,) = named.node_list
     assert node.node_rec.node_id == 1
     assert [asked_component.component_id for asked_component in node.component_list] == [1]
-    other.send(ReportServices(node_list=[]), searcher)
-    world.settle()
+    other.tell(searcher, ReportServices(node_list=[]))
     assert not [message for message in other.take() if isinstance(message, QueryServices)]
 
     catalog = {JausAddress(152, 1, 1): (SENSOR,)}
-    other.send(report_services(named, catalog, 152), searcher)
-    world.settle()
+    other.tell(searcher, report_services(named, catalog, 152))
     assert [hit.address for hit in hits] == [JausAddress(152, 1, 1)]
     (quirk,) = searcher.transport.quirks.of(JausAddress(152, 1, 1))
     assert quirk.quirk is Quirk.NO_WILDCARDS
 
 
 def test_search_asks_everyone(world):
-    searcher = world.component("7.1.1")
-    searcher.start()
+    searcher = world.started("7.1.1")
     searcher.discover(SENSOR.urn, lambda _hit: None)
     assert (searcher.address, BROADCAST, QueryServices.CODE) in world.log
 
@@ -323,8 +312,7 @@ def test_list_of_more_subsystems_than_a_report_holds(world, client):
 
 
 def test_search_is_not_filled_by_inventions(world):
-    seeker = world.component("2.1.1", services=())
-    seeker.start()
+    seeker = world.started("2.1.1", services=())
     told = []
     seeker.discover(SENSOR.urn, told.append)
     for subsystem in range(100, 110):

@@ -125,8 +125,7 @@ class TestService:
         assert 195 <= reports(client) <= 205
 
     def test_a_full_service_serves_a_host_that_has_nothing(self, world):
-        tested = world.component("1.1.1", max_events=4)
-        tested.start()
+        tested = world.started("1.1.1", max_events=4)
         greedy = [world.probe(f"9.1.{n}") for n in range(1, 5)]
         for probe in greedy:
             assert ConfirmEventRequest in kinds(probe.ask(create(), tested))
@@ -138,8 +137,7 @@ class TestService:
         assert world.counters.snapshot()["events.gave_way"] == 1
 
     def test_the_controller_gets_a_slot_in_any_case(self, world):
-        tested = world.component("1.1.1", max_events=2)
-        tested.start()
+        tested = world.started("1.1.1", max_events=2)
         operator, other = world.probe("3.1.1"), world.probe("3.1.2")
         operator.ask(RequestControl(authority_code=9), tested)
         assert world.is_kept(operator.address)
@@ -148,8 +146,7 @@ class TestService:
         assert ConfirmEventRequest in kinds(operator.ask(create(), tested))
 
     def test_rates_above_the_budget_are_cut_where_most_is_asked_for(self, world):
-        tested = world.component("1.1.1", event_rate_budget=100.0)
-        tested.start()
+        tested = world.started("1.1.1", event_rate_budget=100.0)
         greedy = [world.probe(f"9.1.{n}") for n in range(1, 4)]
         honest = world.probe("3.1.1")
         for probe in greedy:
@@ -164,8 +161,7 @@ class TestService:
         assert world.counters.snapshot()["events.rate_cut"] == 1
 
     def test_events_that_are_made_again_and_again_get_no_more(self, world):
-        tested = world.component("1.1.1", event_rate_budget=100.0)
-        tested.start()
+        tested = world.started("1.1.1", event_rate_budget=100.0)
         greedy = [world.probe(f"9.1.{n}") for n in range(1, 21)]
         for probe in greedy:
             probe.ask(create(1000.0), tested)

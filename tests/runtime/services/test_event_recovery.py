@@ -144,14 +144,11 @@ class TestRecovery:
     def second(self, world):
         """A client that begins anew, to which an event goes that it knows nothing of."""
         provider(world)
-        first = world.component("2.1.1", services=())
-        first.start()
+        first = world.started("2.1.1", services=())
         pulses(first, Inbox(), rate=10)
         world.run(1.0)
         kill(world, first)
-        second = world.component("2.1.1", services=())
-        second.start()
-        return second
+        return world.started("2.1.1", services=())
 
     def test_events_from_before_our_own_restart(self, world, second):
         inbox = Inbox()

@@ -397,8 +397,7 @@ class Doubling:
 
 
 def test_who_makes_another_event_of_each_request_is_not_taken_for_restarted(world):
-    client = world.component("2.1.1", services=(), retry_min=0.5, check_interval=3.0)
-    client.start()
+    client = world.started("2.1.1", services=(), retry_min=0.5, check_interval=3.0)
     provider = Doubling(world)
     inbox = Inbox()
     statuses(client, inbox)

@@ -27,9 +27,7 @@ PULSE = QueryHeartbeatPulse().encode()
 
 @pytest.fixture
 def server(world):
-    component = world.component("1.1.1", event_timeout=1, event_rate_min=1, event_rate_max=50)
-    component.start()
-    return component
+    return world.started("1.1.1", event_timeout=1, event_rate_min=1, event_rate_max=50)
 
 
 @pytest.fixture

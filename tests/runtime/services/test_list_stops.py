@@ -141,10 +141,9 @@ def setting(world):
 
 def opened(world, setting, *, control_timeout=0, services=(), **options):
     """A bridge that has a vehicle drive along a list; the vehicle."""
-    vehicle = world.component(
+    vehicle = world.started(
         str(PEER), kind=Vehicle, services=SERVICES, control_timeout=control_timeout
     )
-    vehicle.start()
     connection = ActionToList(
         "follow", number_to_time, action=ACTION, driver=DRIVER, peers=[PEER], speed=1.0, **options
     )
@@ -344,8 +343,7 @@ class TestBetweenAcceptanceAndBeginning:
 
     def test_a_goal_is_not_begun_when_the_vehicle_obeys_no_more(self, world, setting, vehicle):
         rival = world.probe("8.1.1", strict=False)
-        rival.send(RequestControl(authority_code=255), PEER)
-        world.settle()
+        rival.tell(PEER, RequestControl(authority_code=255))
         goal = setting.ros.begin()
         assert [outcome for outcome, _ in goal.ends] == [Outcome.ABORTED]
         world.run(1.0)

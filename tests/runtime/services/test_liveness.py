@@ -14,9 +14,7 @@ from jausml.runtime.messages import (
 
 @pytest.fixture
 def server(world):
-    component = world.component("1.1.1")
-    component.start()
-    return component
+    return world.started("1.1.1")
 
 
 @pytest.fixture
@@ -46,8 +44,7 @@ def test_listeners_get_messages_next_to_the_handler(server, client):
     heard = []
     server.on_message(RequestControl, lambda message, _sender: heard.append(message))
     server.on_message(ReportStatus, lambda message, _sender: heard.append(message))
-    client.ask(RequestControl(authority_code=3), server)
-    client.ask(ReportStatus(status=1, reserved=0), server)
+    client.tell(server, RequestControl(authority_code=3), ReportStatus(status=1, reserved=0))
     assert heard == [RequestControl(authority_code=3), ReportStatus(status=1, reserved=0)]
     assert server.controller == client.address
 

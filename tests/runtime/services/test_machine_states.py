@@ -67,9 +67,7 @@ def client(world):
 
 
 def started(world, kind=Door, services=SERVICES):
-    component = world.component("1.1.1", kind=kind, services=services)
-    component.start()
-    return component
+    return world.started("1.1.1", kind=kind, services=services)
 
 
 def told(client, component):
@@ -128,9 +126,7 @@ def test_a_component_without_machines_has_an_empty_report(world, client):
 
 
 def world_component(world):
-    component = world.component("1.1.1", services=SERVICES)
-    component.start()
-    return component
+    return world.started("1.1.1", services=SERVICES)
 
 
 def test_an_event_tells_each_change(world, client):

@@ -18,9 +18,7 @@ OWN = "100.1.9"
 
 def provider(world, address, *urns):
     services = (*CORE_SERVICES, *(ServiceIdentity(urn, 1, 0) for urn in urns or (SENSOR,)))
-    component = world.component(address, services=services, register_services=True)
-    component.start()
-    return component
+    return world.started(address, services=services, register_services=True)
 
 
 def kill(world, component):
@@ -114,8 +112,7 @@ def test_a_newcomer_is_found_when_it_speaks_not_at_the_next_look_around(world):
 def test_a_silent_newcomer_is_found_within_the_slowest_search(world):
     searcher = Searcher(world, search())
     world.run(60)
-    component = world.component("200.1.1", services=(*CORE_SERVICES, ServiceIdentity(SENSOR, 1, 0)))
-    component.start()
+    world.started("200.1.1", services=(*CORE_SERVICES, ServiceIdentity(SENSOR, 1, 0)))
     world.run(peer_search.SLOWEST_SEARCH + 2)
     assert searcher.peers == ("200.1.1",)
 

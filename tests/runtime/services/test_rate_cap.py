@@ -85,8 +85,7 @@ def test_a_flood_of_one_source_passes_at_its_cap(world, setting):
     flood, other = world.probe("5.1.1"), world.probe(str(PEER))
     for number in range(50):
         flood.send(minutes(number), OWN)
-    other.send(minutes(59), OWN)
-    world.settle()
+    other.tell(OWN, minutes(59))
     assert setting.ros.numbers("times") == [0.0, 1.0, 2.0, 3.0, 4.0, 59.0]
     assert setting.drops(connection) == {OVER_RATE: 45}
 

@@ -163,7 +163,6 @@ def test_stop_tells_the_controller(world):
 
 
 def test_component_without_access_control_ignores_requests(world):
-    component = world.component("1.1.1", services=())
-    component.start()
+    component = world.started("1.1.1", services=())
     assert world.probe("2.1.1").ask(request(255), component) == []
     assert world.counters.snapshot()["component.unknown_message"] == 1

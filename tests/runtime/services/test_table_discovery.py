@@ -191,9 +191,7 @@ def test_catalog(world, row):
 
 
 def member(world, **settings):
-    component = world.component(str(MEMBER), services=(SENSOR,), **settings)
-    component.start()
-    return component
+    return world.started(str(MEMBER), services=(SENSOR,), **settings)
 
 
 def asked_at(world, address, query=QueryIdentification):
@@ -217,8 +215,7 @@ def asked_at(world, address, query=QueryIdentification):
 )
 def test_looking_around(world, settings, first, later):
     """Everyone is asked eagerly at first, and at least every 5 minutes as the IOP demands."""
-    component = world.component("1.1.1", services=own(), **settings)
-    component.start()
+    world.started("1.1.1", services=own(), **settings)
     assert (OWN, BROADCAST, QueryIdentification.CODE) in world.log
     times = asked_at(world, OWN)
     assert times[:3] == first
@@ -267,8 +264,7 @@ def test_lost_server_is_noticed_and_looked_for_eagerly(world):
 def test_registration_with_another_server_after_the_loss(world):
     component = member(world, register_services=True)
     for address in ("1.1.1", "1.2.1"):
-        server = world.component(address, services=own(), discovery_scope=SUBSYSTEM)
-        server.start()
+        server = world.started(address, services=own(), discovery_scope=SUBSYSTEM)
         world.run(20.0, step=1.0)
         assert component.discovery_server == server.address
         server.stop()
@@ -307,8 +303,7 @@ def test_servers_find_each_other(world):
 )
 def test_search_understands_servers_of_both_versions(world, query, answer):
     server = world.probe("1.1.1")
-    searcher = world.component("7.1.1", services=())
-    searcher.start()
+    searcher = world.started("7.1.1", services=())
     hits = []
     searcher.discover(SENSOR.urn, hits.append)
     assert query in {message.CODE for message in server.take()}

@@ -167,8 +167,7 @@ def test_guard_that_raises_refuses_and_is_counted(world):
 
     component.handle(SetWrenchEffort, lambda *_: pytest.fail("obeyed"), when=guard)
     component.start()
-    world.probe("2.1.1").send(SetWrenchEffort(), component)
-    world.settle()
+    world.probe("2.1.1").tell(component, SetWrenchEffort())
     assert world.counters.snapshot()["component.handler_failed"] == 1
 
 

@@ -79,8 +79,7 @@ def test_liveness(world, row):
 @pytest.mark.parametrize("spelling", ["Liveness", "Liveliness"])
 def test_liveness_of_v1_0_is_spelt_both_ways(world, spelling):
     service = ServiceIdentity(f"urn:jaus:jss:core:{spelling}", 1, 0)
-    component = world.component("1.1.1", services=(service,))
-    component.start()
+    component = world.started("1.1.1", services=(service,))
     assert world.probe("2.1.1").ask(QueryHeartbeatPulse(), component) == [PULSE]
 
 
@@ -98,8 +97,7 @@ def test_liveness_of_v1_0_is_spelt_both_ways(world, spelling):
 )  # fmt: skip
 def test_unsolicited_heartbeat(world, urns, settings, count, destination):
     services = tuple(ServiceIdentity(f"urn:jaus:jss:{urn}", 1, 1) for urn in urns)
-    component = world.component("1.1.1", services=services, **settings)
-    component.start()
+    component = world.started("1.1.1", services=services, **settings)
     world.run(10.0, step=0.5)
     component.stop()
     world.run(10.0, step=0.5)

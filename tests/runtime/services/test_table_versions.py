@@ -101,8 +101,7 @@ def test_messages_that_v1_1_added(world, message):
     component, client = started(world, V1_1)
     assert len(client.ask(message, component)) == 1
     component.stop()
-    old = world.component("5.1.1", services=core_services(V1_0, *CORE_NAMES), **SETTINGS)
-    old.start()
+    old = world.started("5.1.1", services=core_services(V1_0, *CORE_NAMES), **SETTINGS)
     assert client.ask(message, old) == []
 
 
@@ -110,11 +109,9 @@ def test_messages_that_v1_1_added(world, message):
 
 
 def old_robot(world, **settings):
-    component = world.component(
+    return world.started(
         str(SERVER), services=core_services(V1_0, *CORE_NAMES), **{"control_timeout": 4, **settings}
     )
-    component.start()
-    return component
 
 
 def test_event_of_a_v1_0_provider_lives_on(world, client):
@@ -151,8 +148,7 @@ def test_control_of_a_v1_0_component(world, client):
 
 def test_control_goes_on_after_an_emergency_of_v1_0(world, client):
     robot = old_robot(world)
-    stranger = world.component("3.1.1", services=())
-    stranger.start()
+    stranger = world.started("3.1.1", services=())
     session = client.control(SERVER, authority=100)
     world.run(2.0, step=0.25)
     stranger.set_emergency(SERVER)
@@ -176,8 +172,7 @@ def test_command_event_of_a_v1_0_component_is_refused(world, client):
 
 def test_discovery_of_a_v1_0_subsystem(world):
     old_robot(world, discovery_scope=2)
-    searcher = world.component("7.1.1", services=())
-    searcher.start()
+    searcher = world.started("7.1.1", services=())
     hits = []
     searcher.discover("urn:jaus:jss:core:Management", hits.append)
     world.run(1.0, step=0.25)
