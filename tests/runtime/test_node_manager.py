@@ -159,6 +159,15 @@ def by_hand(folder) -> Iterator[HandMade]:
     made.socket.close()
 
 
+@pytest.fixture
+def here(client, by_hand) -> Station:
+    """A station whose component the manager has accepted."""
+    made = client().attach(DRIVER)
+    by_hand.say(ACCEPT)
+    wait_until(lambda: made.transport.is_attached(DRIVER))
+    return made
+
+
 def test_the_bytes_of_the_handshake(client, by_hand):
     here = client().attach(DRIVER)
     connect = "01000000100602{code}" + "00000000" + "01016400" + "00000000"
@@ -180,21 +189,15 @@ def test_a_late_answer_is_an_answer(client, by_hand):
     wait_until(lambda: here.counter("node_manager.accepted_again") == 1)
 
 
-def test_a_manager_that_cancels_is_asked_again(client, by_hand):
-    here = client().attach(DRIVER)
-    by_hand.say(ACCEPT)
-    wait_until(lambda: here.transport.is_attached(DRIVER))
+def test_a_manager_that_cancels_is_asked_again(here, by_hand):
     by_hand.say(CANCEL)
     wait_until(lambda: here.counter("node_manager.lost") == 1)
     by_hand.say(ACCEPT)
     wait_until(lambda: here.transport.is_attached(DRIVER))
 
 
-def test_a_busy_manager_is_waited_for(client, by_hand):
+def test_a_busy_manager_is_waited_for(here, by_hand):
     """The system holds few datagrams for a local socket; messages come in bursts."""
-    here = client().attach(DRIVER)
-    by_hand.say(ACCEPT)
-    wait_until(lambda: here.transport.is_attached(DRIVER))
     for _ in range(200):
         here.transport.send(DRIVER, OCU, bytes(4079))
     received = 0
@@ -219,10 +222,7 @@ def test_a_burst_and_a_very_large_message_reach_their_component(client, managers
     wait_until(lambda: there.payloads[-1] == big)
 
 
-def test_what_a_stuck_manager_does_not_take_is_refused_at_last(client, by_hand):
-    here = client().attach(DRIVER)
-    by_hand.say(ACCEPT)
-    wait_until(lambda: here.transport.is_attached(DRIVER))
+def test_what_a_stuck_manager_does_not_take_is_refused_at_last(here):
     results: list[bool] = []
     while False not in results:
         for _ in range(100):

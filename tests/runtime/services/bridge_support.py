@@ -280,6 +280,13 @@ class Setting:
         self.world.settle()
         return connections[0]
 
+    def say(self, *numbers, every=None):
+        """Delivers numbers on their topic, and lets a time pass after each if one is named."""
+        for number in numbers:
+            self.ros.deliver["numbers"](Number(float(number)))
+            if every is not None:
+                self.world.run(every)
+
     def drops(self, connection):
         return connection.statistics.drops
 

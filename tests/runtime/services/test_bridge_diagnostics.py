@@ -64,8 +64,7 @@ def test_diagnostics_judge_each_connection(world, setting):
     world.lost = lambda source, *_: source == PEER
     world.run(2.0)
     assert setting.ros.statuses[-1]["timeout"].message == "the source is silent"
-    setting.ros.deliver["numbers"](Number(99.0))
-    world.run(1.0)
+    setting.say(99.0, every=1.0)
     drive = setting.ros.statuses[-1]["drive"]
     assert (drive.level, drive.message) == ("warning", "messages are dropped")
     assert any(key.startswith("dropped: ") for key in values(drive))
@@ -167,16 +166,12 @@ def test_one_dead_peer_of_two_is_told(world, setting, make):
 def test_a_peer_that_is_not_there_is_told_while_messages_go_to_it(world, setting):
     """Messages that nobody acknowledges count as passed: they went out."""
     connection = setting.open(command("tell"))
-    for _ in range(70):
-        setting.ros.deliver["numbers"](Number(5.0))
-        world.run(0.1)
+    setting.say(*[5.0] * 70, every=0.1)
     assert connection.statistics.passed == 70
     status = setting.ros.statuses[-1]["tell"]
     assert (status.level, status.message) == ("warning", "nothing from 1.1.1")
     world.probe(str(PEER), strict=False)
-    for _ in range(20):
-        setting.ros.deliver["numbers"](Number(5.0))
-        world.run(0.1)
+    setting.say(*[5.0] * 20, every=0.1)
     assert setting.ros.statuses[-1]["tell"].level == "ok"
 
 
@@ -278,7 +273,7 @@ def test_diagnostics_of_many_connections_take_turns_and_come_as_one(world, setti
 
 def test_losses_of_the_queue_are_told_and_counted(world, setting, caplog):
     connection = setting.open(command())
-    setting.ros.deliver["numbers"](Number(1.0))
+    setting.say(1.0)
     counts = setting.ros.counts["numbers"]
     counts.lost, counts.missed, counts.too_old = 3, 4, 2
     with caplog.at_level(logging.WARNING, "jausml"):
@@ -293,8 +288,7 @@ def test_losses_of_the_queue_are_told_and_counted(world, setting, caplog):
         "bridge.drive.too_old": 2,
     }
     assert len(caplog.records) == 3
-    setting.ros.deliver["numbers"](Number(1.0))
-    world.run(1.0)
+    setting.say(1.0, every=1.0)
     assert connection.status().message == "running"
     counts.lost += 1
     setting.bridge.close()
@@ -364,8 +358,7 @@ def test_latency_may_be_wanted_from_the_start(world, setting):
     peer = world.probe(str(PEER))
     setting.ros.parameters |= {"drive.latency": True}
     connection = setting.open(command(silence_timeout=1.0, safe_value=safe, is_command=True))
-    for value in (1.0, 2.0):
-        setting.ros.deliver["numbers"](Number(value))
+    setting.say(1.0, 2.0)
     assert latency(connection.status()) == BRIDGE  # no stamp, no age
     world.run(1.1)
     assert peer.take() == [minutes(0), minutes(1), minutes(2), minutes(0)]

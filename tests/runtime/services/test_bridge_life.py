@@ -41,15 +41,15 @@ def test_a_command_stops_and_goes_on_with_the_next_message(world, setting):
     peer = world.probe(str(PEER))
     connection = setting.open(command(safe_value=safe, is_command=True))
     peer.take()
-    setting.ros.deliver["numbers"](Number(5.0))
+    setting.say(5.0)
     setting.bridge.set_active(False)
-    setting.ros.deliver["numbers"](Number(6.0))
+    setting.say(6.0)
     assert peer.take() == [minutes(5), minutes(0)]
     assert connection.stopped is StopReason.INACTIVE
     assert setting.drops(connection) == {"inactive": 1}
     setting.bridge.set_active(True)
     assert peer.take() == []
-    setting.ros.deliver["numbers"](Number(7.0))
+    setting.say(7.0)
     assert peer.take() == [minutes(7)]
     assert setting.drops(connection) == {"inactive": 1}
 
@@ -106,8 +106,7 @@ def test_control_ends_and_is_not_to_be_had(world, setting):
 def test_what_stands_stands_for_the_latest_reason(world, setting):
     options = {"safe_value": safe, "is_command": True, "silence_timeout": 1.0}
     connection = setting.open(command(**options), services=CORE)
-    setting.ros.deliver["numbers"](Number(5.0))
-    world.run(1.1)
+    setting.say(5.0, every=1.1)
     assert connection.stopped is StopReason.SILENCE
     world.probe("5.1.1").tell(OWN, SetEmergency(emergency_code=1))
     assert connection.stopped is StopReason.EMERGENCY
@@ -120,7 +119,7 @@ def test_an_emergency_is_one_while_inactive_too(world, setting):
     assert setting.bridge.standing.halt is StopReason.EMERGENCY
     setting.bridge.set_active(True)
     peer = world.probe(str(PEER))
-    setting.ros.deliver["numbers"](Number(5.0))
+    setting.say(5.0)
     assert minutes(5) not in peer.take()
 
 
@@ -173,14 +172,14 @@ def test_a_bridge_that_is_activated_in_emergency_asks_nobody_for_control(world, 
 def test_reports_are_withdrawn(world, setting):
     setting.open(report(), services=CORE)
     probe = world.probe(str(OTHER))
-    setting.ros.deliver["numbers"](Number(3.0))
+    setting.say(3.0)
     assert len(probe.ask(QueryTime(presence_vector=1), OWN)) == 1
     setting.bridge.set_active(False)
-    setting.ros.deliver["numbers"](Number(4.0))
+    setting.say(4.0)
     assert probe.ask(QueryTime(presence_vector=1), OWN) == []
     setting.bridge.set_active(True)
     assert probe.ask(QueryTime(presence_vector=1), OWN) == []  # what was said meanwhile is old
-    setting.ros.deliver["numbers"](Number(5.0))
+    setting.say(5.0)
     (answer,) = probe.ask(QueryTime(presence_vector=1), OWN)
     assert answer.time_stamp.minutes == 5
 
@@ -191,8 +190,7 @@ def test_what_is_latched_passes_afterwards(world, setting):
     )
     probe = world.probe(str(OTHER))
     setting.bridge.set_active(False)
-    for number in (3.0, 4.0):
-        setting.ros.deliver["numbers"](Number(number))
+    setting.say(3.0, 4.0)
     assert probe.ask(QueryTime(presence_vector=1), OWN) == []
     setting.bridge.set_active(True)
     (answer,) = probe.ask(QueryTime(presence_vector=1), OWN)

@@ -145,8 +145,7 @@ def test_silence_timeout_changes_while_the_bridge_runs(world, setting):
     world.run(0.2)
     assert peer.take() == [minutes(0)]
     setting.ros.changed["drive.silence_timeout"](0.0)
-    setting.ros.deliver["numbers"](Number(7.0))
-    world.run(5.0)
+    setting.say(7.0, every=5.0)
     assert peer.take() == [minutes(7)]
 
 

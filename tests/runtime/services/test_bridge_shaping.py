@@ -37,12 +37,6 @@ from .bridge_support import (
 )
 
 
-def deliver(setting, *numbers, every=0.0):
-    for number in numbers:
-        setting.ros.deliver["numbers"](Number(float(number)))
-        setting.world.run(every)
-
-
 def sent(peer):
     return [message.time_stamp.minutes for message in peer.take()]
 
@@ -53,7 +47,7 @@ def sent(peer):
 def test_of_what_comes_too_fast_the_newest_passes_in_its_time(world, setting):
     peer = world.probe(str(PEER))
     connection = setting.open(command(shape=Shape(max_rate=2.0)))
-    deliver(setting, 1, 2, 3)
+    setting.say(1, 2, 3)
     assert sent(peer) == [1]
     world.run(0.49)
     assert sent(peer) == []
@@ -61,7 +55,7 @@ def test_of_what_comes_too_fast_the_newest_passes_in_its_time(world, setting):
     assert sent(peer) == [3]
     world.run(5.0)
     assert sent(peer) == []
-    deliver(setting, 4)
+    setting.say(4)
     assert sent(peer) == [4]
     counts = connection.statistics
     assert (counts.arrivals, counts.passed, counts.thinned, counts.drops) == (4, 3, 1, {})
@@ -70,7 +64,7 @@ def test_of_what_comes_too_fast_the_newest_passes_in_its_time(world, setting):
 def test_a_source_within_its_pace_passes_whole(world, setting):
     peer = world.probe(str(PEER))
     setting.open(command(shape=Shape(max_rate=10.0)))
-    deliver(setting, *range(20), every=0.11)
+    setting.say(*range(20), every=0.11)
     assert sent(peer) == list(range(20))
 
 
@@ -87,7 +81,7 @@ def test_reports_and_topics_have_a_pace_too(world, setting):
     times = message_connection(shape=Shape(max_rate=1.0))
     setting.open(report, times)
     probe = world.probe(str(PEER))
-    deliver(setting, 5, 6, 7)
+    setting.say(5, 6, 7)
     for value in (1, 2, 3):
         probe.send(minutes(value), OWN)
     world.settle()
@@ -113,7 +107,7 @@ def test_whoever_must_not_be_heard_takes_no_place(world, setting):
 def test_every_third_passes(world, setting):
     peer = world.probe(str(PEER))
     connection = setting.open(command(shape=Shape(decimation=3)))
-    deliver(setting, *range(8))
+    setting.say(*range(8))
     assert sent(peer) == [0, 3, 6]
     assert connection.statistics.thinned == 5
 
@@ -121,7 +115,7 @@ def test_every_third_passes(world, setting):
 def test_decimation_comes_before_the_pace(world, setting):
     peer = world.probe(str(PEER))
     setting.open(command(shape=Shape(decimation=2, max_rate=1.0)))
-    deliver(setting, *range(6))
+    setting.say(*range(6))
     assert sent(peer) == [0]
     world.run(1.01)
     assert sent(peer) == [4]
@@ -191,7 +185,7 @@ def test_age_of_jaus_messages():
 def test_what_waits_longer_than_it_may_is_too_old(world, setting):
     peer = world.probe(str(PEER))
     connection = setting.open(command(shape=Shape(max_rate=1.0, age_limit=0.5)))
-    deliver(setting, 1, 2)
+    setting.say(1, 2)
     world.run(2.0)
     assert sent(peer) == [1]
     assert connection.statistics.drops == {"too_old": 1}
@@ -205,7 +199,7 @@ def test_a_stop_neither_waits_nor_is_followed_by_what_waited(world, setting):
     connection = setting.open(
         command(shape=Shape(max_rate=0.2), silence_timeout=1.0, safe_value=safe, is_command=True)
     )
-    deliver(setting, 5, 6)
+    setting.say(5, 6)
     world.run(10.0)
     assert sent(peer) == [0, 5, 0]
     assert connection.statistics.thinned == 1
@@ -216,9 +210,9 @@ def test_the_first_message_after_a_stop_passes(world, setting):
     setting.open(
         command(shape=Shape(decimation=3), silence_timeout=1.0, safe_value=safe, is_command=True)
     )
-    deliver(setting, 5, 6)
+    setting.say(5, 6)
     world.run(2.0)
-    deliver(setting, 7)
+    setting.say(7)
     assert sent(peer) == [0, 5, 0, 7]
 
 
@@ -227,7 +221,7 @@ def test_a_source_that_is_thinned_is_not_silent(world, setting):
     setting.open(
         command(shape=Shape(max_rate=0.2), silence_timeout=1.0, safe_value=safe, is_command=True)
     )
-    deliver(setting, *[5] * 60, every=0.1)
+    setting.say(*[5] * 60, every=0.1)
     assert sent(peer) == [0, 5, 5]
 
 
@@ -242,8 +236,8 @@ def test_a_source_that_says_nothing_usable_is_silent_for_all_its_messages(world,
             is_command=True,
         )
     )
-    deliver(setting, 1)
-    deliver(setting, *[0] * 20, every=0.1)
+    setting.say(1)
+    setting.say(*[0] * 20, every=0.1)
     assert sent(peer) == [0, 1, 0]
 
 
@@ -252,7 +246,7 @@ def test_nothing_that_waited_passes_after_the_end(world, setting):
     setting.open(
         command(shape=Shape(max_rate=1.0), safe_value=safe, is_command=True, control=Guard.ANY)
     )
-    deliver(setting, 5, 6)
+    setting.say(5, 6)
     setting.bridge.close()
     world.run(3.0)
     assert sent(peer) == [0, 5, 0]
@@ -263,7 +257,7 @@ def test_the_state_of_a_latched_topic_waits_while_the_bridge_is_inactive(world, 
     connection = command(shape=Shape(max_rate=1.0))
     connection._topics = (Topic("numbers", Qos(durability="transient_local")),)
     setting.open(connection)
-    deliver(setting, 5, 6)
+    setting.say(5, 6)
     setting.bridge.set_active(False)
     world.run(3.0)
     assert sent(peer) == [5]
@@ -287,23 +281,23 @@ def test_parameters_shape_while_the_bridge_runs(world, setting):
     peer = world.probe(str(PEER))
     setting.ros.parameters["drive.decimation"] = 2
     setting.open(command())
-    deliver(setting, 1, 2, 3)
+    setting.say(1, 2, 3)
     assert sent(peer) == [1, 3]
     changed = setting.ros.changed
     changed["drive.decimation"](1)
     changed["drive.max_rate"](0.1)
-    deliver(setting, 4, 5)
+    setting.say(4, 5)
     assert sent(peer) == []
     changed["drive.max_rate"](1.0)
     world.run(1.01)
     assert sent(peer) == [5]
-    deliver(setting, 6)
+    setting.say(6)
     world.run(0.5)
-    deliver(setting, 7)
+    setting.say(7)
     assert sent(peer) == []
     changed["drive.max_rate"](0.0)
     assert sent(peer) == [7]  # at once, before what comes now
-    deliver(setting, 8)
+    setting.say(8)
     assert sent(peer) == [8]
     changed["drive.age_limit"](1.0)
     setting.ros.take["numbers"](Number(9.0).to_cdr(), time.time_ns() - 60 * 10**9)
@@ -336,7 +330,7 @@ def test_latency_is_measured_behind_the_shaping(world, setting):
     peer = world.probe(str(PEER))
     connection = setting.open(command(shape=Shape(max_rate=1.0)))
     setting.ros.changed["drive.latency"](True)
-    deliver(setting, 1, 2)
+    setting.say(1, 2)
     world.run(1.01)
     assert sent(peer) == [1, 2]
     assert dict(connection._latency.describe())["in the bridge p50 (us)"]
@@ -347,7 +341,7 @@ def test_the_pace_is_that_of_a_simulation(world, setting):
     peer = world.probe(str(PEER))
     setting.open(command(shape=Shape(max_rate=1.0)))
     setting.ros.say_time(50.0)
-    deliver(setting, 1, 2)
+    setting.say(1, 2)
     world.run(2.9)
     assert sent(peer) == [1]
     setting.ros.say_time(50.9)

@@ -11,7 +11,6 @@ from .bridge_support import (
     OTHER,
     OWN,
     PEER,
-    Number,
     command,
     event,
     minutes,
@@ -49,7 +48,7 @@ def test_silence_is_that_of_the_simulation(world, setting, simulation, ratio):
     peer = world.probe(str(PEER))
     setting.open(command(silence_timeout=1.0, safe_value=safe))
     simulation.run(0.1, ratio)
-    setting.ros.deliver["numbers"](Number(5.0))
+    setting.say(5.0)
     simulation.run(0.9 / ratio, ratio)
     assert peer.take() == [minutes(5)]
     simulation.run(0.2 / ratio, ratio)
@@ -60,7 +59,7 @@ def test_a_pause_is_no_silence_but_a_lost_clock_stops(world, setting, simulation
     peer = world.probe(str(PEER))
     connection = setting.open(command(silence_timeout=1.0, safe_value=safe))
     simulation.run(0.1)
-    setting.ros.deliver["numbers"](Number(5.0))
+    setting.say(5.0)
     simulation.run(20.0, 0.0)
     assert peer.take() == [minutes(5)]
     assert setting.ros.statuses[-1]["simulated time"].level == "ok"
@@ -73,7 +72,7 @@ def test_a_pause_is_no_silence_but_a_lost_clock_stops(world, setting, simulation
     assert peer.take() == []
     status = setting.ros.statuses[-1]["simulated time"]
     assert (status.level, status.message) == ("stale", "nobody says the time on /clock")
-    setting.ros.deliver["numbers"](Number(6.0))
+    setting.say(6.0)
     assert peer.take() == [minutes(6)]
 
 
@@ -81,7 +80,7 @@ def test_a_lost_clock_stops_commands_that_may_be_silent_for_ever(world, setting,
     peer = world.probe(str(PEER))
     connection = setting.open(command(is_command=True, safe_value=safe))
     simulation.run(0.1)
-    setting.ros.deliver["numbers"](Number(5.0))
+    setting.say(5.0)
     peer.take()
     simulation.run(CLOCK_TIMEOUT + 0.1, None)
     assert peer.take() == [minutes(0)]
@@ -100,7 +99,7 @@ def test_a_jump_back_is_counted_and_ends_nothing(world, setting, simulation):
     peer = world.probe(str(PEER))
     setting.open(command(silence_timeout=1.0, safe_value=safe))
     simulation.run(0.1)
-    setting.ros.deliver["numbers"](Number(5.0))
+    setting.say(5.0)
     simulation.time = 0.0
     simulation.run(0.8)
     assert peer.take() == [minutes(5)]
@@ -114,7 +113,7 @@ def test_reports_are_served_at_the_pace_of_the_simulation(world, setting, simula
     setting.open(report(), services=CORE)
     client = world.probe(str(OTHER))
     simulation.run(0.1)
-    setting.ros.deliver["numbers"](Number(5.0))
+    setting.say(5.0)
     client.tell(
         OWN,
         CreateEvent(

@@ -160,6 +160,13 @@ def begun(world, setting, vehicle, *numbers):
     return goal
 
 
+@pytest.fixture
+def driving(world, setting):
+    """A vehicle and the goal that it follows."""
+    vehicle = opened(world, setting)
+    return vehicle, begun(world, setting, vehicle)
+
+
 def away(world, *codes):
     """Loses all that goes to the vehicle, or some of it; returns what ends that."""
     before = world.lost
@@ -171,9 +178,8 @@ def deletions(world):
     return world.count(DeleteElement.CODE)
 
 
-def test_a_goal_that_is_canceled_while_the_radio_is_away_stops_the_vehicle(world, setting):
-    vehicle = opened(world, setting)
-    goal = begun(world, setting, vehicle)
+def test_a_goal_that_is_canceled_while_the_radio_is_away_stops_the_vehicle(world, setting, driving):
+    vehicle, goal = driving
     restore = away(world)
     setting.ros.taker.cancel(goal)
     world.run(2.0)
@@ -189,9 +195,8 @@ def test_a_goal_that_is_canceled_while_the_radio_is_away_stops_the_vehicle(world
     assert deletions(world) == before
 
 
-def test_a_vehicle_that_was_silent_for_a_while_is_stopped(world, setting):
-    vehicle = opened(world, setting)
-    goal = begun(world, setting, vehicle)
+def test_a_vehicle_that_was_silent_for_a_while_is_stopped(world, driving):
+    vehicle, goal = driving
     restore = away(world)
     world.run(3.8)
     assert goal.ends == [(Outcome.ABORTED, f"{PEER} is silent")]
@@ -201,9 +206,8 @@ def test_a_vehicle_that_was_silent_for_a_while_is_stopped(world, setting):
 
 
 @pytest.mark.parametrize("code", [ExecuteList.CODE, DeleteElement.CODE])
-def test_half_a_stop_is_no_stop(world, setting, code):
-    vehicle = opened(world, setting)
-    goal = begun(world, setting, vehicle)
+def test_half_a_stop_is_no_stop(world, setting, driving, code):
+    vehicle, goal = driving
     restore = away(world, code)
     setting.ros.taker.cancel(goal)
     world.run(2.0)
@@ -212,9 +216,8 @@ def test_half_a_stop_is_no_stop(world, setting, code):
     assert (vehicle.speed, list(vehicle.elements)) == (0.0, [])
 
 
-def test_a_vehicle_that_obeys_again_does_not_go_on(world, setting):
-    vehicle = opened(world, setting)
-    goal = begun(world, setting, vehicle)
+def test_a_vehicle_that_obeys_again_does_not_go_on(world, driving):
+    vehicle, goal = driving
     restore = away(world)
     world.run(30.0)  # the bridge takes control for lost; the vehicle does not mind
     assert goal.ends
@@ -224,9 +227,8 @@ def test_a_vehicle_that_obeys_again_does_not_go_on(world, setting):
     assert not vehicle.drives
 
 
-def test_a_list_that_another_should_have_replaced_is_stopped(world, setting):
-    vehicle = opened(world, setting)
-    first = begun(world, setting, vehicle)
+def test_a_list_that_another_should_have_replaced_is_stopped(world, setting, driving):
+    vehicle, first = driving
     restore = away(world, SetElement.CODE, DeleteElement.CODE)
     second = setting.ros.send(3.0)
     world.run(2.5)
@@ -236,9 +238,8 @@ def test_a_list_that_another_should_have_replaced_is_stopped(world, setting):
     assert not vehicle.drives
 
 
-def test_a_stop_is_not_sent_after_the_next_goal(world, setting):
-    vehicle = opened(world, setting)
-    goal = begun(world, setting, vehicle)
+def test_a_stop_is_not_sent_after_the_next_goal(world, setting, driving):
+    vehicle, goal = driving
     restore = away(world)
     setting.ros.taker.cancel(goal)
     world.run(1.2)
@@ -252,9 +253,8 @@ def test_a_stop_is_not_sent_after_the_next_goal(world, setting):
     assert deletions(world) == stops
 
 
-def test_a_stop_that_arrived_is_not_repeated(world, setting):
-    vehicle = opened(world, setting)
-    goal = begun(world, setting, vehicle)
+def test_a_stop_that_arrived_is_not_repeated(world, setting, driving):
+    vehicle, goal = driving
     before = deletions(world)
     setting.ros.taker.cancel(goal)
     world.run(10.0)
@@ -264,9 +264,8 @@ def test_a_stop_that_arrived_is_not_repeated(world, setting):
     assert world.count(ConfirmElementRequest.CODE) > before
 
 
-def test_a_stop_is_not_repeated_when_the_bridge_has_ended(world, setting):
-    vehicle = opened(world, setting)
-    goal = begun(world, setting, vehicle)
+def test_a_stop_is_not_repeated_when_the_bridge_has_ended(world, setting, driving):
+    _, goal = driving
     away(world)
     setting.ros.taker.cancel(goal)
     world.run(2.5)
@@ -276,9 +275,8 @@ def test_a_stop_is_not_repeated_when_the_bridge_has_ended(world, setting):
     assert deletions(world) == before
 
 
-def test_a_list_that_was_driven_to_its_end_is_not_stopped(world, setting):
-    vehicle = opened(world, setting)
-    goal = begun(world, setting, vehicle)
+def test_a_list_that_was_driven_to_its_end_is_not_stopped(world, driving):
+    vehicle, goal = driving
     vehicle.active = list(vehicle.elements)[-1].uid
     world.run(1.5)
     vehicle.active = 0
@@ -292,10 +290,9 @@ def test_a_list_that_was_driven_to_its_end_is_not_stopped(world, setting):
     assert deletions(world) == before
 
 
-def test_a_question_about_a_list_that_is_done_stops_no_other(world, setting):
+def test_a_question_about_a_list_that_is_done_stops_no_other(world, setting, driving):
     """Its last repetition is lost, and the next list is set before that is known."""
-    vehicle = opened(world, setting)
-    goal = begun(world, setting, vehicle)
+    vehicle, goal = driving
     restore = away(world, QueryActiveElement.CODE)
     world.run(1.35)
     for uid in (list(vehicle.elements)[-1].uid, 0):
