@@ -3,23 +3,11 @@
 import pytest
 
 from jausml.runtime import Guard, Status
+from jausml.runtime import messages as core
 from jausml.runtime.bridge.bridge import Bridge
 from jausml.runtime.bridge.ends.ends import BridgeSettings
 from jausml.runtime.bridge.ends.topics import Qos, Topic
 from jausml.runtime.bridge.reports.states import StopReason
-from jausml.runtime.messages import (
-    ClearEmergency,
-    ConfirmControl,
-    QueryStatus,
-    QueryTime,
-    RejectControl,
-    ReleaseControl,
-    ReportEventTimeout,
-    ReportStatus,
-    RequestControl,
-    Resume,
-    SetEmergency,
-)
 
 from .bridge_support import (
     CORE,
@@ -83,22 +71,22 @@ def test_control_ends_and_is_not_to_be_had(world, setting):
         services=CORE,
     )
     operator = world.probe("5.1.1")
-    operator.tell(OWN, RequestControl(authority_code=200), Resume(), minutes(2))
+    operator.tell(OWN, core.RequestControl(authority_code=200), core.Resume(), minutes(2))
     operator.take()
     topic = setting.ros.numbers("times")
     assert topic == [-1.0, 2.0]
     setting.bridge.set_active(False)
     world.settle()
-    (reject,) = [message for message in operator.take() if isinstance(message, RejectControl)]
-    assert reject.response_code == RejectControl.ResponseCode.NOT_AVAILABLE
-    operator.tell(OWN, RequestControl(authority_code=255), minutes(3))
-    (answer,) = [message for message in operator.take() if isinstance(message, ConfirmControl)]
-    assert answer.response_code == ConfirmControl.ResponseCode.NOT_AVAILABLE
-    (status,) = operator.ask(QueryStatus(), OWN)
-    assert status.status == ReportStatus.Status.STANDBY
+    (reject,) = [message for message in operator.take() if isinstance(message, core.RejectControl)]
+    assert reject.response_code == core.RejectControl.ResponseCode.NOT_AVAILABLE
+    operator.tell(OWN, core.RequestControl(authority_code=255), minutes(3))
+    (answer,) = [message for message in operator.take() if isinstance(message, core.ConfirmControl)]
+    assert answer.response_code == core.ConfirmControl.ResponseCode.NOT_AVAILABLE
+    (status,) = operator.ask(core.QueryStatus(), OWN)
+    assert status.status == core.ReportStatus.Status.STANDBY
     assert setting.ros.numbers("times") == [-1.0, 2.0, -1.0]
     setting.bridge.set_active(True)
-    operator.tell(OWN, RequestControl(authority_code=200), Resume(), minutes(4))
+    operator.tell(OWN, core.RequestControl(authority_code=200), core.Resume(), minutes(4))
     assert setting.ros.numbers("times")[-1] == 4.0
     assert connection.stopped is None
 
@@ -108,14 +96,14 @@ def test_what_stands_stands_for_the_latest_reason(world, setting):
     connection = setting.open(command(**options), services=CORE)
     setting.say(5.0, every=1.1)
     assert connection.stopped is StopReason.SILENCE
-    world.probe("5.1.1").tell(OWN, SetEmergency(emergency_code=1))
+    world.probe("5.1.1").tell(OWN, core.SetEmergency(emergency_code=1))
     assert connection.stopped is StopReason.EMERGENCY
 
 
 def test_an_emergency_is_one_while_inactive_too(world, setting):
     setting.open(command(safe_value=safe, is_command=True), services=CORE)
     setting.bridge.set_active(False)
-    world.probe("5.1.1").tell(OWN, SetEmergency(emergency_code=1))
+    world.probe("5.1.1").tell(OWN, core.SetEmergency(emergency_code=1))
     assert setting.bridge.standing.halt is StopReason.EMERGENCY
     setting.bridge.set_active(True)
     peer = world.probe(str(PEER))
@@ -126,7 +114,7 @@ def test_an_emergency_is_one_while_inactive_too(world, setting):
 def test_a_parameter_lifts_the_emergency_of_somebody_who_is_gone(world, setting):
     setting.open(command(safe_value=safe, is_command=True), services=CORE)
     stranger = world.probe("66.1.1")
-    stranger.tell(OWN, SetEmergency(emergency_code=1))
+    stranger.tell(OWN, core.SetEmergency(emergency_code=1))
     (lift,) = [
         parameter for parameter in setting.ros.declared if parameter.name == "lift_emergency"
     ]
@@ -148,11 +136,13 @@ def test_a_bridge_that_begins_inactive_asks_for_control_when_it_is_active(world,
     bridge.connections = [command(is_command=True, control=Guard.READY)]
     bridge.open(setting.ros, world, active=False)
     assert not [
-        message for message in peer.take() if isinstance(message, (RequestControl, ReleaseControl))
+        message
+        for message in peer.take()
+        if isinstance(message, (core.RequestControl, core.ReleaseControl))
     ]
     bridge.set_active(True)
-    (request,) = [message for message in peer.take() if not isinstance(message, QueryStatus)]
-    assert isinstance(request, RequestControl)
+    (request,) = [message for message in peer.take() if not isinstance(message, core.QueryStatus)]
+    assert isinstance(request, core.RequestControl)
 
 
 def test_a_bridge_that_is_activated_in_emergency_asks_nobody_for_control(world, setting):
@@ -160,27 +150,27 @@ def test_a_bridge_that_is_activated_in_emergency_asks_nobody_for_control(world, 
     peer = world.probe(str(PEER))
     setting.bridge.set_active(False)
     operator = world.probe("5.1.1")
-    operator.tell(OWN, SetEmergency(emergency_code=1))
+    operator.tell(OWN, core.SetEmergency(emergency_code=1))
     peer.take()
     setting.bridge.set_active(True)
     world.run(1.0)
-    assert not [message for message in peer.take() if isinstance(message, RequestControl)]
-    operator.send(ClearEmergency(emergency_code=1), OWN)
-    assert [message for message in peer.take() if isinstance(message, RequestControl)]
+    assert not [message for message in peer.take() if isinstance(message, core.RequestControl)]
+    operator.send(core.ClearEmergency(emergency_code=1), OWN)
+    assert [message for message in peer.take() if isinstance(message, core.RequestControl)]
 
 
 def test_reports_are_withdrawn(world, setting):
     setting.open(report(), services=CORE)
     probe = world.probe(str(OTHER))
     setting.say(3.0)
-    assert len(probe.ask(QueryTime(presence_vector=1), OWN)) == 1
+    assert len(probe.ask(core.QueryTime(presence_vector=1), OWN)) == 1
     setting.bridge.set_active(False)
     setting.say(4.0)
-    assert probe.ask(QueryTime(presence_vector=1), OWN) == []
+    assert probe.ask(core.QueryTime(presence_vector=1), OWN) == []
     setting.bridge.set_active(True)
-    assert probe.ask(QueryTime(presence_vector=1), OWN) == []  # what was said meanwhile is old
+    assert probe.ask(core.QueryTime(presence_vector=1), OWN) == []  # what was said meanwhile is old
     setting.say(5.0)
-    (answer,) = probe.ask(QueryTime(presence_vector=1), OWN)
+    (answer,) = probe.ask(core.QueryTime(presence_vector=1), OWN)
     assert answer.time_stamp.minutes == 5
 
 
@@ -191,9 +181,9 @@ def test_what_is_latched_passes_afterwards(world, setting):
     probe = world.probe(str(OTHER))
     setting.bridge.set_active(False)
     setting.say(3.0, 4.0)
-    assert probe.ask(QueryTime(presence_vector=1), OWN) == []
+    assert probe.ask(core.QueryTime(presence_vector=1), OWN) == []
     setting.bridge.set_active(True)
-    (answer,) = probe.ask(QueryTime(presence_vector=1), OWN)
+    (answer,) = probe.ask(core.QueryTime(presence_vector=1), OWN)
     assert answer.time_stamp.minutes == 4
 
 
@@ -202,7 +192,7 @@ def test_a_change_passes_afterwards_and_a_periodic_report_is_old_then(world, set
     connection = setting.open(event(rate=rate))
     setting.bridge.set_active(False)
     for timeout in (6, 7):
-        connection.take(ReportEventTimeout(timeout=timeout).encode(), PEER)
+        connection.take(core.ReportEventTimeout(timeout=timeout).encode(), PEER)
     assert connection.statistics.passed == 0
     setting.bridge.set_active(True)
     assert setting.ros.numbers("timeout") == [7.0] * passed
@@ -233,11 +223,11 @@ def test_it_can_be_opened_again(world, setting):
         world.run(1.0)
         assert connections[1].status().message == "running"
         assert connections[0].stopped is None
-        assert len(watched.ask(QueryTime(presence_vector=1), OWN)) == 1
+        assert len(watched.ask(core.QueryTime(presence_vector=1), OWN)) == 1
         setting.bridge.close()
         setting.bridge.close()
         world.settle()
-        assert watched.ask(QueryTime(presence_vector=1), OWN) == []
+        assert watched.ask(core.QueryTime(presence_vector=1), OWN) == []
         setting.ros.made.clear()
         setting.bridge.open(setting.ros, world)
     assert peer.running

@@ -5,30 +5,21 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from jausml.runtime import ComponentSettings
+from jausml.runtime import messages as core
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.budgets import Held, fair_rates, who_gives_way
-from jausml.runtime.messages import (
-    CancelEvent,
-    ConfirmEventRequest,
-    CreateEvent,
-    Event,
-    QueryStatus,
-    QueryTimeout,
-    RejectEventRequest,
-    RequestControl,
-)
 
 ROBOT = JausAddress(1, 1, 1)
 RATES = st.floats(0.1, 1092.0)
 PLACES = st.tuples(*[st.integers(0, 3)] * 3).map(lambda place: (place[0], place[:2], place))
 
 
-def create(rate=20.0, query=QueryStatus):
-    return CreateEvent(1, CreateEvent.EventType.PERIODIC_SC, rate, query().encode())
+def create(rate=20.0, query=core.QueryStatus):
+    return core.CreateEvent(1, core.CreateEvent.EventType.PERIODIC_SC, rate, query().encode())
 
 
 def reports(probe):
-    return sum(isinstance(message, Event) for message in probe.take())
+    return sum(isinstance(message, core.Event) for message in probe.take())
 
 
 def kinds(answers):
@@ -90,7 +81,7 @@ class TestService:
         tested, client = world.component("1.1.1"), world.probe("3.1.1")
         tested.start()
         world.unproved.add(client.address)
-        assert ConfirmEventRequest in kinds(client.ask(create(100.0), tested))
+        assert core.ConfirmEventRequest in kinds(client.ask(create(100.0), tested))
         world.run(4.9)
         assert 3 <= reports(client) <= 6
         world.run(1.0)
@@ -106,9 +97,9 @@ class TestService:
         (confirmed,) = (
             message
             for message in client.ask(create(), tested)
-            if isinstance(message, ConfirmEventRequest)
+            if isinstance(message, core.ConfirmEventRequest)
         )
-        client.ask(CancelEvent(request_id=2, event_id=confirmed.event_id), tested)
+        client.ask(core.CancelEvent(request_id=2, event_id=confirmed.event_id), tested)
         world.run(10.0)
         assert "events.never_proved" not in world.counters.snapshot()
 
@@ -128,22 +119,22 @@ class TestService:
         tested = world.started("1.1.1", max_events=4)
         greedy = [world.probe(f"9.1.{n}") for n in range(1, 5)]
         for probe in greedy:
-            assert ConfirmEventRequest in kinds(probe.ask(create(), tested))
+            assert core.ConfirmEventRequest in kinds(probe.ask(create(), tested))
         honest = world.probe("3.1.1")
-        assert ConfirmEventRequest in kinds(honest.ask(create(), tested))
-        assert ConfirmEventRequest in kinds(greedy[-1].take())
+        assert core.ConfirmEventRequest in kinds(honest.ask(create(), tested))
+        assert core.ConfirmEventRequest in kinds(greedy[-1].take())
         # It has more than its share, and so gets no further one.
-        assert kinds(greedy[-1].ask(create(), tested)) == {RejectEventRequest}
+        assert kinds(greedy[-1].ask(create(), tested)) == {core.RejectEventRequest}
         assert world.counters.snapshot()["events.gave_way"] == 1
 
     def test_the_controller_gets_a_slot_in_any_case(self, world):
         tested = world.started("1.1.1", max_events=2)
         operator, other = world.probe("3.1.1"), world.probe("3.1.2")
-        operator.ask(RequestControl(authority_code=9), tested)
+        operator.ask(core.RequestControl(authority_code=9), tested)
         assert world.is_kept(operator.address)
-        for query in (QueryStatus, QueryTimeout):
+        for query in (core.QueryStatus, core.QueryTimeout):
             other.ask(create(query=query), tested)
-        assert ConfirmEventRequest in kinds(operator.ask(create(), tested))
+        assert core.ConfirmEventRequest in kinds(operator.ask(create(), tested))
 
     def test_rates_above_the_budget_are_cut_where_most_is_asked_for(self, world):
         tested = world.started("1.1.1", event_rate_budget=100.0)

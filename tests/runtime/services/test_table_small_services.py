@@ -5,24 +5,8 @@ from datetime import datetime, timedelta, timezone
 import pytest
 
 from jausml.runtime import JausComponent, ListElement, Scope, ServiceIdentity, chain
+from jausml.runtime import messages as core
 from jausml.runtime.base.address import JausAddress
-from jausml.runtime.messages import (
-    ConfirmElementRequest,
-    DeleteElement,
-    QueryElement,
-    QueryElementCount,
-    QueryElementList,
-    QueryHeartbeatPulse,
-    QueryTime,
-    RejectElementRequest,
-    ReportElement,
-    ReportElementCount,
-    ReportElementList,
-    ReportHeartbeatPulse,
-    ReportTime,
-    SetElement,
-    SetTime,
-)
 from jausml.runtime.services.list_elements import ELEMENTS_OF_DRIVERS
 from jausml.runtime.services.list_manager import ListManagerService
 
@@ -58,14 +42,14 @@ class Robot(JausComponent):
 
 # ---- Liveness --------------------------------------------------------------------------------
 
-PULSE = ReportHeartbeatPulse()
+PULSE = core.ReportHeartbeatPulse()
 
 
 @rows(
     *(
         Row(
             f"QueryHeartbeatPulse {version}: ReportHeartbeatPulse",
-            when=("client", QueryHeartbeatPulse(), PULSE),
+            when=("client", core.QueryHeartbeatPulse(), PULSE),
             version=version,
         )
         for version in ((1, 1), V1_0)
@@ -80,7 +64,7 @@ def test_liveness(world, row):
 def test_liveness_of_v1_0_is_spelt_both_ways(world, spelling):
     service = ServiceIdentity(f"urn:jaus:jss:core:{spelling}", 1, 0)
     component = world.started("1.1.1", services=(service,))
-    assert world.probe("2.1.1").ask(QueryHeartbeatPulse(), component) == [PULSE]
+    assert world.probe("2.1.1").ask(core.QueryHeartbeatPulse(), component) == [PULSE]
 
 
 @pytest.mark.parametrize(
@@ -118,9 +102,9 @@ def stamp(hour, minutes, seconds, milliseconds, day):
 def set_time(time=None, date=None):
     return (
         "client",
-        SetTime(
-            time_stamp=None if time is None else SetTime.TimeStamp(**stamp(*time)),
-            date_stamp=None if date is None else SetTime.DateStamp(*date),
+        core.SetTime(
+            time_stamp=None if time is None else core.SetTime.TimeStamp(**stamp(*time)),
+            date_stamp=None if date is None else core.SetTime.DateStamp(*date),
         ),
     )
 
@@ -131,16 +115,16 @@ def raw_time(time_bits, date_bits):
 
 
 def reported(time=None, date=None):
-    return ReportTime(
-        time_stamp=None if time is None else ReportTime.TimeStamp(**stamp(*time)),
-        date_stamp=None if date is None else ReportTime.DateStamp(*date),
+    return core.ReportTime(
+        time_stamp=None if time is None else core.ReportTime.TimeStamp(**stamp(*time)),
+        date_stamp=None if date is None else core.ReportTime.DateStamp(*date),
     )
 
 
 TIME_REPORTS = tuple(
     Row(
         f"QueryTime, presence vector {bits}: {name}",
-        when=("rival", QueryTime(presence_vector=bits), reported(time, date)),
+        when=("rival", core.QueryTime(presence_vector=bits), reported(time, date)),
     )
     for bits, name, time, date in (
         (3, "time and date", (23, 59, 58, 250, 31), (31, 1, 26)),
@@ -178,7 +162,7 @@ TIME_REFUSALS = (
     Row(
         "SetTime of another: ignored",
         controlled(),
-        when=("rival", SetTime(date_stamp=SetTime.DateStamp(1, 1, 30))),
+        when=("rival", core.SetTime(date_stamp=core.SetTime.DateStamp(1, 1, 30))),
         counted=REFUSED,
     ),
     *(
@@ -233,19 +217,20 @@ def test_time_is_not_set(world, row):
 
 
 def element(uid, previous, following, data=WAYPOINT, data_format=0):
-    return SetElement.ElementRec(
+    return core.SetElement.ElementRec(
         element_uid=uid,
         previous_uid=previous,
         next_uid=following,
-        element_data=SetElement.ElementData(data_format, data),
+        element_data=core.SetElement.ElementData(data_format, data),
     )
 
 
 def sets(*elements, request=1, who="client"):
     return (
         who,
-        SetElement(
-            request_id_rec=SetElement.RequestIDRec(request_id=request), element_list=list(elements)
+        core.SetElement(
+            request_id_rec=core.SetElement.RequestIDRec(request_id=request),
+            element_list=list(elements),
         ),
     )
 
@@ -253,9 +238,11 @@ def sets(*elements, request=1, who="client"):
 def deletes(*uids, request=2, who="client"):
     return (
         who,
-        DeleteElement(
-            request_id_rec=DeleteElement.RequestIDRec(request_id=request),
-            delete_element_list=[DeleteElement.DeleteElementRec(element_uid=uid) for uid in uids],
+        core.DeleteElement(
+            request_id_rec=core.DeleteElement.RequestIDRec(request_id=request),
+            delete_element_list=[
+                core.DeleteElement.DeleteElementRec(element_uid=uid) for uid in uids
+            ],
         ),
     )
 
@@ -278,13 +265,13 @@ def row(name, *given, when, **expected):
 
 def taken(name, *given, when, links, request=1):
     """A request that is confirmed, with the list that it leads to."""
-    when = (*when, ConfirmElementRequest(request_id=request))
+    when = (*when, core.ConfirmElementRequest(request_id=request))
     return pytest.param(row(name, *given, when=when), links, id=name)
 
 
 def refused(name, *given, when, code, links=LINE_LINKS, request=1):
     """A request that is rejected and changes nothing."""
-    when = (*when, RejectElementRequest(request_id=request, response_code=code))
+    when = (*when, core.RejectElementRequest(request_id=request, response_code=code))
     refusal = row(name, *given, when=when, counted="list_manager.rejected")
     return pytest.param(refusal, links, id=name)
 
@@ -372,31 +359,32 @@ def test_list(world, row, links):
     ] == links
     assert len(elements) == len(links)
     assert elements.circular is (bool(links) and links[-1][2] != 0)
-    confirmed = world.count(ConfirmElementRequest.CODE)
+    confirmed = world.count(core.ConfirmElementRequest.CODE)
     assert stage.component.changes == confirmed
 
 
 @rows(
-    row("QueryElement: the element", ABC, when=("rival", QueryElement(element_uid=20),
-        ReportElement(element_uid=20, previous_uid=10, next_uid=30,
-        element_data=ReportElement.ElementData(0, WAYPOINT)))),
-    row("QueryElement, unknown: silence", ABC, when=("rival", QueryElement(element_uid=21))),
+    row("QueryElement: the element", ABC, when=("rival", core.QueryElement(element_uid=20),
+        core.ReportElement(element_uid=20, previous_uid=10, next_uid=30,
+        element_data=core.ReportElement.ElementData(0, WAYPOINT)))),
+    row("QueryElement, unknown: silence", ABC, when=("rival", core.QueryElement(element_uid=21))),
     row(
         "QueryElementList: the order",
         sets(element(30, 0, 10), element(10, 30, 20), element(20, 10, 0)),
         when=(
             "rival",
-            QueryElementList(),
-            ReportElementList(
+            core.QueryElementList(),
+            core.ReportElementList(
                 element_list=[
-                    ReportElementList.ElementListRec(element_uid=uid) for uid in (30, 10, 20)
+                    core.ReportElementList.ElementListRec(element_uid=uid) for uid in (30, 10, 20)
                 ]
             ),
         ),
     ),
-    row("QueryElementList, empty", when=("rival", QueryElementList(), ReportElementList())),
+    row("QueryElementList, empty",
+        when=("rival", core.QueryElementList(), core.ReportElementList())),
     row("QueryElementCount", ABC,
-        when=("rival", QueryElementCount(), ReportElementCount(element_count=3))),
+        when=("rival", core.QueryElementCount(), core.ReportElementCount(element_count=3))),
 )  # fmt: skip
 def test_list_queries(world, row):
     play(world, row, Robot)
@@ -404,7 +392,10 @@ def test_list_queries(world, row):
 
 def test_list_is_set_in_ready_too(world):
     row = Row(
-        "Ready", ready(), when=(*ABC, ConfirmElementRequest(request_id=1)), services=(LIST_MANAGER,)
+        "Ready",
+        ready(),
+        when=(*ABC, core.ConfirmElementRequest(request_id=1)),
+        services=(LIST_MANAGER,),
     )
     play(world, row, Robot)
 
@@ -418,7 +409,7 @@ def test_list_manager_of_every_set(world, urn):
     row = Row(
         urn,
         controlled(),
-        when=(*ABC, ConfirmElementRequest(request_id=1)),
+        when=(*ABC, core.ConfirmElementRequest(request_id=1)),
         services=(ServiceIdentity(urn, 1, 0),),
         version=V1_0,
     )
@@ -429,13 +420,13 @@ def test_list_manager_of_every_set(world, urn):
 def test_list_takes_the_elements_of_its_driver(world, urn):
     driver = ServiceIdentity(urn, 1, 0)
     data = ELEMENTS_OF_DRIVERS[urn].to_bytes(2, "little")
-    then = {"client": [ConfirmElementRequest(request_id=1)]}
+    then = {"client": [core.ConfirmElementRequest(request_id=1)]}
     services = (LIST_MANAGER, driver)
     play(world, Row(urn, controlled(), sets(element(1, 0, 0, data)), then, services=services))
 
 
 def test_list_manager_alone_takes_nothing(world):
-    then = {"client": [RejectElementRequest(request_id=1, response_code=4)]}
+    then = {"client": [core.RejectElementRequest(request_id=1, response_code=4)]}
     play(world, Row("alone", controlled(), ABC, then, services=(LIST_MANAGER,)))
 
 
@@ -444,7 +435,7 @@ def test_element_of_an_unknown_format_is_refused_whatever_the_component_says(wor
         def supports_element(self, _element):
             return True
 
-    then = {"client": [RejectElementRequest(request_id=1, response_code=4)]}
+    then = {"client": [core.RejectElementRequest(request_id=1, response_code=4)]}
     payload = bytearray(sets(element(1, 0, 0, b"x", data_format=1))[1].encode())
     payload[10] = 255
 
