@@ -8,7 +8,6 @@ import random
 import socket
 import subprocess
 import sys
-import threading
 from contextlib import ExitStack
 from functools import partial
 from typing import TYPE_CHECKING
@@ -21,10 +20,8 @@ from network_hosts import NetworkHost
 
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.base.counters import Counters
-from jausml.runtime.base.loop import Loop
-from jausml.runtime.base.settings import TransportKind, TransportSettings
+from jausml.runtime.base.settings import TransportKind
 from jausml.runtime.transports import jtcp
-from jausml.runtime.transports.jtcp import JtcpTransport
 from jausml.runtime.transports.packets.packet import (
     AckNak,
     Broadcast,
@@ -36,7 +33,7 @@ from jausml.runtime.transports.packets.packet import (
 from jausml.runtime.transports.tcp_connection import StreamError, StreamReader
 
 from .conftest import wait_until
-from .transport_support import DRIVER, OCU, PEER, SENSOR, STATUS
+from .transport_support import DRIVER, OCU, PEER, SENSOR, STATUS, in_threads
 from .transport_support import from_peer as packet_from_peer
 
 if TYPE_CHECKING:
@@ -601,12 +598,6 @@ class TestSharedPort:
         first.transport.send(SENSOR, OCU, STATUS)
         wait_until(lambda: second.received)
 
-    def test_an_unusable_interface_is_an_error_of_open(self):
-        with Loop() as loop:
-            transport = JtcpTransport(TransportSettings(interface="192.0.2.200"), loop)
-            with pytest.raises(OSError, match=r"192\.0\.2\.200"):
-                transport.open()
-
 
 class TestThreads:
     def test_messages_of_many_threads_all_arrive_with_their_own_number(self, tcp, free_port):
@@ -619,11 +610,7 @@ class TestThreads:
             for count in range(50):
                 here.transport.send(DRIVER, OCU, bytes([2, 64, index, count]))
 
-        threads = [threading.Thread(target=work, args=(index,)) for index in range(4)]
-        for thread in threads:
-            thread.start()
-        for thread in threads:
-            thread.join()
+        in_threads(work)
         wait_until(lambda: len(there.received) == 200)
         assert len({message.sequence for _, message in there.received}) == 200
 

@@ -9,6 +9,7 @@ from network_hosts import NetworkHost
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.settings import TransportSettings
+from jausml.runtime.transports.jtcp import JtcpTransport
 from jausml.runtime.transports.packets.packet import AckNak, Broadcast, Packet, Priority
 from jausml.runtime.transports.ports import neighbour_ports
 from jausml.runtime.transports.udp import judp
@@ -16,7 +17,7 @@ from jausml.runtime.transports.udp.judp import JudpTransport
 from jausml_generators.wireshark.target import NEIGHBOUR_PORTS
 
 from .conftest import wait_until
-from .transport_support import DRIVER, OCU, PEER, SENSOR, STATUS, from_peer, join
+from .transport_support import DRIVER, OCU, PEER, SENSOR, STATUS, from_peer, in_threads, join
 
 pytestmark = pytest.mark.ports
 
@@ -295,11 +296,7 @@ class TestThreads:
             for count in range(50):
                 here.transport.send(DRIVER, OCU, bytes([2, 64, index, count]))
 
-        threads = [threading.Thread(target=work, args=(index,)) for index in range(4)]
-        for thread in threads:
-            thread.start()
-        for thread in threads:
-            thread.join()
+        in_threads(work)
         wait_until(lambda: len(there.received) == 201)
         assert len({message.sequence for _, message in there.received}) == 201
 
@@ -374,9 +371,10 @@ class TestNetworkFailure:
         here.transport.send(DRIVER, PEER, STATUS)
         assert here.counter("judp.send_failed") == 1
 
-    def test_an_unusable_interface_is_an_error_of_open(self):
+    @pytest.mark.parametrize("kind", [JudpTransport, JtcpTransport])
+    def test_an_unusable_interface_is_an_error_of_open(self, kind):
         with Loop() as loop:
-            transport = JudpTransport(TransportSettings(interface="192.0.2.200"), loop)
+            transport = kind(TransportSettings(interface="192.0.2.200"), loop)
             with pytest.raises(OSError, match=r"192\.0\.2\.200"):
                 transport.open()
 

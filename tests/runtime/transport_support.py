@@ -1,4 +1,6 @@
-"""Addresses and packets for tests of transports."""
+"""Addresses, packets and threads for tests of transports."""
+
+import threading
 
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.transports.packets.packet import AckNak, Packet
@@ -21,3 +23,12 @@ def join(peer, at) -> None:
     before = at.counter("transport.nak")
     peer.send(from_peer(b"", 0, acknowledge=AckNak.NAK), at.transport.endpoint)
     wait_until(lambda: at.counter("transport.nak") > before)
+
+
+def in_threads(work) -> None:
+    """Lets four threads work, each told its index, until all are done."""
+    threads = [threading.Thread(target=work, args=(index,)) for index in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()

@@ -8,7 +8,6 @@ from jausml.runtime.base.quirks import Quirk
 from jausml.runtime.clients.discovery_client import MAX_FOUND, query_service_lists, query_services
 from jausml.runtime.messages import (
     QueryIdentification,
-    QueryServiceList,
     QueryServices,
     QuerySubsystemList,
     RegisterServices,
@@ -16,6 +15,8 @@ from jausml.runtime.messages import (
     ReportServices,
 )
 from jausml.runtime.services.discovery import register_services, report_services
+
+from .state_tables import query_service_list, query_services_of
 
 SENSOR = ServiceIdentity("urn:jaus:jss:mobility:VelocityStateSensor", 1, 0)
 DISCOVERY = ServiceIdentity("urn:jaus:jss:core:Discovery", 1, 1)
@@ -29,18 +30,6 @@ def client(world):
 
 def server(world, scope=Scope.SUBSYSTEM, address="1.1.1", **named):
     return world.started(address, services=(DISCOVERY,), discovery_scope=scope, **named)
-
-
-def query_pairs(*pairs):
-    return QueryServices(
-        node_list=[
-            QueryServices.NodeSeq(
-                node_rec=QueryServices.NodeRec(node_id=node),
-                component_list=[QueryServices.ComponentRec(component_id=component)],
-            )
-            for node, component in pairs
-        ]
-    )
 
 
 def found(report):
@@ -113,25 +102,25 @@ class TestRegistration:
         ],
     )
     def test_wildcards_and_unknown_ids(self, tested, client, node, component, expected):
-        (report,) = client.ask(query_pairs((node, component)), tested)
+        (report,) = client.ask(query_services_of((node, component)), tested)
         assert set(found(report)) == expected
 
     def test_several_components(self, tested, client):
-        (report,) = client.ask(query_pairs((2, 3), (1, 1), (5, 5)), tested)
+        (report,) = client.ask(query_services_of((2, 3), (1, 1), (5, 5)), tested)
         assert set(found(report)) == {(1, 1), (2, 3)}
 
     def test_node_scope_takes_its_node_only(self, world, client):
         narrow = server(world, Scope.NODE, "2.1.1")
         world.probe("2.1.2").ask(register_services([SENSOR]), narrow)
         world.probe("2.2.2").ask(register_services([SENSOR]), narrow)
-        (report,) = client.ask(query_pairs((255, 255)), narrow)
+        (report,) = client.ask(query_services_of((255, 255)), narrow)
         assert set(found(report)) == {(1, 1), (1, 2)}
 
     def test_looking_for_the_server_renews_the_registration(self, world, tested, member, client):
         world.run(200.0, step=10.0)
         member.ask(QueryIdentification(query_type=SUBSYSTEM), tested)
         world.run(200.0, step=10.0)
-        (report,) = client.ask(query_pairs((255, 255)), tested)
+        (report,) = client.ask(query_services_of((255, 255)), tested)
         assert set(found(report)) == {(1, 1), (2, 3)}
 
     def test_registrations_are_bounded(self, world, tested):
@@ -157,26 +146,6 @@ class TestRegistration:
         assert node.node_rec.node_id == 2
 
 
-def query_service_list(subsystem, node, component, search=None):
-    return QueryServiceList(
-        subsystem_list=[
-            QueryServiceList.SubsystemSeq(
-                subsystem_rec=QueryServiceList.SubsystemRec(subsystem_id=subsystem),
-                node_list=[
-                    QueryServiceList.NodeSeq(
-                        node_rec=QueryServiceList.NodeRec(node_id=node),
-                        component_list=[
-                            QueryServiceList.ComponentRec(
-                                component_id=component, search_filter=search
-                            )
-                        ],
-                    )
-                ],
-            )
-        ]
-    )
-
-
 def test_component_registers_with_its_subsystem(world, client):
     tested = server(world)
     member = world.component("1.5.6", services=(SENSOR,), register_services=True)
@@ -184,7 +153,7 @@ def test_component_registers_with_its_subsystem(world, client):
     member.start()
     stranger.start()
     world.settle()
-    (report,) = client.ask(query_pairs((255, 255)), tested)
+    (report,) = client.ask(query_services_of((255, 255)), tested)
     assert set(found(report)) == {(1, 1), (5, 6)}
 
 
@@ -194,7 +163,7 @@ def test_component_registers_with_a_server_that_comes_later_or_again(world, clie
     for _ in range(2):
         tested = server(world)
         world.run(16.0, step=1.0)
-        (report,) = client.ask(query_pairs((5, 6)), tested)
+        (report,) = client.ask(query_services_of((5, 6)), tested)
         assert set(found(report)) == {(5, 6)}
         tested.stop()
 
@@ -297,7 +266,7 @@ def test_stale_registrations_make_room(world, client):
     world.run(20.0, step=5.0)
     world.send(JausAddress(1, 9, 9), tested.address, payload)
     world.settle()
-    (report,) = client.ask(query_pairs((255, 255)), tested)
+    (report,) = client.ask(query_services_of((255, 255)), tested)
     assert set(found(report)) == {(1, 1), (9, 9)}
 
 

@@ -45,35 +45,34 @@ class TestShares:
         assert shares["honest"] == pytest.approx(rate)
 
 
-class TestSlots:
-    ASKER = Held(None, ("a", "a1", "a11"))
+ASKER = Held(None, ("a", "a1", "a11"))
 
-    def test_the_largest_host_gives_the_newest(self):
-        held = [Held(n, ("b", "b1", "b11")) for n in range(3)] + [Held(9, ("c", "c1", "c11"))]
-        assert who_gives_way(held, self.ASKER) == 2
 
-    def test_nobody_gives_when_the_asker_has_as_many(self):
-        held = [Held(1, ("b", "b1", "b11")), Held(2, self.ASKER.place)]
-        assert who_gives_way(held, self.ASKER) is None
+def three(*place, **claim):
+    return [Held(n, place, **claim) for n in range(3)]
 
-    def test_within_a_host_the_largest_endpoint_gives(self):
-        held = [Held(n, ("a", "a2", "x")) for n in range(3)] + [Held(9, ("b", "b1", "x"))]
-        assert who_gives_way(held, self.ASKER) == 2
 
-    def test_what_is_not_proved_goes_before_what_is(self):
-        held = [Held(n, ("b", "b1", "b11")) for n in range(3)]
-        held.append(Held(9, ("c", "c1", "c11"), is_proved=False))
-        assert who_gives_way(held, self.ASKER) == 9
+SLOTS = {
+    "the largest host gives the newest": (
+        [*three("b", "b1", "b11"), Held(9, ("c", "c1", "c11"))], ASKER, 2),
+    "nobody gives when the asker has as many": (
+        [Held(1, ("b", "b1", "b11")), Held(2, ASKER.place)], ASKER, None),
+    "within a host the largest endpoint gives": (
+        [*three("a", "a2", "x"), Held(9, ("b", "b1", "x"))], ASKER, 2),
+    "what is not proved goes before what is": (
+        [*three("b", "b1", "b11"), Held(9, ("c", "c1", "c11"), is_proved=False)], ASKER, 9),
+    "one without proof takes nothing from those who have one": (
+        three("b", "b1", "b11"), Held(None, ASKER.place, is_proved=False), None),
+    "what is kept gives to nobody": (three("b", "b1", "b11", is_kept=True), ASKER, None),
+    "who is kept gets in any case": (
+        [*three("b", "b1", "b11", is_kept=True), Held(9, ASKER.place)],
+        Held(None, ASKER.place, is_kept=True), 9),
+}  # fmt: skip
 
-    def test_one_without_proof_takes_nothing_from_those_who_have_one(self):
-        held = [Held(n, ("b", "b1", "b11")) for n in range(3)]
-        assert who_gives_way(held, Held(None, self.ASKER.place, is_proved=False)) is None
 
-    def test_what_is_kept_gives_to_nobody_and_gets_in_any_case(self):
-        kept = [Held(n, ("b", "b1", "b11"), is_kept=True) for n in range(3)]
-        assert who_gives_way(kept, self.ASKER) is None
-        asker = Held(None, self.ASKER.place, is_kept=True)
-        assert who_gives_way([*kept, Held(9, self.ASKER.place)], asker) == 9
+@pytest.mark.parametrize(("held", "asker", "expected"), SLOTS.values(), ids=SLOTS)
+def test_who_gives_a_slot(held, asker, expected):
+    assert who_gives_way(held, asker) == expected
 
 
 class TestService:

@@ -390,18 +390,13 @@ def test_list_queries(world, row):
     play(world, row, Robot)
 
 
-def test_list_is_set_in_ready_too(world):
-    row = Row(
-        "Ready",
-        ready(),
-        when=(*ABC, core.ConfirmElementRequest(request_id=1)),
-        services=(LIST_MANAGER,),
-    )
+@rows(
+    Row("SetElement in Ready: set", ready(), services=(LIST_MANAGER,),
+        when=(*ABC, core.ConfirmElementRequest(request_id=1))),
+    Row("SetElement without control: ignored", when=ABC, counted=REFUSED, services=(LIST_MANAGER,)),
+)  # fmt: skip
+def test_list_in_other_states(world, row):
     play(world, row, Robot)
-
-
-def test_list_is_not_set_without_control(world):
-    play(world, Row("NotControlled", when=ABC, counted=REFUSED, services=(LIST_MANAGER,)), Robot)
 
 
 @pytest.mark.parametrize("urn", sorted(ListManagerService.urns))
