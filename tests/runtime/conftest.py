@@ -11,7 +11,7 @@ import time
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import ports
 import pytest
@@ -34,6 +34,15 @@ def wait_until(condition: Callable[[], object], seconds: float = 10.0) -> None:
     while not condition():
         assert time.monotonic() < deadline, "the condition did not come true in time"
         time.sleep(0.002)
+
+
+def reports_of(component: Any, target: Any, query: Any, report_class: Any, **options: Any) -> list:
+    """Subscribes to reports; returns where they will stand."""
+    reports: list = []
+    component.subscribe(
+        target, query, report_class, lambda report, _sender: reports.append(report), **options
+    )
+    return reports
 
 
 class Received(NamedTuple):

@@ -245,8 +245,7 @@ def unheard():
     """A library of ROS whose topics never have a subscriber."""
     names = ("type", "check", "destroy", "close", "publishers", "subscribers")
     return SimpleNamespace(
-        publisher=lambda topic, *_: Publisher(None, topic),
-        **dict.fromkeys(names, lambda *_: 0),
+        publisher=lambda topic, *_: Publisher(None, topic), **dict.fromkeys(names, lambda *_: 0)
     )
 
 

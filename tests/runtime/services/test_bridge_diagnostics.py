@@ -40,9 +40,11 @@ from .bridge_support import (
     event,
     message_connection,
     minutes,
+    obeyed,
     peer_component,
     query,
     safe,
+    stopping,
     values,
 )
 
@@ -71,9 +73,7 @@ def test_diagnostics_judge_each_connection(world, setting):
 
 
 def test_diagnostics_count_the_reasons_of_stops(world, setting):
-    setting.open(
-        message_connection(when=Guard.READY, safe_value=lambda: Number(-1.0)), services=CORE
-    )
+    setting.open(obeyed(), services=CORE)
     operator = world.probe("5.1.1")
     for message in (ReleaseControl(), ReleaseControl(), Reset()):
         operator.tell(OWN, RequestControl(authority_code=200), Resume(), minutes(2), message)
@@ -87,9 +87,7 @@ def test_diagnostics_count_the_reasons_of_stops(world, setting):
 
 
 def test_diagnostics_tell_lapsed_control_from_released(world, setting):
-    setting.open(
-        message_connection(when=Guard.READY, safe_value=lambda: Number(-1.0)), services=CORE
-    )
+    setting.open(obeyed(), services=CORE)
     operator = world.probe("5.1.1")
     operator.tell(OWN, RequestControl(authority_code=200), Resume(), minutes(2))
     world.run(7.0)
@@ -168,8 +166,7 @@ def test_a_peer_that_is_not_there_is_told_while_messages_go_to_it(world, setting
     connection = setting.open(command("tell"))
     setting.say(*[5.0] * 70, every=0.1)
     assert connection.statistics.passed == 70
-    status = setting.ros.statuses[-1]["tell"]
-    assert (status.level, status.message) == ("warning", "nothing from 1.1.1")
+    assert setting.judged("tell") == ("warning", "nothing from 1.1.1")
     world.probe(str(PEER), strict=False)
     setting.say(*[5.0] * 20, every=0.1)
     assert setting.ros.statuses[-1]["tell"].level == "ok"
@@ -223,8 +220,7 @@ def test_what_is_dropped_before_any_connection_is_told(world, setting):
     stranger.send(minutes(1), OWN)
     stranger.send_bytes(SetTime.CODE.to_bytes(2, "little"), OWN)
     world.run(1.0)
-    status = setting.ros.statuses[-1]["jaus traffic"]
-    assert (status.level, status.message) == ("warning", "component.command_refused")
+    assert setting.judged("jaus traffic") == ("warning", "component.command_refused")
     world.run(1.0)
     status = setting.ros.statuses[-1]["jaus traffic"]
     assert (status.level, status.message) == ("ok", "running")
@@ -357,7 +353,7 @@ def test_latency_is_measured_while_it_is_wanted(setting, parameter):
 def test_latency_may_be_wanted_from_the_start(world, setting):
     peer = world.probe(str(PEER))
     setting.ros.parameters |= {"drive.latency": True}
-    connection = setting.open(command(silence_timeout=1.0, safe_value=safe, is_command=True))
+    connection = setting.open(stopping())
     setting.say(1.0, 2.0)
     assert latency(connection.status()) == BRIDGE  # no stamp, no age
     world.run(1.1)

@@ -19,6 +19,7 @@ from .bridge_support import (
     event,
     message_connection,
     minutes,
+    obeyed,
     peer_component,
     report,
     safe,
@@ -66,10 +67,7 @@ def test_subscribers_long_after_the_start_get_no_stop(world, setting, is_simulat
 
 
 def test_control_ends_and_is_not_to_be_had(world, setting):
-    connection = setting.open(
-        message_connection(when=Guard.READY, safe_value=lambda: Number(-1.0), is_command=True),
-        services=CORE,
-    )
+    connection = setting.open(obeyed(is_command=True), services=CORE)
     operator = world.probe("5.1.1")
     operator.tell(OWN, core.RequestControl(authority_code=200), core.Resume(), minutes(2))
     operator.take()

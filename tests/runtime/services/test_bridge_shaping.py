@@ -33,6 +33,7 @@ from .bridge_support import (
     minutes,
     peer_component,
     safe,
+    stopping,
     values,
 )
 
@@ -133,9 +134,7 @@ def stamped(time):
 
 def test_commands_that_are_late_do_not_pass_and_the_stop_stands(world, setting, caplog):
     peer = world.probe(str(PEER))
-    connection = setting.open(
-        command(shape=Shape(age_limit=0.5), silence_timeout=1.0, safe_value=safe, is_command=True)
-    )
+    connection = setting.open(stopping(shape=Shape(age_limit=0.5)))
     assert sent(peer) == [0]
     take = setting.ros.take["numbers"]
     late = time.time_ns() - 10 * 10**9
@@ -196,9 +195,7 @@ def test_what_waits_longer_than_it_may_is_too_old(world, setting):
 
 def test_a_stop_neither_waits_nor_is_followed_by_what_waited(world, setting):
     peer = world.probe(str(PEER))
-    connection = setting.open(
-        command(shape=Shape(max_rate=0.2), silence_timeout=1.0, safe_value=safe, is_command=True)
-    )
+    connection = setting.open(stopping(shape=Shape(max_rate=0.2)))
     setting.say(5, 6)
     world.run(10.0)
     assert sent(peer) == [0, 5, 0]
@@ -207,9 +204,7 @@ def test_a_stop_neither_waits_nor_is_followed_by_what_waited(world, setting):
 
 def test_the_first_message_after_a_stop_passes(world, setting):
     peer = world.probe(str(PEER))
-    setting.open(
-        command(shape=Shape(decimation=3), silence_timeout=1.0, safe_value=safe, is_command=True)
-    )
+    setting.open(stopping(shape=Shape(decimation=3)))
     setting.say(5, 6)
     world.run(2.0)
     setting.say(7)
@@ -218,9 +213,7 @@ def test_the_first_message_after_a_stop_passes(world, setting):
 
 def test_a_source_that_is_thinned_is_not_silent(world, setting):
     peer = world.probe(str(PEER))
-    setting.open(
-        command(shape=Shape(max_rate=0.2), silence_timeout=1.0, safe_value=safe, is_command=True)
-    )
+    setting.open(stopping(shape=Shape(max_rate=0.2)))
     setting.say(*[5] * 60, every=0.1)
     assert sent(peer) == [0, 5, 5]
 
@@ -228,13 +221,7 @@ def test_a_source_that_is_thinned_is_not_silent(world, setting):
 def test_a_source_that_says_nothing_usable_is_silent_for_all_its_messages(world, setting):
     peer = world.probe(str(PEER))
     setting.open(
-        command(
-            translate=lambda source: minutes(int(1 / source.data)),
-            shape=Shape(decimation=3),
-            silence_timeout=1.0,
-            safe_value=safe,
-            is_command=True,
-        )
+        stopping(translate=lambda source: minutes(int(1 / source.data)), shape=Shape(decimation=3))
     )
     setting.say(1)
     setting.say(*[0] * 20, every=0.1)

@@ -70,8 +70,7 @@ def test_a_pause_is_no_silence_but_a_lost_clock_stops(world, setting, simulation
     assert connection.stopped is StopReason.CLOCK
     simulation.run(10.0, None)
     assert peer.take() == []
-    status = setting.ros.statuses[-1]["simulated time"]
-    assert (status.level, status.message) == ("stale", "nobody says the time on /clock")
+    assert setting.judged("simulated time") == ("stale", "nobody says the time on /clock")
     setting.say(6.0)
     assert peer.take() == [minutes(6)]
 
@@ -91,8 +90,7 @@ def test_a_clock_that_nobody_speaks_on_is_told(world, setting):
     setting.ros.is_simulated = True
     setting.open(command(silence_timeout=1.0, safe_value=safe))
     world.run(5.0)
-    status = setting.ros.statuses[-1]["simulated time"]
-    assert (status.level, status.message) == ("stale", "nothing was heard on /clock yet")
+    assert setting.judged("simulated time") == ("stale", "nothing was heard on /clock yet")
 
 
 def test_a_jump_back_is_counted_and_ends_nothing(world, setting, simulation):

@@ -27,6 +27,7 @@ from .bridge_support import (
     event,
     message_connection,
     minutes,
+    obeyed,
     peer_component,
     query,
 )
@@ -122,10 +123,7 @@ def test_commands_of_anybody_are_passed_on_in_their_order(world, setting, is_com
 
 
 def test_command_needs_control_and_losing_it_is_safe_at_once(world, setting):
-    connection = setting.open(
-        message_connection(when=Guard.READY, silence_timeout=30.0, safe_value=lambda: Number(-1.0)),
-        services=CORE,
-    )
+    connection = setting.open(obeyed(silence_timeout=30.0), services=CORE)
     operator = world.probe("5.1.1")
     operator.send(minutes(1), OWN)  # not obeyed: no control
     operator.tell(OWN, RequestControl(authority_code=200), Resume(), minutes(2))
@@ -146,9 +144,7 @@ def test_command_needs_control_and_losing_it_is_safe_at_once(world, setting):
 def test_take_over_in_ready_is_safe_at_once(world, setting, guard, timeout):
     """The bridge stays in Ready for another; the former controller's command must not stand."""
     connection = setting.open(
-        message_connection(when=guard, silence_timeout=timeout, safe_value=lambda: Number(-1.0)),
-        services=CORE,
-        control_timeout=60,
+        obeyed(when=guard, silence_timeout=timeout), services=CORE, control_timeout=60
     )
     former, rival = world.probe("5.1.1"), world.probe("6.1.1")
     former.tell(OWN, RequestControl(authority_code=127), Resume(), minutes(2))
@@ -163,11 +159,7 @@ def test_take_over_in_ready_is_safe_at_once(world, setting, guard, timeout):
 
 
 def test_lapse_of_control_in_ready_is_safe_once(world, setting):
-    setting.open(
-        message_connection(when=Guard.READY, safe_value=lambda: Number(-1.0)),
-        services=CORE,
-        control_timeout=2,
-    )
+    setting.open(obeyed(), services=CORE, control_timeout=2)
     operator = world.probe("5.1.1")
     operator.tell(OWN, RequestControl(authority_code=127), Resume(), minutes(2))
     world.run(1.9)
@@ -185,10 +177,9 @@ def test_guard_may_depend_on_the_message(world, setting):
         return Number(5.0)
 
     connection = setting.open(
-        message_connection(
+        obeyed(
             translate=current,
             when=lambda message: Guard.CONTROLLED if message.time_stamp.minutes else Guard.READY,
-            safe_value=lambda: Number(-1.0),
         ),
         services=CORE,
     )
@@ -257,12 +248,7 @@ def test_a_report_that_another_connection_takes_is_not_called_unasked(world, set
 def test_what_becomes_of_each_message_is_told_and_adds_up(world, setting, caplog):
     """Each way on which a command can end: none is passed over, in the last line too."""
     caplog.set_level("INFO")
-    connection = setting.open(
-        message_connection(
-            when=Guard.READY, rate_cap=5.0, safe_value=lambda: Number(-1.0), peers=[PEER, OTHER]
-        ),
-        services=CORE,
-    )
+    connection = setting.open(obeyed(rate_cap=5.0, peers=[PEER, OTHER]), services=CORE)
     robber, pilot, stranger = (world.probe(address) for address in (str(OTHER), str(PEER), "5.1.1"))
     pilot.send(RequestControl(authority_code=100), OWN)
     pilot.send(Resume(), OWN)

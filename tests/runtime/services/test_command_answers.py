@@ -13,7 +13,7 @@ from jausml.runtime.messages import (
     Resume,
 )
 
-from .bridge_support import CORE, OTHER, OWN, Number, message_connection, minutes
+from .bridge_support import CORE, OTHER, OWN, Number, message_connection, minutes, obeyed
 
 ALL = QueryTime(presence_vector=3)
 TOLD = CommandAnswer(QueryTime, ReportTime)
@@ -52,9 +52,7 @@ def test_what_is_not_passed_on_is_not_told(setting, operator):
 
 @pytest.mark.parametrize(("answer", "nothing"), [(TOLD, []), (EMPTY, [None])])
 def test_after_the_stop_nothing_is_commanded(answer, nothing, setting, operator):
-    connection = message_connection(
-        when=Guard.READY, safe_value=lambda: Number(-1.0), answer=answer
-    )
+    connection = obeyed(answer=answer)
     setting.open(connection, services=CORE)
     assert asked(operator) == nothing
     operator.tell(OWN, RequestControl(authority_code=200), Resume(), minutes(5))
@@ -71,10 +69,7 @@ def test_a_command_that_was_stopped_is_not_told_again(world, setting, operator):
         small = message.time_stamp.minutes < 10
         return Number(float(message.time_stamp.minutes)) if small else None
 
-    setting.open(
-        message_connection(few, when=Guard.READY, safe_value=lambda: Number(-1.0), answer=TOLD),
-        services=CORE,
-    )
+    setting.open(obeyed(few, answer=TOLD), services=CORE)
     following = world.probe("1.1.7", strict=False)
     for commanding, value in ((operator, 5), (following, 20)):
         commanding.send(RequestControl(authority_code=200), OWN)

@@ -6,6 +6,8 @@ from jausml.runtime import Completion, Guard, JausComponent, Status
 from jausml.runtime import messages as core
 from jausml.runtime.base.address import BROADCAST, JausAddress
 
+from ..conftest import reports_of
+
 TARGET = JausAddress(1, 1, 1)
 
 
@@ -142,14 +144,8 @@ class TestCommand:
         assert "command_client.lost" not in world.counters.snapshot()
 
     def test_next_to_events_of_the_same_provider(self, world, client, outcome):
-        reports = []
-        client.subscribe(
-            TARGET,
-            core.QueryHeartbeatPulse(),
-            core.ReportHeartbeatPulse,
-            lambda report, _: reports.append(report),
-            rate=1,
-        )
+        asked = core.QueryHeartbeatPulse(), core.ReportHeartbeatPulse
+        reports = reports_of(client, TARGET, *asked, rate=1)
         client.command(TARGET, core.Resume(), **outcome.callbacks())
         world.run(5.0, step=0.5)
         assert outcome.done == [True]

@@ -35,6 +35,7 @@ from .bridge_support import (
     command,
     message_connection,
     minutes,
+    obeyed,
     report,
     safe,
     values,
@@ -171,9 +172,7 @@ def connection_of(kind, scene):
         "query": lambda: QueryToTopics("c", number, **asked),
         "message": lambda: message_connection(number_of_time, silence_timeout=1.0),
         "report": lambda: report("c", time_of_number, freshness=1.0),
-        "command to ROS": lambda: message_connection(
-            number_of_time, when=Guard.READY, safe_value=lambda: Number(-1.0), **stops
-        ),
+        "command to ROS": lambda: obeyed(number_of_time, **stops),
         "command to JAUS": lambda: command(
             "c", control=Guard.READY, safe_value=safe, translate=order, **stops
         ),

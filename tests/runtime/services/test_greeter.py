@@ -114,8 +114,7 @@ def test_diagnostics_of_a_bridge_say_who_does_not_answer(world, setting):
     assert (status.level, status.message, status.hardware_id) == ("ok", "running", str(OWN))
     assert values(status) == {"greetings to 42.1.1": "1"}
     world.run(15.0, step=0.5)
-    status = setting.ros.statuses[-1]["jaus greetings"]
-    assert (status.level, status.message) == ("warning", "no answer of 42.1.1")
+    assert setting.judged("jaus greetings") == ("warning", "no answer of 42.1.1")
     Silent(world)
     world.run(10.0, step=0.5)
     status = setting.ros.statuses[-1]["jaus greetings"]

@@ -150,8 +150,7 @@ def test_diagnostics_show_the_age_of_joined_topics(world, setting):
     assert values(status)["join angle age (s)"] == "never"
     assert status.message == "no message yet"
     setting.say(0, every=1.0)
-    status = setting.ros.statuses[-1]["pose"]
-    assert (status.level, status.message) == ("warning", "nothing fresh from angle")
+    assert setting.judged("pose") == ("warning", "nothing fresh from angle")
     world.run(0.75)
     setting.ros.deliver["angles"](Angle())
     world.run(0.25)

@@ -20,7 +20,7 @@ from jausml.runtime.messages import (
     Shutdown,
 )
 
-from ..conftest import wait_until
+from ..conftest import reports_of, wait_until
 from .state_tables import V1_1, core_services
 
 pytestmark = pytest.mark.ports
@@ -69,11 +69,8 @@ class TestOneProcess:
 
     def test_control_and_events(self, pair):
         robot, operator = pair
-        statuses = []
         session = operator.control(ROBOT, authority=100)
-        operator.subscribe(
-            ROBOT, QueryStatus(), ReportStatus, lambda report, _sender: statuses.append(report)
-        )
+        statuses = reports_of(operator, ROBOT, QueryStatus(), ReportStatus)
         wait_until(lambda: session.state is ControlState.READY)
         assert robot.controller == OPERATOR
         wait_until(lambda: statuses and statuses[-1].status == Status.READY)
@@ -97,14 +94,9 @@ class TestOneProcess:
 class TestTwoProcesses:
     def test_commands_reports_and_discovery(self, robot, operator):
         tested = robot()
-        times, found = [], []
+        found = []
         session = operator.control(ROBOT, authority=100)
-        operator.subscribe(
-            ROBOT,
-            QueryTime(presence_vector=1),
-            ReportTime,
-            lambda report, _sender: times.append(report.time_stamp),
-        )
+        times = reports_of(operator, ROBOT, QueryTime(presence_vector=1), ReportTime)
         tested.expect("ready")
         operator.discover("urn:jaus:jss:core:Management", found.append)
         wait_until(lambda: session.state is ControlState.READY)
@@ -112,24 +104,18 @@ class TestTwoProcesses:
         wait_until(lambda: times)
         operator.send(SetTime(time_stamp=stamp), ROBOT)
         tested.expect(f"time 13 of {OPERATOR}")
-        wait_until(lambda: times[-1] is not None and times[-1].hour == 13)
+        wait_until(lambda: times[-1].time_stamp is not None and times[-1].time_stamp.hour == 13)
         wait_until(lambda: found)
         assert found[0].address == ROBOT
 
     @pytest.mark.slow
     def test_recovery_of_a_killed_robot(self, robot, operator):
         first = robot()
-        pulses, silences = [], []
+        silences = []
         session = operator.control(ROBOT, authority=100)
-        operator.subscribe(
-            ROBOT,
-            QueryHeartbeatPulse(),
-            ReportHeartbeatPulse,
-            lambda report, _sender: pulses.append(report),
-            rate=20,
-            silence_timeout=0.5,
-            on_silence=lambda: silences.append(1),
-        )
+        options = {"rate": 20, "silence_timeout": 0.5, "on_silence": lambda: silences.append(1)}
+        asked = QueryHeartbeatPulse(), ReportHeartbeatPulse
+        pulses = reports_of(operator, ROBOT, *asked, **options)
         wait_until(lambda: session.state is ControlState.READY and len(pulses) > 5)
         silences.clear()
         first.kill()
@@ -161,11 +147,8 @@ class TestEnd:
     @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
     def test_by_signal(self, robot, operator, number):
         tested = robot()
-        statuses = []
         session = operator.control(ROBOT, authority=100)
-        operator.subscribe(
-            ROBOT, QueryStatus(), ReportStatus, lambda report, _sender: statuses.append(report)
-        )
+        statuses = reports_of(operator, ROBOT, QueryStatus(), ReportStatus)
         wait_until(lambda: session.state is ControlState.READY and statuses)
         assert tested.end(number) == 0
         tested.expect("not ready")

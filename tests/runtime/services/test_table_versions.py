@@ -8,6 +8,7 @@ from jausml.runtime.base.address import JausAddress
 from jausml.runtime.clients.discovery_client import query_service_lists, query_services
 from jausml.runtime.services.discovery import report_services
 
+from ..conftest import reports_of
 from .state_tables import CORE_NAMES, V1_0, V1_1, Row, Stage, after, core_services
 
 SERVER = JausAddress(1, 1, 1)
@@ -81,14 +82,8 @@ def old_robot(world, **settings):
 
 def test_event_of_a_v1_0_provider_lives_on(world, client):
     old_robot(world)
-    reports = []
-    client.subscribe(
-        SERVER,
-        core.QueryHeartbeatPulse(),
-        core.ReportHeartbeatPulse,
-        lambda r, _: reports.append(r),
-        rate=1,
-    )
+    asked = core.QueryHeartbeatPulse(), core.ReportHeartbeatPulse
+    reports = reports_of(client, SERVER, *asked, rate=1)
     world.run(600.0, step=0.25)
     assert len(reports) == pytest.approx(601, abs=2)
     assert world.count(core.CreateEvent.CODE) == 21, "once, and each half minute again"
@@ -96,18 +91,12 @@ def test_event_of_a_v1_0_provider_lives_on(world, client):
 
 def test_event_of_a_v1_0_provider_that_was_restarted(world, client):
     robot = old_robot(world)
-    reports = []
-    client.subscribe(
-        SERVER,
-        core.QueryStatus(),
-        core.ReportStatus,
-        lambda report, _: reports.append(report.status),
-    )
+    reports = reports_of(client, SERVER, core.QueryStatus(), core.ReportStatus)
     world.run(5.0, step=0.25)
     robot.stop()
     old_robot(world)
     world.run(30.0, step=0.25)
-    assert reports[-1] == Status.STANDBY
+    assert reports[-1].status == Status.STANDBY
 
 
 def test_control_of_a_v1_0_component(world, client):
