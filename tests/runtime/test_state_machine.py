@@ -232,12 +232,6 @@ def test_push_remembers_and_pop_goes_back_in_order(host):
         assert machine.state == expected
 
 
-def test_pop_of_nothing_is_counted_and_stays(host):
-    machine = started(host, state(host, "A", On("pop", kind=Kind.POP), initial=True))
-    assert done_at(machine, host, "pop") == ["component.nothing_to_pop"]
-    assert machine.state == "A"
-
-
 def test_pushes_without_end_forget_the_oldest_state(host):
     machine = started(
         host,

@@ -23,14 +23,6 @@ pytestmark = pytest.mark.ports
 
 
 class TestUnicast:
-    def test_a_known_destination_gets_one_plain_datagram(self, station, peer):
-        driver = station().attach(DRIVER)
-        join(peer, driver)
-        driver.transport.send(DRIVER, PEER, STATUS, priority=Priority.HIGH)
-        packet = peer.receive()
-        assert packet == Packet(PEER, DRIVER, STATUS, packet.sequence, Priority.HIGH)
-        assert peer.is_quiet()
-
     def test_numbers_count_per_source_and_wrap(self, station, peer, monkeypatch):
         monkeypatch.setattr(random, "randrange", lambda _: 65534)
         driver = station().attach(DRIVER, SENSOR)

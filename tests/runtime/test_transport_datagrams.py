@@ -112,12 +112,6 @@ class TestBadDatagrams:
         assert str(driver.transport.double_of(DRIVER)) == errors[0]
         assert driver.loop.counters.drops()["transport.own_source"] == 4
 
-    def test_two_messages_in_one_datagram_are_both_delivered(self, station, peer):
-        driver = station().attach(DRIVER)
-        peer.send(from_peer(sequence=1).encode() + from_peer(b"\x01\x00", 2).encode()[1:])
-        wait_until(lambda: len(driver.received) == 2)
-        assert driver.payloads == [STATUS, b"\x01\x00"]
-
     @pytest.fixture
     def quiet(self):
         """A transport with closed sockets, for datagrams by the thousand."""

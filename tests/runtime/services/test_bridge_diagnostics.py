@@ -95,6 +95,7 @@ def test_diagnostics_tell_lapsed_control_from_released(world, setting):
     lapsed = "control lapsed: its client did not request it again in time"
     assert values(status)[f"stopped: {lapsed}"] == "1"
     assert lapsed in setting.bridge.connections[0].forbidden()
+    assert setting.ros.numbers("times") == [-1.0, 2.0, -1.0]
 
 
 def test_diagnostics_tell_what_becomes_of_a_command_without_its_source(world, setting):

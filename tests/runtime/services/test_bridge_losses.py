@@ -217,13 +217,6 @@ def test_counters_name_field_and_policy(
     assert connection.status().level == "ok"  # a matter of the past
 
 
-def test_errors_do_not_flood_the_log(world, setting, caplog):
-    setting.open(limited("error"))
-    setting.say(*[60.0] * 100)
-    assert len([record for record in caplog.records if record.levelname == "ERROR"]) == 1
-    assert world.counters.snapshot()["bridge.drive.out_of_range.error.M"] == 100
-
-
 def test_a_source_of_unusable_values_is_silent(world, setting):
     peer = world.probe(str(PEER))
 

@@ -9,6 +9,7 @@ from jausml.runtime.bridge.bridge import Bridge
 from jausml.runtime.bridge.ends import parameters
 from jausml.runtime.bridge.ends.ends import BridgeSettings
 from jausml.runtime.bridge.ends.topics import Qos, Topic, TopicFault, nearest
+from jausml.runtime.messages import QueryEventTimeout
 
 from .bridge_support import (
     OTHER,
@@ -40,6 +41,8 @@ def test_topics_and_peers_are_parameters(world, setting):
     world.run(1.0)
     assert setting.ros.made[:2] == [("publisher", "c"), ("publisher", "/d")]
     assert set(setting.ros.numbers("c")) == {3.0}
+    assert setting.ros.numbers("c") == setting.ros.numbers("/d")
+    assert len(setting.ros.numbers("c")) >= 9
     assert list(setting.ros.deliver) == ["other_numbers"]
     assert setting.ros.changed["timeout.topics"] is None
 
@@ -121,6 +124,7 @@ def test_rate_changes_while_the_bridge_runs(world, setting, of, least, state):
         (0.0, {"frequency": 20.0}, 20.0),
         (0.0, {"frequency": 20.0, "timeout.rate": 5.0}, 5.0),
         (1.0, {"frequency": 20.0}, 1.0),
+        (10.0, {"timeout.rate": 2.0}, 2.0),
     ],
 )
 def test_who_states_no_rate_follows_the_frequency_of_the_bridge(
@@ -131,8 +135,10 @@ def test_who_states_no_rate_follows_the_frequency_of_the_bridge(
     setting.ros.parameters |= given
     connection = setting.open(of(rate=stated))
     world.run(3.0)
-    assert connection.rate == rate
+    assert connection.rate == connection.declared_rate == rate
     assert abs(len(setting.ros.numbers("timeout")) - 3 * rate) <= 2
+    assert set(setting.ros.numbers("timeout")) == {4.0}
+    assert of is event or abs(world.count(QueryEventTimeout.CODE) - 3 * rate) <= 1
 
 
 def test_silence_timeout_changes_while_the_bridge_runs(world, setting):

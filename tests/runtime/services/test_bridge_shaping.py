@@ -62,13 +62,6 @@ def test_of_what_comes_too_fast_the_newest_passes_in_its_time(world, setting):
     assert (counts.arrivals, counts.passed, counts.thinned, counts.drops) == (4, 3, 1, {})
 
 
-def test_a_source_within_its_pace_passes_whole(world, setting):
-    peer = world.probe(str(PEER))
-    setting.open(command(shape=Shape(max_rate=10.0)))
-    setting.say(*range(20), every=0.11)
-    assert sent(peer) == list(range(20))
-
-
 def test_reports_and_topics_have_a_pace_too(world, setting):
     report = TopicsToReport(
         "heard",
@@ -111,15 +104,6 @@ def test_every_third_passes(world, setting):
     setting.say(*range(8))
     assert sent(peer) == [0, 3, 6]
     assert connection.statistics.thinned == 5
-
-
-def test_decimation_comes_before_the_pace(world, setting):
-    peer = world.probe(str(PEER))
-    setting.open(command(shape=Shape(decimation=2, max_rate=1.0)))
-    setting.say(*range(6))
-    assert sent(peer) == [0]
-    world.run(1.01)
-    assert sent(peer) == [4]
 
 
 # ------------------------------------------------------------------ age

@@ -46,14 +46,6 @@ def test_priority_and_acknowledgement(world, setting):
     assert options == {"priority": Priority.SAFETY_CRITICAL, "acknowledge": True}
 
 
-def test_connections_of_one_topic_share_one_subscription(world, setting):
-    peers = world.probe(str(PEER)), world.probe(str(OTHER))
-    setting.open(command("a"), command("b", peers=[OTHER]))
-    assert setting.ros.made == [("subscription", "numbers")]
-    setting.say(5.0)
-    assert [len(peer.take()) for peer in peers] == [1, 1]
-
-
 def test_command_waits_for_ready(world, setting):
     connection = setting.open(command(control=Guard.READY))
     setting.say(1.0)

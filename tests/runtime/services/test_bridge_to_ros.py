@@ -9,7 +9,6 @@ from jausml.runtime.bridge.ends.topics import Topic
 from jausml.runtime.conversions import ConversionError
 from jausml.runtime.messages import (
     Event,
-    QueryEventTimeout,
     QueryTime,
     ReleaseControl,
     ReportTime,
@@ -31,15 +30,6 @@ from .bridge_support import (
     peer_component,
     query,
 )
-
-
-def test_event_reaches_every_topic(world, setting):
-    peer_component(world, event_timeout=3)
-    setting.open(event(rate=10.0, topics=[Topic("a"), Topic("b")]))
-    world.run(1.0)
-    assert len(setting.ros.numbers("a")) >= 9
-    assert set(setting.ros.numbers("a")) == {3.0}
-    assert setting.ros.numbers("a") == setting.ros.numbers("b")
 
 
 def test_connections_of_one_report_share_one_event(world, setting):
@@ -64,24 +54,6 @@ def test_everything_is_made_before_the_first_message(setting):
         patch.setattr(Component, "start", start)
         setting.open(event(rate=1.0, topics=[Topic("a")]), command())
     assert made_at_start == [("publisher", "a"), ("subscription", "numbers")]
-
-
-def test_rate_is_a_parameter(world, setting):
-    peer_component(world)
-    setting.ros.parameters["timeout.rate"] = 2.0
-    connection = setting.open(event(rate=10.0))
-    world.run(2.0)
-    assert connection.declared_rate == 2.0
-    assert 3 <= len(setting.ros.numbers("timeout")) <= 6
-
-
-def test_query_asks_once_each_period(world, setting):
-    peer_component(world, event_timeout=4)
-    setting.open(query(rate=5.0))
-    world.run(2.0)
-    assert 10 <= world.count(QueryEventTimeout.CODE) <= 11
-    assert setting.ros.numbers("timeout") == [4.0] * len(setting.ros.numbers("timeout"))
-    assert len(setting.ros.numbers("timeout")) >= 10
 
 
 def test_query_of_an_absent_peer_goes_on(world, setting):
@@ -156,16 +128,6 @@ def test_take_over_in_ready_is_safe_at_once(world, setting, guard, timeout):
     rival.tell(OWN, minutes(4))
     assert setting.ros.numbers("times") == [-1.0, 2.0, -1.0, 4.0]
     assert not connection.is_silent
-
-
-def test_lapse_of_control_in_ready_is_safe_once(world, setting):
-    setting.open(obeyed(), services=CORE, control_timeout=2)
-    operator = world.probe("5.1.1")
-    operator.tell(OWN, RequestControl(authority_code=127), Resume(), minutes(2))
-    world.run(1.9)
-    assert setting.ros.numbers("times") == [-1.0, 2.0]
-    world.run(0.2)
-    assert setting.ros.numbers("times") == [-1.0, 2.0, -1.0]
 
 
 def test_guard_may_depend_on_the_message(world, setting):

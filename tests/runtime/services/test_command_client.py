@@ -193,13 +193,6 @@ class TestCommand:
         assert outcome.refused == [(None, "")]
 
 
-def test_no_answer(world, client, outcome):
-    client.command(TARGET, core.Resume(), timeout=2.0, **outcome.callbacks())
-    world.run(3.0, step=0.5)
-    assert outcome.refused == [(None, "no answer")]
-    assert world.count(core.CreateCommandEvent.CODE) == 1
-
-
 @pytest.mark.parametrize("ends_by", ["cancel", "no answer", "confirmation", "rejection"])
 def test_a_command_without_an_answer_is_not_executed_later(world, client, outcome, ends_by):
     world.detach(TARGET)
@@ -217,6 +210,8 @@ def test_a_command_without_an_answer_is_not_executed_later(world, client, outcom
     world.run(60.0, step=0.5)
     start = core.CreateCommandEvent.CODE.to_bytes(2, "little") + bytes([request_id])
     is_withdrawn = ends_by in {"cancel", "no answer"}
+    assert world.count(core.CreateCommandEvent.CODE) == 1
+    assert ((None, "no answer") in outcome.refused) is (ends_by == "no answer")
     assert world.withdrawn == [(client.address, TARGET, start)] * is_withdrawn
 
 

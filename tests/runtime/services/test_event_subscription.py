@@ -19,17 +19,6 @@ def test_every_rate_of_the_standard_is_given(world, client, rate):
     assert len(inbox) == pytest.approx(101, abs=2)
 
 
-def test_every_change_reports_the_present_value_first(world, client):
-    tested = provider(world)
-    inbox = Inbox()
-    statuses(client, inbox)
-    world.settle()
-    assert [report.status for report in inbox] == [2]
-    tested.fail("broken")
-    world.settle()
-    assert [report.status for report in inbox] == [2, 4]
-
-
 def test_subscription_before_the_start(world):
     provider(world)
     late = world.component("2.1.1", services=())

@@ -56,19 +56,13 @@ def test_freshness_ends_when_it_says(world, setting):
 
 
 def test_what_came_before_the_bridge_was_closed_is_not_fresh(world, setting):
-    setting.open(pose(angle_join()))
+    connection = setting.open(pose(angle_join()))
     setting.ros.deliver["angles"](Angle(7.0))
     setting.bridge.close()
     setting.ros.made.clear()
     setting.bridge.open(setting.ros, world)
     setting.say(1.0)
     assert present(setting) == (1, 0)
-
-
-def test_nothing_yet_is_nothing_fresh(setting):
-    connection = setting.open(pose(angle_join()))
-    setting.say(5.0)
-    assert present(setting) == (5, 0)
     assert setting.drops(connection) == {}
 
 

@@ -27,13 +27,6 @@ def test_queries_to_everyone_are_answered(client):
     assert client.ask(QueryHeartbeatPulse(), BROADCAST) == [ReportHeartbeatPulse()]
 
 
-@pytest.mark.parametrize("payload", [b"\xef\xbe", b"\xef\xbe\x01\x02"])
-def test_unknown_messages_are_counted_and_ignored(world, server, client, payload):
-    client.send_bytes(payload, server)
-    assert client.take() == []
-    assert world.counters.snapshot()["component.unknown_message"] == 1
-
-
 def test_bad_body_is_counted_and_ignored(world, server, client):
     client.send_bytes(RequestControl.CODE.to_bytes(2, "little"), server)
     assert client.take() == []

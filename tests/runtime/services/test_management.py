@@ -189,13 +189,6 @@ class TestControlThatSurvivesAnEmergency:
         assert ready.status is Status.EMERGENCY
         assert ready.take() == []
 
-    def test_the_end_of_the_emergency_is_standby(self, ready, client, other):
-        other.tell(ready, SetEmergency(emergency_code=1), ClearEmergency(emergency_code=1))
-        assert ready.status is Status.STANDBY
-        assert ready.controller == client.address
-        client.ask(Resume(), ready)
-        assert ready.status is Status.READY
-
     def test_after_that_of_version_1_0_it_has_what_it_asked_for_meanwhile(
         self, world, client, other
     ):

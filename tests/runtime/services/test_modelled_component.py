@@ -119,14 +119,8 @@ def test_core_states_are_those_of_the_model():
     assert set(CORE_STATES.values()) == set(core_machine(None).leaves)
 
 
-def test_starts_where_the_core_is(world):
-    worker = world.component("1.1.1", kind=Worker)
-    assert worker.state == ""
-    worker.start()
+def test_starts_where_the_core_is_and_follows_control_and_readiness(worker, client):
     assert worker.state == "Receiving.Ready.NotControlled.Available.Standby"
-
-
-def test_follows_control_and_readiness(worker, client):
     client.ask(RequestControl(authority_code=100), worker)
     assert worker.state == "Receiving.Ready.Controlled.Available.Standby"
     client.ask(Resume(), worker)

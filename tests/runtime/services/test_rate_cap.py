@@ -62,12 +62,6 @@ def test_never_more_passes_than_the_rate_and_a_second(hertz, bursts):
     assert len(gate.passed) <= hertz * (gate.now + 1) + 1
 
 
-def test_each_source_has_its_own_allowance():
-    gate = Gate(10.0)
-    gate.send(10_000, "flood")
-    assert gate.send(10, "other") == 10
-
-
 def test_many_names_are_worth_no_more_than_one(monkeypatch):
     monkeypatch.setattr(shaping, "_MAX_SOURCES", 3)
     gate = Gate(10.0)

@@ -99,14 +99,6 @@ def test_event_of_a_v1_0_provider_that_was_restarted(world, client):
     assert reports[-1].status == Status.STANDBY
 
 
-def test_control_of_a_v1_0_component(world, client):
-    robot = old_robot(world)
-    session = client.control(SERVER, authority=100)
-    world.run(20.0, step=0.25)
-    assert session.state is ControlState.READY
-    assert robot.controller == client.address
-
-
 def test_control_goes_on_after_an_emergency_of_v1_0(world, client):
     robot = old_robot(world)
     stranger = world.started("3.1.1", services=())
