@@ -189,11 +189,8 @@ def test_last_value_stands_for_an_absent_source(made):
 def test_tables_know_both_directions(made):
     to_ros, to_jaus = made.bridge.translate_gear, made.bridge.translate_gear_out
     assert [to_ros(made.messages.Gearbox(gear=number)).data for number in range(4)] == [
-        10,
-        20,
-        30,
-        30,
-    ]
+        10, 20, 30, 30,
+    ]  # fmt: skip
     with pytest.raises(NotImplementedError, match="convert_choose_mode is not written yet"):
         to_jaus(UInt8(data=30))
     assert "GEARS_TO_JAUS: dict[int, int] = {10: 0, 20: 1, 30: 2}\n" in made.base

@@ -233,11 +233,11 @@ class Probe:
         self.send(message, destination)
         return self.take()
 
-    def take(self) -> list[Message]:
-        """Returns and forgets what was received."""
+    def take(self, kind: Any = Message) -> list[Any]:
+        """Returns what was received of a kind, and forgets all."""
         self._world.settle()
         received, self._received = self._received, []
-        return received
+        return [message for message in received if isinstance(message, kind)]
 
 
 @pytest.fixture

@@ -83,11 +83,8 @@ def test_forms_pass_the_same_on_and_count_alike(world, setting, kind, form):
     setting.ros.take["numbers"](b"\0\1\0\0")
     assert peer.take() == [minutes(5), minutes(59), minutes(7)]
     assert setting.drops(connection) == {
-        "filtered": 1,
-        "no_counterpart": 1,
-        "out_of_range": 1,
-        "not_decodable": 1,
-    }
+        "filtered": 1, "no_counterpart": 1, "out_of_range": 1, "not_decodable": 1,
+    }  # fmt: skip
     counts = connection.statistics
     assert (counts.arrivals, counts.passed, counts.limited) == (7, 3, 1)
     assert counts.out_of_range == {("clamp", "minutes"): 1, ("not_clampable", "minutes"): 1}

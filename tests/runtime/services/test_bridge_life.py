@@ -75,10 +75,10 @@ def test_control_ends_and_is_not_to_be_had(world, setting):
     assert topic == [-1.0, 2.0]
     setting.bridge.set_active(False)
     world.settle()
-    (reject,) = [message for message in operator.take() if isinstance(message, core.RejectControl)]
+    (reject,) = operator.take(core.RejectControl)
     assert reject.response_code == core.RejectControl.ResponseCode.NOT_AVAILABLE
     operator.tell(OWN, core.RequestControl(authority_code=255), minutes(3))
-    (answer,) = [message for message in operator.take() if isinstance(message, core.ConfirmControl)]
+    (answer,) = operator.take(core.ConfirmControl)
     assert answer.response_code == core.ConfirmControl.ResponseCode.NOT_AVAILABLE
     (status,) = operator.ask(core.QueryStatus(), OWN)
     assert status.status == core.ReportStatus.Status.STANDBY
@@ -133,11 +133,7 @@ def test_a_bridge_that_begins_inactive_asks_for_control_when_it_is_active(world,
     bridge = setting.bridge = Bridge(BridgeSettings("bridge", OWN, services=CORE))
     bridge.connections = [command(is_command=True, control=Guard.READY)]
     bridge.open(setting.ros, world, active=False)
-    assert not [
-        message
-        for message in peer.take()
-        if isinstance(message, (core.RequestControl, core.ReleaseControl))
-    ]
+    assert not peer.take((core.RequestControl, core.ReleaseControl))
     bridge.set_active(True)
     (request,) = [message for message in peer.take() if not isinstance(message, core.QueryStatus)]
     assert isinstance(request, core.RequestControl)
@@ -152,9 +148,9 @@ def test_a_bridge_that_is_activated_in_emergency_asks_nobody_for_control(world, 
     peer.take()
     setting.bridge.set_active(True)
     world.run(1.0)
-    assert not [message for message in peer.take() if isinstance(message, core.RequestControl)]
+    assert not peer.take(core.RequestControl)
     operator.send(core.ClearEmergency(emergency_code=1), OWN)
-    assert [message for message in peer.take() if isinstance(message, core.RequestControl)]
+    assert peer.take(core.RequestControl)
 
 
 def test_reports_are_withdrawn(world, setting):

@@ -123,7 +123,7 @@ def test_reports_are_served_at_the_pace_of_the_simulation(world, setting, simula
     )
     client.take()
     simulation.run(4.0, ratio)
-    events = [message for message in client.take() if isinstance(message, Event)]
+    events = client.take(Event)
     assert len(events) == pytest.approx(40 * ratio, abs=1)
 
 
@@ -132,7 +132,7 @@ def test_queries_are_sent_at_the_pace_of_the_simulation(world, setting, simulati
     setting.open(query(rate=10.0))
     peer.take()
     simulation.run(4.0, 0.5)
-    queries = [message for message in peer.take() if isinstance(message, QueryEventTimeout)]
+    queries = peer.take(QueryEventTimeout)
     assert len(queries) == pytest.approx(20, abs=1)
 
 

@@ -75,11 +75,8 @@ CELLS = [
         (Facts(lacking="searching a", stopped=StopReason.SILENCE), "waiting", "searching a"),
         (Facts(stopped=StopReason.SILENCE), "silent", "the source is silent"),
         (Facts(stopped=StopReason.SILENCE, is_heard=False), "waiting", "no message yet"),
-        (
-            Facts(stopped=StopReason.STANDBY),
-            "waiting",
-            "no message since the stop: the bridge stands by",
-        ),
+        (Facts(stopped=StopReason.STANDBY), "waiting",
+            "no message since the stop: the bridge stands by"),
         (Facts(stopped=StopReason.INACTIVE, is_heard=False), "waiting", "no message yet"),
         (Facts(stopped=StopReason.INACTIVE, is_heard=False, forbidden="e"), "refused", "e"),
         (Facts(stopped=StopReason.CLOCK), "silent", "nobody says the time on /clock"),
@@ -91,7 +88,7 @@ CELLS = [
         (Facts(fault="qos", stopped=StopReason.START), "degraded", "qos"),
         (Facts(error="values", fault="qos"), "failed", "values"),
     ],
-)
+)  # fmt: skip
 def test_what_facts_mean(facts, phase, reason):
     assert judge(facts) == (ConnectionPhase(phase), reason)
 

@@ -498,13 +498,10 @@ def test_whatever_happens_control_comes_back_and_nobody_is_flooded(world, seed):
         kind = chance.randrange(9)
         if kind < 6:
             message = (
-                RequestControl(authority_code=200),
-                ReleaseControl(),
-                Standby(),
+                RequestControl(authority_code=200), ReleaseControl(), Standby(),
+                SetEmergency(emergency_code=1), ClearEmergency(emergency_code=1),
                 SetEmergency(emergency_code=1),
-                ClearEmergency(emergency_code=1),
-                SetEmergency(emergency_code=1),
-            )[kind]
+            )[kind]  # fmt: skip
             rival.send(message, client if kind == 5 else tested)
         elif kind == 6:
             kill(world, tested)
@@ -541,7 +538,7 @@ def test_who_acts_on_repetitions_too_is_known_for_it(world, client):
     probe = world.probe(str(TARGET))
     client.control(TARGET, authority=127)
     world.run(0.1)
-    requests = [message for message in probe.take() if isinstance(message, RequestControl)]
+    requests = probe.take(RequestControl)
     for _ in range(len(requests) + 1):
         assert world.quirks.of(TARGET) == ()
         probe.tell(client, ConfirmControl(response_code=0))

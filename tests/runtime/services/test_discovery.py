@@ -197,12 +197,12 @@ def test_who_knows_no_wildcards_is_asked_by_name(world):
     other = world.probe("152.1.1", strict=False)
     world.settle()
     other.tell(searcher, ReportServices(node_list=[]))
-    named = [message for message in other.take() if isinstance(message, QueryServices)][-1]
+    named = other.take(QueryServices)[-1]
     (node,) = named.node_list
     assert node.node_rec.node_id == 1
     assert [asked_component.component_id for asked_component in node.component_list] == [1]
     other.tell(searcher, ReportServices(node_list=[]))
-    assert not [message for message in other.take() if isinstance(message, QueryServices)]
+    assert not other.take(QueryServices)
 
     catalog = {JausAddress(152, 1, 1): (SENSOR,)}
     other.tell(searcher, report_services(named, catalog, 152))

@@ -273,7 +273,7 @@ class TestSequence:
     def test_who_answers_twice_is_not_asked_without_a_pause(self, world, client, probe):
         statuses(client, Inbox())
         for _ in range(100):
-            requests = [asked for asked in probe.take() if isinstance(asked, core.CreateEvent)]
+            requests = probe.take(core.CreateEvent)
             for request in (*requests, *requests):
                 probe.send(core.ConfirmEventRequest(request.request_id, 4, 0.0), client)
         assert world.count(core.CreateEvent.CODE) == 1

@@ -95,7 +95,7 @@ class TestUpdate:
         for _ in range(10):
             world.run(0.5)
             client.send(update(event_id, PULSE, rate=1), server)
-        events = [message for message in client.take() if isinstance(message, core.Event)]
+        events = client.take(core.Event)
         assert len(events) == pytest.approx(5, abs=1)
 
 

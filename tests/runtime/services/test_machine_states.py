@@ -135,7 +135,7 @@ def test_an_event_tells_each_change(world, client):
     client.ask(create, door)
     door.raise_event("Turn")
     door.raise_event("Turn")
-    events = [message for message in client.take() if isinstance(message, Event)]
+    events = client.take(Event)
     states = [
         ReportMachineStates.decode(event.report_message).machine_list[0].machine_rec.state
         for event in events

@@ -204,10 +204,10 @@ def test_events_carry_what_the_transition_of_the_state_reports(world, worker, cl
     request = CreateEvent(event_type=0, requested_periodic_rate=10.0, query_message=query)
     client.ask(request, worker)
     world.run(0.5)
-    assert not [message for message in client.take() if isinstance(message, Event)]
+    assert not client.take(Event)
     client.tell(worker, RequestControl(authority_code=100), Resume())
     world.run(0.5)
-    events = [message for message in client.take() if isinstance(message, Event)]
+    events = client.take(Event)
     assert 3 <= len(events) <= 7
     assert all(event.report_message == SENT.encode() for event in events)
 

@@ -159,12 +159,8 @@ FIRST_OF_MAY = 1 | 5 << 5 | 26 << 9
 
 TIME_REFUSALS = (
     Row("SetTime without control: ignored", when=set_time(date=(1, 1, 30)), counted=REFUSED),
-    Row(
-        "SetTime of another: ignored",
-        controlled(),
-        when=("rival", core.SetTime(date_stamp=core.SetTime.DateStamp(1, 1, 30))),
-        counted=REFUSED,
-    ),
+    Row("SetTime of another: ignored", controlled(),
+        when=("rival", core.SetTime(date_stamp=core.SetTime.DateStamp(1, 1, 30))), counted=REFUSED),
     *(
         Row(f"SetTime, {name}: refused", controlled(), when=when, counted="time.refused")
         for name, when in (
@@ -179,7 +175,7 @@ TIME_REFUSALS = (
             ("month 13", raw_time(bits(), 1 | 13 << 5)),
         )
     ),
-)
+)  # fmt: skip
 
 
 @rows(*TIME_REPORTS)
