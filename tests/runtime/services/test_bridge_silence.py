@@ -7,7 +7,7 @@ from jausml.runtime.base.quirks import Quirk
 from jausml.runtime.bridge.reports.states import StopReason
 from jausml.runtime.messages import CreateEvent, Event, QueryTime, ReportTime, SetTime
 
-from .bridge_support import CORE, OTHER, OWN, PEER, command, event, minutes, report, safe
+from .bridge_support import CORE, OTHER, OWN, PEER, command, minutes, report, safe
 
 
 def test_safe_value_once_then_recovery(world, setting):
@@ -126,13 +126,6 @@ def test_silence_timeout_is_a_parameter(world, setting):
     assert peer.take() == []
     world.run(0.2)
     assert peer.take() == [minutes(0)]
-
-
-def test_silence_without_safe_value_is_only_told(world, setting):
-    connection = setting.open(event(rate=1.0, silence_timeout=1.0))
-    world.run(2.0)
-    assert connection.is_silent
-    assert setting.ros.numbers("timeout") == []
 
 
 def test_failing_safe_value_is_counted(world, setting):

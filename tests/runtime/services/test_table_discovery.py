@@ -283,8 +283,3 @@ def test_search_understands_servers_of_both_versions(world, query, answer):
     assert query in {message.CODE for message in server.take()}
     server.ask(answer, searcher)
     assert [(hit.address, hit.services) for hit in hits] == [(MEMBER, (SENSOR,))]
-
-
-def test_a_registration_is_read_as_it_was_made():
-    message = core.RegisterServices.decode(register_services([SENSOR]).encode())
-    assert message == register_services([SENSOR])

@@ -93,11 +93,9 @@ def test_any_messages(world, message_classes, data):
         world.run(0.1, step=0.1)
     counts = world.counters.snapshot()
     assert not any(counts.get(name) for name in FAILURES)
-    (answer,) = [
-        message
-        for message in probes[1].ask(QueryStatus(), tested)
-        if isinstance(message, ReportStatus)
-    ]
+    probes[1].take()
+    probes[1].send(QueryStatus(), tested)
+    (answer,) = probes[1].take(ReportStatus)
     assert answer.status == tested.status
     tested.stop()
     world.run(0.1, step=0.1)
