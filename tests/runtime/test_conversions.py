@@ -254,27 +254,20 @@ def test_upside_down_near_the_vertical(roll, pitch, heading):
 
 
 @given(ANGLE)
-def test_heading_alone_is_the_general_case(heading):
-    general = matrix(c.ned_angles_to_enu_quaternion(0.0, 0.0, heading))
-    assert distance(matrix(c.ned_heading_to_enu_quaternion(heading)), general) < 1e-12
+def test_heading_or_yaw_alone_is_the_general_case(angle):
+    for alone, general in (
+        (c.ned_heading_to_enu_quaternion, c.ned_angles_to_enu_quaternion),
+        (c.frd_yaw_to_flu_quaternion, c.frd_angles_to_flu_quaternion),
+    ):
+        assert distance(matrix(alone(angle)), matrix(general(0.0, 0.0, angle))) < 1e-12
 
 
 @given(ANGLE, PITCH, ANGLE)
-def test_body_orientation_agrees_with_matrices(roll, pitch, yaw):
-    expected = times(FLIP, attitude(roll, pitch, yaw), FLIP)
-    assert distance(matrix(c.frd_angles_to_flu_quaternion(roll, pitch, yaw)), expected) < 1e-12
-
-
-@given(ANGLE)
-def test_yaw_alone_is_the_general_case(yaw):
-    general = matrix(c.frd_angles_to_flu_quaternion(0.0, 0.0, yaw))
-    assert distance(matrix(c.frd_yaw_to_flu_quaternion(yaw)), general) < 1e-12
-
-
-@given(ANGLE, PITCH, ANGLE)
-def test_earth_orientation_agrees_with_matrices(roll, pitch, heading):
-    expected = times(SWAP, attitude(roll, pitch, heading), FLIP)
-    assert distance(matrix(c.ned_angles_to_enu_quaternion(roll, pitch, heading)), expected) < 1e-12
+def test_orientations_of_bodies_and_on_the_earth_agree_with_matrices(roll, pitch, yaw):
+    body = times(FLIP, attitude(roll, pitch, yaw), FLIP)
+    earth = times(SWAP, attitude(roll, pitch, yaw), FLIP)
+    assert distance(matrix(c.frd_angles_to_flu_quaternion(roll, pitch, yaw)), body) < 1e-12
+    assert distance(matrix(c.ned_angles_to_enu_quaternion(roll, pitch, yaw)), earth) < 1e-12
 
 
 def angles_of(q):

@@ -153,13 +153,8 @@ CATALOG = (
 )  # fmt: skip
 
 
-@rows(*IDENTIFICATION)
-def test_identification(world, row):
-    play(world, row)
-
-
-@rows(*CATALOG)
-def test_catalog(world, row):
+@rows(*IDENTIFICATION, *CATALOG)
+def test_row(world, row):
     play(world, row)
 
 

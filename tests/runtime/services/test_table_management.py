@@ -137,10 +137,12 @@ EMERGENCIES = (
         status=Status.SHUTDOWN, version=V1_0),
     row("Emergency, Reset of anyone, v1.0: Init", *ready(), EMERGENCY, when=("rival", Reset()),
         status=Status.STANDBY, controller="", version=V1_0),
-    *(row(f"Emergency, {command.NAME} of the {who} before it is cleared: ignored", *ready(),
-        EMERGENCY, when=(who, command()), status=Status.EMERGENCY, counted=REFUSED,
-        calls=()) for command in (Shutdown, Reset, Resume, Standby) for who in ("client",
-        "bystander")),
+    *(
+        row(f"Emergency, {command.NAME} of the {who} before it is cleared: ignored", *ready(),
+            EMERGENCY, when=(who, command()), status=Status.EMERGENCY, counted=REFUSED, calls=())
+        for command in (Shutdown, Reset, Resume, Standby)
+        for who in ("client", "bystander")
+    ),
     row("After an emergency, control and Resume: Ready", *ready(), EMERGENCY, CLEARED,
         *controlled(), when=("client", Resume()), status=Status.READY, controller="client"),
     row("Emergency, ClearEmergency with code 0: Standby", *ready(), EMERGENCY,
@@ -156,14 +158,8 @@ EMERGENCIES = (
 
 FAILURES = (
     *(
-        row(
-            f"{name}, Failure: Failure",
-            *given,
-            when=fails,
-            then=then,
-            status=Status.FAILURE,
-            calls=calls,
-        )
+        row(f"{name}, Failure: Failure", *given, when=fails, then=then, status=Status.FAILURE,
+            calls=calls)
         for name, given, then, calls in (
             ("Standby", (), {}, ()),
             ("Controlled Standby", controlled(), {"client": [RELEASED]}, LOST[1:]),
@@ -172,21 +168,13 @@ FAILURES = (
             ("Shutdown", (*ready(), ("client", Shutdown())), {}, ()),
         )
     ),
-    row(
-        "Failure, RequestControl: Confirm 1",
-        fails,
-        when=("client", RequestControl(authority_code=255), NOT_AVAILABLE),
-        status=Status.FAILURE,
-    ),
-)
+    row("Failure, RequestControl: Confirm 1", fails, status=Status.FAILURE,
+        when=("client", RequestControl(authority_code=255), NOT_AVAILABLE)),
+)  # fmt: skip
 
 QUERIES = tuple(
-    row(
-        f"{name}, QueryStatus: {value}",
-        *given,
-        when=("rival", QueryStatus(), status(value)),
-        version=version,
-    )
+    row(f"{name}, QueryStatus: {value}", *given, version=version,
+        when=("rival", QueryStatus(), status(value)))
     for version in ((1, 1), V1_0)
     for name, given, value in (
         (f"Standby {version}", (), 2),
@@ -196,7 +184,7 @@ QUERIES = tuple(
         (f"Failure {version}", (fails,), 4),
         (f"Emergency {version}", (EMERGENCY,), 5),
     )
-)
+)  # fmt: skip
 
 
 @rows(*LIFE, *EMERGENCIES, *FAILURES, *QUERIES)

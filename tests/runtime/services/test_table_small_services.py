@@ -364,47 +364,27 @@ def test_list(world, row, links):
         core.ReportElement(element_uid=20, previous_uid=10, next_uid=30,
         element_data=core.ReportElement.ElementData(0, WAYPOINT)))),
     row("QueryElement, unknown: silence", ABC, when=("rival", core.QueryElement(element_uid=21))),
-    row(
-        "QueryElementList: the order",
+    row("QueryElementList: the order",
         sets(element(30, 0, 10), element(10, 30, 20), element(20, 10, 0)),
-        when=(
-            "rival",
-            core.QueryElementList(),
-            core.ReportElementList(
-                element_list=[
-                    core.ReportElementList.ElementListRec(element_uid=uid) for uid in (30, 10, 20)
-                ]
-            ),
-        ),
-    ),
+        when=("rival", core.QueryElementList(), core.ReportElementList(
+            [core.ReportElementList.ElementListRec(element_uid=uid) for uid in (30, 10, 20)]))),
     row("QueryElementList, empty",
         when=("rival", core.QueryElementList(), core.ReportElementList())),
     row("QueryElementCount", ABC,
         when=("rival", core.QueryElementCount(), core.ReportElementCount(element_count=3))),
-)  # fmt: skip
-def test_list_queries(world, row):
-    play(world, row, Robot)
-
-
-@rows(
     Row("SetElement in Ready: set", ready(), services=(LIST_MANAGER,),
         when=(*ABC, core.ConfirmElementRequest(request_id=1))),
     Row("SetElement without control: ignored", when=ABC, counted=REFUSED, services=(LIST_MANAGER,)),
 )  # fmt: skip
-def test_list_in_other_states(world, row):
+def test_list_queries_and_other_states(world, row):
     play(world, row, Robot)
 
 
 @pytest.mark.parametrize("urn", sorted(ListManagerService.urns))
 def test_list_manager_of_every_set(world, urn):
-    row = Row(
-        urn,
-        controlled(),
-        when=(*ABC, core.ConfirmElementRequest(request_id=1)),
-        services=(ServiceIdentity(urn, 1, 0),),
-        version=V1_0,
-    )
-    play(world, row, Robot)
+    when = (*ABC, core.ConfirmElementRequest(request_id=1))
+    services = (ServiceIdentity(urn, 1, 0),)
+    play(world, Row(urn, controlled(), when, services=services, version=V1_0), Robot)
 
 
 @pytest.mark.parametrize("urn", sorted(ELEMENTS_OF_DRIVERS))
