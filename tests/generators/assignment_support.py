@@ -22,7 +22,17 @@ from jausml_generators.messages.target import TARGET as MESSAGES
 
 ROOT = Path(__file__).resolve().parents[2]
 _WITHOUT_LOOP = '#pragma once\n#include "core.hpp"\n'
+WAYS = ("jausToRos", "rosToJaus")
 _UNKNOWN = "diagnostic_msgs geometry_msgs nav_msgs rcl_interfaces rclpy sensor_msgs std_msgs"
+
+
+def connections(up: str, down: str, suffixes: tuple[str, str] = ("", "_out")) -> str:
+    """Returns connections of maps to ROS and to JAUS, on a topic of each map."""
+    return "\n  ".join(
+        f"connection {name}{suffix} {{ map: {name}  direction: {direction}  topic of_{name} {{}} }}"
+        for names, suffix, direction in zip((up, down), suffixes, WAYS, strict=True)
+        for name in names.split()
+    )
 
 
 @dataclass(frozen=True, eq=False)

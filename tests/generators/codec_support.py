@@ -23,15 +23,10 @@ ROOT = Path(__file__).resolve().parents[2]
 TEMPLATES = ROOT / "generators" / "jausml_generators" / "python" / "templates"
 LIBRARY = ROOT / "models" / "library" / "jaus"
 LIBRARY_FILES = {
-    "core-v1.0": "core-1.0.xmi",
-    "core-v1.1": "core-1.1.xmi",
-    "mobility": "mobility.xmi",
-    "environmentSensing": "environment-sensing.xmi",
-    "manipulator": "manipulator-1.0.xmi",
-    "manipulator-v2.0": "manipulator-2.0.xmi",
-    "ugv": "ugv.xmi",
-    "iop": "iop.xmi",
-}
+    "core-v1.0": "core-1.0.xmi", "core-v1.1": "core-1.1.xmi", "mobility": "mobility.xmi",
+    "environmentSensing": "environment-sensing.xmi", "manipulator": "manipulator-1.0.xmi",
+    "manipulator-v2.0": "manipulator-2.0.xmi", "ugv": "ugv.xmi", "iop": "iop.xmi",
+}  # fmt: skip
 
 
 def render(messages: tuple[MessageView, ...], summary: str = "Messages of a test.") -> str:

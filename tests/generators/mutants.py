@@ -238,13 +238,6 @@ def _point(choose: Choose, root: Element, _places: list) -> None:
 
 
 _CHANGES = {
-    "assign": _assign,
-    "assign more": _assign,
-    "assign still more": _assign,
-    "many": _many,
-    "forget": _forget,
-    "drop": _drop,
-    "double": _double,
-    "exchange": _exchange,
-    "point": _point,
-}
+    "assign": _assign, "assign more": _assign, "assign still more": _assign, "many": _many,
+    "forget": _forget, "drop": _drop, "double": _double, "exchange": _exchange, "point": _point,
+}  # fmt: skip

@@ -33,13 +33,8 @@ from jausml_generators.deployment.target import TARGET as DEPLOYMENT
 
 EXAMPLES = int(os.environ.get("JAUSML_EXAMPLES", "4"))
 FILE_NAMES = (
-    "model.xmi",
-    "coding:utf-7;m.xmi",
-    "a--b -->.xmi",
-    "é\"'.xmi",
-    "x\ny=1.xmi",
-    "${x}.xmi",
-)
+    "model.xmi", "coding:utf-7;m.xmi", "a--b -->.xmi", "é\"'.xmi", "x\ny=1.xmi", "${x}.xmi",
+)  # fmt: skip
 _IMPORT = """
 import importlib, sys
 for name in sys.argv[1:]:

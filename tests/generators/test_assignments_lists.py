@@ -5,7 +5,7 @@ import math
 import needs
 import pytest
 
-from tests.generators.assignment_support import generated
+from tests.generators.assignment_support import connections, generated
 
 needs.ask("rclpy")
 
@@ -14,22 +14,12 @@ from nav_msgs.msg import OccupancyGrid, Odometry, Path
 from sensor_msgs.msg import Imu, JointState, LaserScan
 
 TEXT = """
-waypoint {
-  JAUS mobility.LocalWaypointListDriver.SetLocalWaypoint
-  ROS geometry_msgs/PoseStamped
-  JAUS->ROS (
-    X -> pose.position.x
-    Y -> pose.position.y : negate
-  )
-  ROS->JAUS (
-    pose.position.x -> X
-    pose.position.y -> Y : negate
-  )
+waypoint { JAUS mobility.LocalWaypointListDriver.SetLocalWaypoint  ROS geometry_msgs/PoseStamped
+  JAUS->ROS ( X -> pose.position.x  Y -> pose.position.y : negate )
+  ROS->JAUS ( pose.position.x -> X  pose.position.y -> Y : negate )
 }
 
-elements {
-  JAUS mobility.ListManager.SetElement
-  ROS nav_msgs/Path
+elements { JAUS mobility.ListManager.SetElement  ROS nav_msgs/Path
   JAUS->ROS (
     "odom" -> header.frame_id
     ElementList -> poses { ElementData -> . { map: waypoint } }
@@ -45,49 +35,37 @@ elements {
   )
 }
 
-joints {
-  JAUS ReportJointPositions
-  ROS sensor_msgs/JointState
+joints { JAUS ReportJointPositions  ROS sensor_msgs/JointState
   JAUS->ROS (
     JointPositionList -> position {
-      keys: name
-      names: left, right
+      keys: name  names: left, right
       JointPosition.radian -> . : negate
     }
   )
   ROS->JAUS (
     position -> JointPositionList {
-      keys: name
-      names: left, right, top
+      keys: name  names: left, right, top
       . -> JointPosition.radian : with_units("rad")
     }
   )
 }
 
-strict_joints {
-  JAUS ReportJointPositions
-  ROS sensor_msgs/JointState
+strict_joints { JAUS ReportJointPositions  ROS sensor_msgs/JointState
   JAUS->ROS (
     JointPositionList -> position {
-      keys: name
-      names: left, right
-      whenAbsent: dropMessage
+      keys: name  names: left, right  whenAbsent: dropMessage
       JointPosition.radian -> .
     }
   )
   ROS->JAUS (
     position -> JointPositionList {
-      keys: name
-      names: left, right
-      whenAbsent: dropMessage
+      keys: name  names: left, right  whenAbsent: dropMessage
       . -> JointPosition.radian : with_units("rad")
     }
   )
 }
 
-grid {
-  JAUS ReportCostMap2D
-  ROS nav_msgs/OccupancyGrid
+grid { JAUS ReportCostMap2D  ROS nav_msgs/OccupancyGrid
   JAUS->ROS (
     CostMap2DRec.NumberOfColumns -> info.width
     CostMap2DPoseVar.CostMap2DLocalPoseRec.MapCenterX -> info.origin.position.x
@@ -104,9 +82,7 @@ grid {
   )
 }
 
-joined {
-  JAUS ReportLocalPose
-  ROS nav_msgs/Odometry
+joined { JAUS ReportLocalPose  ROS nav_msgs/Odometry
   join imu { type: sensor_msgs/Imu freshness: 0.5 }
   join scan { type: sensor_msgs/LaserScan freshness: 2 whenStale: dropMessage }
   ROS->JAUS (
@@ -122,22 +98,18 @@ service Carrier {
     code: 0xD1F1
     body: new record Body {
       fields: new variable_format_field Data {
-        countType: uint8
-        formats: { index: 0  name: "XML" }, { index: 3  name: "JAUS MESSAGE" }
+        countType: uint8  formats: { index: 0  name: "XML" }, { index: 3  name: "JAUS MESSAGE" }
       }
     }
   }
 }
 
-carried {
-  JAUS ReportCarried
-  ROS nav_msgs/Path
+carried { JAUS ReportCarried  ROS nav_msgs/Path
   JAUS->ROS ( Data -> poses[0] { map: waypoint } )
   ROS->JAUS ( poses[0] -> Data { map: waypoint } )
 }
 
-spread {
-  JAUS ReportSpread ( uint8 [<=9] codes  float32 count ) { code: 0xD1F0 }
+spread { JAUS ReportSpread ( uint8 [<=9] codes  float32 count ) { code: 0xD1F0 }
   ROS sensor_msgs/LaserScan
   JAUS->ROS ( codes, count -> ranges : user(spread) { value -> . } )
 }
@@ -148,24 +120,15 @@ bridge listed {
   connection elements_out {
     map: elements direction: rosToJaus onSilence: hold holdReason: "a path stays" topic a {}
   }
-  connection joints { map: joints topic b {} }
-  connection joints_out { map: joints direction: rosToJaus topic b {} }
-  connection strict { map: strict_joints topic b {} }
-  connection strict_out { map: strict_joints direction: rosToJaus topic b {} }
-  connection grid { map: grid topic c {} }
-  connection grid_out { map: grid direction: rosToJaus topic c {} }
-  connection carried { map: carried topic f {} }
-  connection carried_out { map: carried direction: rosToJaus topic f {} }
-  connection spread { map: spread topic e {} }
+  connection strict { map: strict_joints topic of_strict_joints {} }
+  connection strict_out { map: strict_joints direction: rosToJaus topic of_strict_joints {} }
   connection joined {
-    map: joined
-    direction: rosToJaus
-    topic d {}
-    topic imu { join: imu qos: { depth: 1 } }
+    map: joined  direction: rosToJaus  topic of_joined {}  topic imu { join: imu qos: { depth: 1 } }
     topic scan { join: scan }
   }
+  CONNECTIONS
 }
-"""
+""".replace("CONNECTIONS", connections("joints grid carried spread", "joints grid carried"))
 
 
 @pytest.fixture(scope="module")

@@ -3,7 +3,7 @@
 import needs
 import pytest
 
-from tests.generators.assignment_support import generated
+from tests.generators.assignment_support import connections, generated
 
 needs.ask("rclpy")
 
@@ -15,25 +15,19 @@ service_set shapes {
   service Shapes {
     urn: "urn:example:Shapes"
     inputs: new message_def QueryNumbers {
-      code: "0x2201"
-      body: new record QueryRec { fixed_field PresenceVector { type: uint8 } }
+      code: "0x2201"  body: new record QueryRec { fixed_field PresenceVector { type: uint8 } }
     }
     outputs: new message_def ReportNumbers {
       code: "0xD201"
       body: new sequence NumbersSeq {
         presenceVector: uint8
         list Numbers {
-          optional: true
-          countType: uint8
-          maximumCount: 4
+          optional: true  countType: uint8  maximumCount: 4
           element: new record NumberRec { fixed_field Number { type: float32 } }
         }
         record Rest {
           fixed_field Scale { type: float64 }
-          array Codes {
-            element: new fixed_field Code { type: int16 }
-            dimensions: 3, 3
-          }
+          array Codes { element: new fixed_field Code { type: int16 }  dimensions: 3, 3 }
         }
       }
     }
@@ -61,32 +55,22 @@ service_set shapes {
   }
 }
 
-numbers {
-  JAUS ReportNumbers
-  ROS std_msgs/Float64MultiArray
+numbers { JAUS ReportNumbers  ROS std_msgs/Float64MultiArray
   JAUS->ROS ( Numbers -> data {
       Number, /Rest.Scale -> . : expression("Number * Scale")
     } )
-  ROS->JAUS (
-    data -> Numbers { . -> Number }
-    0.5 -> Rest.Scale
-  )
+  ROS->JAUS ( data -> Numbers { . -> Number }  0.5 -> Rest.Scale )
 }
 
-steps {
-  JAUS ReportNumbers
-  ROS std_msgs/Float64MultiArray
+steps { JAUS ReportNumbers  ROS std_msgs/Float64MultiArray
   JAUS->ROS ( Numbers -> data {
       Number, /Numbers[1].Number -> . : expression("value1 - value2") {
-        whenAbsent: useDefault
-        defaultValue: 1
+        whenAbsent: useDefault  defaultValue: 1
       }
     } )
 }
 
-codes {
-  JAUS ReportNumbers
-  ROS sensor_msgs/Imu
+codes { JAUS ReportNumbers  ROS sensor_msgs/Imu
   JAUS->ROS (
     Rest.Codes -> angular_velocity_covariance { . -> . }
     Rest.Codes[1][2] -> linear_acceleration.x
@@ -102,33 +86,22 @@ codes {
   )
 }
 
-states {
-  JAUS ReportStates
-  ROS sensor_msgs/Imu
+states { JAUS ReportStates  ROS sensor_msgs/Imu
   ROS->JAUS ( linear_acceleration.x -> States[1].Gear )
 }
 
-rows {
-  JAUS ReportRows
-  ROS sensor_msgs/MultiEchoLaserScan
+rows { JAUS ReportRows  ROS sensor_msgs/MultiEchoLaserScan
   JAUS->ROS ( Rows -> ranges { . -> echoes { Height -> . } } )
   ROS->JAUS ( ranges -> Rows { echoes -> . { . -> Height { whenAbsent: leave } } } )
 }
 
 bridge shaped {
   address: 1.1.2
-  connection numbers { map: numbers topic a {} }
-  connection steps { map: steps topic e {} }
-  connection numbers_out { map: numbers direction: rosToJaus topic a {} }
-  connection few { map: numbers direction: rosToJaus outOfRange: error topic a {} }
-  connection polled { map: numbers exchange: query topic a {} }
-  connection codes { map: codes topic b {} }
-  connection codes_out { map: codes direction: rosToJaus topic b {} }
-  connection states { map: states direction: rosToJaus topic d {} }
-  connection rows { map: rows topic c {} }
-  connection rows_out { map: rows direction: rosToJaus topic c {} }
+  connection few { map: numbers direction: rosToJaus outOfRange: error topic of_numbers {} }
+  connection polled { map: numbers exchange: query topic of_numbers {} }
+  CONNECTIONS
 }
-"""
+""".replace("CONNECTIONS", connections("numbers steps codes rows", "numbers codes states rows"))
 
 
 @pytest.fixture(scope="module")
@@ -224,7 +197,7 @@ def test_elements_are_made_in_order(made):
 def test_an_array_that_may_be_absent_is_made_whole(made):
     source = Imu()
     source.linear_acceleration.x = 2.0
-    target = made.bridge.translate_states(source)
+    target = made.bridge.translate_states_out(source)
     assert [state.gear for state in target.states] == [0, 2]
     assert type(target).decode(target.encode()) == target
 

@@ -180,15 +180,9 @@ def test_exactly_the_messages_used(loop_files):
     tree = ast.parse(loop_files["loop_bridge/loop_bridge/messages.py"].text)
     (exports,) = (node.value for node in tree.body if isinstance(node, ast.Assign))
     assert ast.literal_eval(exports) == [
-        "QueryLocalPose",
-        "QueryVelocityCommand",
-        "QueryVelocityState",
-        "ReportLocalPose",
-        "ReportVelocityCommand",
-        "ReportVelocityState",
-        "SetVelocityCommand",
-        "SetWrenchEffort",
-    ]
+        "QueryLocalPose", "QueryVelocityCommand", "QueryVelocityState", "ReportLocalPose",
+        "ReportVelocityCommand", "ReportVelocityState", "SetVelocityCommand", "SetWrenchEffort",
+    ]  # fmt: skip
 
 
 def test_inherited_services_are_provided(base):

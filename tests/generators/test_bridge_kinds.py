@@ -89,16 +89,9 @@ SYSTEM = """<?xml version="1.0" encoding="UTF-8"?>
 </system:System>
 """
 DEFAULTS = {
-    "units": "",
-    "package": "demo_msgs",
-    "type": "Thing",
-    "documentation": "",
-    "assignments": "",
-    "name": "things",
-    "direction": "jausToRos",
-    "topic": "things",
-    "extra": "",
-}
+    "units": "", "package": "demo_msgs", "type": "Thing", "documentation": "", "assignments": "",
+    "name": "things", "direction": "jausToRos", "topic": "things", "extra": "",
+}  # fmt: skip
 
 
 def small(tmp_path, template=SYSTEM, **texts):

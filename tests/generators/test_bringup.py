@@ -148,13 +148,9 @@ def fleet(tmp_path_factory, stand_in):
 
 def settings(interface="", port="", group="", ttl=""):
     return {
-        "jaus_interface": interface,
-        "jaus_transport": "",
-        "jaus_port": port,
-        "jaus_multicast_group": group,
-        "jaus_multicast_ttl": ttl,
-        "jaus_fragment_size": "",
-    }
+        "jaus_interface": interface, "jaus_transport": "", "jaus_port": port,
+        "jaus_multicast_group": group, "jaus_multicast_ttl": ttl, "jaus_fragment_size": "",
+    }  # fmt: skip
 
 
 def files(package, **arguments):
@@ -232,14 +228,10 @@ def test_arguments_are_declared_before_they_are_used(fleet):
 
 def test_a_node_has_its_name_namespace_and_parameters(fleet):
     assert fleet["fleet"].nodes["camera"] == {
-        "node": "camera/camera",
-        "name": "camera",
-        "namespace": "front",
-        "parameters": ["$camera_params_file"],
-        "arguments": None,
-        "ros_arguments": ["--log-level", "$log_level"],
-        "output": "screen",
-    }
+        "node": "camera/camera", "name": "camera", "namespace": "front",
+        "parameters": ["$camera_params_file"], "arguments": None,
+        "ros_arguments": ["--log-level", "$log_level"], "output": "screen",
+    }  # fmt: skip
     assert fleet["fleet"].nodes["display"]["namespace"] is None
 
 
@@ -281,16 +273,9 @@ def parameters(case, name):
 def test_parameters_are_the_modelled_values():
     values = parameters("features", "everything")
     assert values == {
-        "gain": 1e-7,
-        "tries": 3,
-        "limit": -(2**63),
-        "frame": "base_link",
-        "nothing": "",
-        "number_like": "1e3",
-        "active": True,
-        "passive": False,
-        "plain": 1e22,
-    }
+        "gain": 1e-7, "tries": 3, "limit": -(2**63), "frame": "base_link", "nothing": "",
+        "number_like": "1e3", "active": True, "passive": False, "plain": 1e22,
+    }  # fmt: skip
     assert [type(values[name]) for name in ("gain", "plain", "tries")] == [float, float, int]
 
 
@@ -372,31 +357,21 @@ def test_rclpy_accepts_the_parameter_file(name, tmp_path):
 def test_processes_are_recorded_for_the_command_line():
     assert BRINGUP.processes(model_of(CASES / "hosts.xmi")) == [
         {
-            "name": "arm",
-            "kind": "component",
-            "package": "arm",
-            "module": "arm.main",
+            "name": "arm", "kind": "component", "package": "arm", "module": "arm.main",
             "arguments": [],
         },
         {
-            "name": "operator",
-            "kind": "component",
-            "package": "operator_jaus",
-            "module": "operator_jaus.main",
-            "arguments": [],
+            "name": "operator", "kind": "component", "package": "operator_jaus",
+            "module": "operator_jaus.main", "arguments": [],
         },
         *(
             {
-                "name": name,
-                "kind": "node",
-                "package": name,
-                "module": f"{name}.main",
-                "arguments": [],
-                "domain": 9,
+                "name": name, "kind": "node", "package": name, "module": f"{name}.main",
+                "arguments": [], "domain": 9,
             }
             for name in ("camera", "display")
         ),
-    ]
+    ]  # fmt: skip
 
 
 def test_a_file_is_passed_that_says_what_the_code_does_not():

@@ -54,27 +54,16 @@ BARE = ("-fno-exceptions", "-fno-rtti")
 WATCHED = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all")
 
 STATUS = [
-    "ok",
-    "other code",
-    "ends too early",
-    "bytes left over",
-    "unknown bit",
-    "no such option",
-    "count not legal",
-    "not legal",
-]
+    "ok", "other code", "ends too early", "bytes left over", "unknown bit", "no such option",
+    "count not legal", "not legal",
+]  # fmt: skip
 KINDS = {
-    "no code": "ends too early",
-    "no such type": "no such option",
-    "count beyond the end": "ends too early",
-    "length beyond the end": "ends too early",
-    "count too large": "count not legal",
-    "length too large": "count not legal",
-    "length not legal": "count not legal",
-    "too long": "count not legal",
-    "out of range": "not legal",
-    "NUL": "not legal",
-}
+    "no code": "ends too early", "no such type": "no such option",
+    "count beyond the end": "ends too early", "length beyond the end": "ends too early",
+    "count too large": "count not legal", "length too large": "count not legal",
+    "length not legal": "count not legal", "too long": "count not legal",
+    "out of range": "not legal", "NUL": "not legal",
+}  # fmt: skip
 """What the status of an error is called where it has another name than in the vectors."""
 
 TURN = "void turn_named(const std::string& name, const Bytes& bytes)"

@@ -12,9 +12,7 @@ import mappings.{maps}
 component one {{ address: 2.1.1 external: true }}
 component two {{ address: 2.1.2 external: true }}
 bridge robot {{
-    address: 1.1.1
-    provides: {service}
-    controlTimeout: 5
+    address: 1.1.1  provides: {service}  controlTimeout: 5
     connection drive {{ map: {map} direction: jausToRos {more} topic cmd }}
     {others}
 }}
@@ -71,24 +69,15 @@ import mappings.local_waypoint_driver
 import mappings.travel_speed
 
 bridge robot {{
-    address: 1.1.1
-    provides: LocalWaypointListDriver, GlobalWaypointListDriver, LocalWaypointDriver
+    address: 1.1.1  provides: LocalWaypointListDriver, GlobalWaypointListDriver, LocalWaypointDriver
     {more}
     ros_action_connection local {{
-        direction: jausToRos
-        action: follow_waypoints
-        type: nav2_msgs/FollowWaypoints
-        driver: LocalWaypointListDriver
-        element: local_waypoint
-        goalMember: poses
+        direction: jausToRos  action: follow_waypoints  type: nav2_msgs/FollowWaypoints
+        driver: LocalWaypointListDriver  element: local_waypoint  goalMember: poses
     }}
     ros_action_connection gps {{
-        direction: jausToRos
-        action: follow_gps_waypoints
-        type: nav2_msgs/FollowGPSWaypoints
-        driver: GlobalWaypointListDriver
-        element: global_waypoint_pose
-        goalMember: gps_poses
+        direction: jausToRos  action: follow_gps_waypoints  type: nav2_msgs/FollowGPSWaypoints
+        driver: GlobalWaypointListDriver  element: global_waypoint_pose  goalMember: gps_poses
     }}
 }}
 """

@@ -13,58 +13,39 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from jausml.generation.native import compiler
-from tests.generators.assignment_support import Generated, generated
+from tests.generators.assignment_support import Generated, connections, generated
 
 TEXT = """
 service Lists
 
-scan {
-  JAUS SetScan (
-    uint16 [<=20] distances { lower: 0  upper: 65.535 }
-  ) { code: 0xD101 }
+scan { JAUS SetScan ( uint16 [<=20] distances { lower: 0  upper: 65.535 } ) { code: 0xD101 }
   ROS sensor_msgs/ChannelFloat32
   JAUS->ROS ( distances -> values { value -> . } )
   ROS->JAUS ( values -> distances { . -> value { outOfRange: clamp } } )
 }
 
-strict_scan {
-  JAUS SetScan
-  ROS sensor_msgs/ChannelFloat32
+strict_scan { JAUS SetScan  ROS sensor_msgs/ChannelFloat32
   JAUS->ROS ( distances -> values { value -> . : negate } )
   ROS->JAUS ( values -> distances { . -> value : negate { outOfRange: dropMessage } } )
 }
 
-joints {
-  JAUS SetJoints (
-    float32 [<=20] joints
-  ) { code: 0xD102 }
-  ROS sensor_msgs/JointState
+joints { JAUS SetJoints ( float32 [<=20] joints ) { code: 0xD102 }  ROS sensor_msgs/JointState
   JAUS->ROS ( joints -> position { value -> . : linear(-0.5, 3) } )
   ROS->JAUS ( position -> joints { . -> value : linear(1e30, 2.5) { outOfRange: clamp } } )
 }
 
-bounds {
-  JAUS SetBounds (
-    uint32 [<=20] bounds { lower: -100000  upper: 100000 }
-  ) { code: 0xD103 }
+bounds { JAUS SetBounds ( uint32 [<=20] bounds { lower: -100000  upper: 100000 } ) { code: 0xD103 }
   ROS sensor_msgs/JointState
   JAUS->ROS ( bounds -> effort { value -> . } )
   ROS->JAUS ( effort -> bounds { . -> value { outOfRange: error } } )
 }
 
 struct [
-  uint32 stamp
-  float32 x
-  float32 y
-  float64 z
-  uint16 roll { lower: -3.2  upper: 3.2 }
-  uint16 pitch { lower: -3.2  upper: 3.2 }
-  uint16 yaw { lower: -3.2  upper: 3.2 }
+  uint32 stamp  float32 x  float32 y  float64 z  uint16 roll { lower: -3.2  upper: 3.2 }
+  uint16 pitch { lower: -3.2  upper: 3.2 }  uint16 yaw { lower: -3.2  upper: 3.2 }
 ] pose
 
-poses {
-  JAUS SetPoses ( pose [<=60] poses ) { code: 0xD105 }
-  ROS nav_msgs/Path
+poses { JAUS SetPoses ( pose [<=60] poses ) { code: 0xD105 }  ROS nav_msgs/Path
   JAUS->ROS (
     poses -> poses {
       "odom" -> header.frame_id
@@ -85,9 +66,7 @@ poses {
   )
 }
 
-earth {
-  JAUS SetPoses
-  ROS nav_msgs/Path
+earth { JAUS SetPoses  ROS nav_msgs/Path
   JAUS->ROS (
     poses -> poses {
       x -> pose.position.x : linear(2, 0.5)
@@ -103,18 +82,12 @@ earth {
 }
 
 struct [
-  uint32 range { lower: 0  upper: 1000 }
-  uint8 valid { lower: 0  upper: 1 }
-  uint16 bearing { lower: -3.141592653589793  upper: 3.141592653589793 }
-  uint8 fixed
+  uint32 range { lower: 0  upper: 1000 }  uint8 valid { lower: 0  upper: 1 }
+  uint16 bearing { lower: -3.141592653589793  upper: 3.141592653589793 }  uint8 fixed
 ] beam
 
-beams {
-  JAUS SetBeams ( beam [<=60] beams ) { code: 0xD106 }
-  ROS sensor_msgs/LaserScan
-  JAUS->ROS (
-    beams -> ranges { range, valid -> . : expression("if(valid == 0, 0, range)") }
-  )
+beams { JAUS SetBeams ( beam [<=60] beams ) { code: 0xD106 }  ROS sensor_msgs/LaserScan
+  JAUS->ROS ( beams -> ranges { range, valid -> . : expression("if(valid == 0, 0, range)") } )
   ROS->JAUS (
     ranges -> beams {
       ., /range_min, /range_max -> range
@@ -127,21 +100,18 @@ beams {
   )
 }
 
-cells {
-  JAUS SetCells ( uint16 [<=60] cells { lower: -200  upper: 200 } ) { code: 0xD107 }
+cells { JAUS SetCells ( uint16 [<=60] cells { lower: -200  upper: 200 } ) { code: 0xD107 }
   ROS nav_msgs/OccupancyGrid
   JAUS->ROS ( cells -> data { value -> . { outOfRange: clamp } } )
   ROS->JAUS ( data -> cells { ., index -> value : expression("value1 + 0.25 * index") } )
 }
 
-gains {
-  JAUS SetGains ( int16 [3] gains { optional: true } ) { code: 0xD108 }
+gains { JAUS SetGains ( int16 [3] gains { optional: true } ) { code: 0xD108 }
   ROS sensor_msgs/ChannelFloat32
   ROS->JAUS ( values[0] -> gains[1] )
 }
 
-formulas {
-  JAUS SetFormulas ( float64 first  float64 second ) { code: 0xD109 }
+formulas { JAUS SetFormulas ( float64 first  float64 second ) { code: 0xD109 }
   ROS sensor_msgs/ChannelFloat32
   ROS->JAUS (
     values[0] -> first : expression("value + 1"), expression("2 * value")
@@ -151,36 +121,22 @@ formulas {
 
 bridge compiled_lists {
   address: 1.1.2
-  connection scan_up { map: scan topic a {} }
-  connection scan_down { map: scan direction: rosToJaus topic a {} }
-  connection strict_scan_up { map: strict_scan topic b {} }
-  connection strict_scan_down { map: strict_scan direction: rosToJaus topic b {} }
-  connection joints_up { map: joints topic c {} }
-  connection joints_down { map: joints direction: rosToJaus topic c {} }
-  connection bounds_up { map: bounds topic d {} }
-  connection bounds_down { map: bounds direction: rosToJaus topic d {} }
-  connection poses_up { map: poses topic f {} }
-  connection poses_down { map: poses direction: rosToJaus topic f {} }
-  connection earth_up { map: earth topic g {} }
-  connection earth_down { map: earth direction: rosToJaus topic g {} }
-  connection beams_up { map: beams topic h {} }
-  connection beams_down { map: beams direction: rosToJaus topic h {} }
-  connection cells_up { map: cells topic i {} }
-  connection formulas_down { map: formulas direction: rosToJaus topic k {} }
-  connection gains_down { map: gains direction: rosToJaus topic j {} }
-  connection cells_down { map: cells direction: rosToJaus topic i {} }
+  CONNECTIONS
 }
-"""
+""".replace(
+    "CONNECTIONS",
+    connections(
+        "scan strict_scan joints bounds poses earth beams cells",
+        "scan strict_scan joints bounds poses earth beams formulas gains cells",
+        ("_up", "_down"),
+    ),
+)
 CONNECTIONS = re.findall(r"connection (\w+)", TEXT)
 ODD = [0.0, -0.0, math.nan, math.inf, -math.inf, 65.535, 65.5354, 3.4e38, -1.0, 1e-45, 100000.0]
 LISTS = [
-    [],
-    [1.25],
-    [0.0005, 0.0015, 0.0025, 32.7675, 65.535],
-    [-0.0005, -0.0015, -3.0],
-    *([1.0, number, 2.0] for number in ODD),
-    [number * 0.01 for number in range(6)],
-]
+    [], [1.25], [0.0005, 0.0015, 0.0025, 32.7675, 65.535], [-0.0005, -0.0015, -3.0],
+    *([1.0, number, 2.0] for number in ODD), [number * 0.01 for number in range(6)],
+]  # fmt: skip
 
 
 @pytest.fixture(scope="module")

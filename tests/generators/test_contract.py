@@ -402,18 +402,12 @@ def test_a_fix_keeps_every_other_byte(yard, encode, end):
     sweep(
         [
             ("from .messages import Gone\n", ""),
-            (
-                "from .messages import Gone as G, QueryBoom\n\nQueryBoom\n",
-                "from .messages import QueryBoom\n\nQueryBoom\n",
-            ),
-            (
-                "from .messages import (\n    FoldBoom,\n    Gone,  # keep\n)\n\nFoldBoom\n",
-                "from .messages import (\n    FoldBoom,  # keep\n)\n\nFoldBoom\n",
-            ),
-            (
-                "from .messages import (\n    Gone,\n    FoldBoom,\n)\n\nFoldBoom\n",
-                "from .messages import (\n    FoldBoom,\n)\n\nFoldBoom\n",
-            ),
+            ("from .messages import Gone as G, QueryBoom\n\nQueryBoom\n",
+                "from .messages import QueryBoom\n\nQueryBoom\n"),
+            ("from .messages import (\n    FoldBoom,\n    Gone,  # keep\n)\n\nFoldBoom\n",
+                "from .messages import (\n    FoldBoom,  # keep\n)\n\nFoldBoom\n"),
+            ("from .messages import (\n    Gone,\n    FoldBoom,\n)\n\nFoldBoom\n",
+                "from .messages import (\n    FoldBoom,\n)\n\nFoldBoom\n"),
             ("from .messages import (\n    Gone,  # keep\n    FoldBoom,\n)\n\nFoldBoom\n", None),
             ("from .messages import Gone  # keep\n", None),
             ("def f():\n    from .messages import Gone\n", "def f():\n    pass\n"),
@@ -424,7 +418,7 @@ def test_a_fix_keeps_every_other_byte(yard, encode, end):
         ],
         every=4,
     ),
-)
+)  # fmt: skip
 def test_an_import_is_taken_out_with_nothing_beside_it(yard, before, after):
     path = yard.out / FOLDER / "helper.py"
     path.write_text(before)

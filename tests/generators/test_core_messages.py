@@ -35,20 +35,8 @@ from jausml_generators.python.package import PACKAGE_TEMPLATES
 LIBRARY = Path(__file__).parents[2] / "models" / "library" / "jaus"
 SOURCE = LIBRARY / "core-1.1.xmi"
 TOO_MUCH = (
-    -1,
-    2**8,
-    2**16,
-    2**32,
-    1e9,
-    -0.5,
-    "x" * 300,
-    "\u20ac",
-    b"",
-    b"x",
-    None,
-    5.0,
-    float("nan"),
-)
+    -1, 2**8, 2**16, 2**32, 1e9, -0.5, "x" * 300, "\u20ac", b"", b"x", None, 5.0, float("nan"),
+)  # fmt: skip
 
 GUARDS = (
     "models/library/jaus",

@@ -413,20 +413,14 @@ def test_a_bridge_that_takes_from_anybody_is_asked_for_networks(model_of):
     ("text", "fault"),
     [
         (MAPS + VEHICLE + watcher(), "has no host to deploy on"),
-        (
-            TWO_HOSTS.replace('interface: "10.77.0.2"', ""),
-            rf"rover\.ros2jaus:{STATION}:5: host 'station' has the interface 127\.0\.0\.1,",
-        ),
-        (
-            TWO_HOSTS.replace('"10.77.0.2"', '"10.77.0.2"  port: 3795'),
-            rf"{STATION}:\d+: host 'station' has port 3795 and 'onboard' 3794",
-        ),
-        (
-            TWO_HOSTS.replace("10.77.0.2", "10.77.0.1"),
-            rf"{STATION}:\d+: host 'station' has the interface 10\.77\.0\.1, .* of 'onboard'",
-        ),
+        (TWO_HOSTS.replace('interface: "10.77.0.2"', ""),
+            rf"rover\.ros2jaus:{STATION}:5: host 'station' has the interface 127\.0\.0\.1,"),
+        (TWO_HOSTS.replace('"10.77.0.2"', '"10.77.0.2"  port: 3795'),
+            rf"{STATION}:\d+: host 'station' has port 3795 and 'onboard' 3794"),
+        (TWO_HOSTS.replace("10.77.0.2", "10.77.0.1"),
+            rf"{STATION}:\d+: host 'station' has the interface 10\.77\.0\.1, .* of 'onboard'"),
     ],
-)
+)  # fmt: skip
 def test_hosts_that_cannot_meet_are_refused_with_their_place(text, fault, model_of):
     with pytest.raises(GenerationError, match=fault):
         render(model_of(text), [DEPLOYMENT])

@@ -15,14 +15,9 @@ from jausml.cli import main
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = [
-    "catvehicle",
-    "catvehicle/jaus_only",
-    "minimal",
-    "examples/simulator",
-    "examples/waypoint_list",
-    "examples/waypoint_list/without_ros",
-    "examples/winch",
-]
+    "catvehicle", "catvehicle/jaus_only", "minimal", "examples/simulator", "examples/waypoint_list",
+    "examples/waypoint_list/without_ros", "examples/winch",
+]  # fmt: skip
 NOTATIONS = {".xmi", ".ros2jaus"}
 SHARED = {
     "examples/simulator": {"catvehicle/src/catvehicle": "catvehicle"},

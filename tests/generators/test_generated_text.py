@@ -55,12 +55,9 @@ def test_ruff_finds_nothing(generated):
 def test_mypy_finds_nothing(generated):
     # What generated code imports of jausml is judged as it is by `make lint`.
     options = (
-        "--config-file",
-        str(ROOT / "pyproject.toml"),
-        "--cache-dir",
-        str(ROOT / ".mypy_cache"),
+        "--config-file", str(ROOT / "pyproject.toml"), "--cache-dir", str(ROOT / ".mypy_cache"),
         "--explicit-package-bases",
-    )
+    )  # fmt: skip
     run("mypy", *options, ".", cwd=generated)
 
 

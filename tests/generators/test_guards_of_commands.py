@@ -9,9 +9,7 @@ from jausml_generators.bridge.target import TARGET as BRIDGES
 from jausml_generators.jaus_component.target import TARGET as COMPONENTS
 
 MAPS = """
-set_winch {
-  JAUS SetWinch %s
-  ROS std_msgs/Float32
+set_winch { JAUS SetWinch %s  ROS std_msgs/Float32
   JAUS->ROS ( speed -> data )
   ROS->JAUS ( data -> speed )
 }
@@ -23,9 +21,7 @@ OWN_SERVICE = (
 service Winding {
   urn: "urn:example:Winding"
   inputs: new message_def SetWinch {
-    code: 0xD101
-    isCommand: true
-    body: new record rec { fixed_field speed { type: float32 } }
+    code: 0xD101  isCommand: true  body: new record rec { fixed_field speed { type: float32 } }
   }
 }
 """
@@ -33,9 +29,7 @@ service Winding {
 SYSTEM = """
 component winch { address: 1.1.1  coreServices: none  provides: %(provided)s }
 bridge deck {
-  address: 1.1.2
-  coreServices: none
-  provides: %(provided)s
+  address: 1.1.2  coreServices: none  provides: %(provided)s
   connection command { map: set_winch direction: jausToRos topic winch { } }
   connection wind { map: set_winch direction: rosToJaus peers: winch topic wheel { } }
 }

@@ -11,20 +11,9 @@ needs.ask("rclpy")
 
 
 NAMES = (
-    "Absolute",
-    "Negate",
-    "Scale",
-    "Conversions",
-    "Arithmetic",
-    "Target",
-    "Source",
-    "Self",
-    "Math",
-    "By_Name",
-    "Set_Time",
-    "Set_Quaternion",
-    "Float",
-)
+    "Absolute", "Negate", "Scale", "Conversions", "Arithmetic", "Target", "Source", "Self", "Math",
+    "By_Name", "Set_Time", "Set_Quaternion", "Float",
+)  # fmt: skip
 FIELDS = "\n".join(
     f"          fixed_field {name} {{ type: float64 optional: true }}" for name in NAMES
 )

@@ -1,7 +1,6 @@
 """Packages of JAUS components: what is in them, and that they run."""
 
 import inspect
-import os
 from functools import cache
 from pathlib import Path
 
@@ -44,18 +43,10 @@ def workspace() -> Path:
 def test_a_package_is_an_ament_python_package(package):
     files = {path.removeprefix(f"{package}/") for path in texts() if path.startswith(f"{package}/")}
     assert files == {
-        "package.xml",
-        "setup.py",
-        "setup.cfg",
-        f"resource/{package}",
-        f"{package}/__init__.py",
-        f"{package}/py.typed",
-        f"{package}/messages.py",
-        f"{package}/{package}_base.py",
-        f"{package}/{package}.py",
-        f"{package}/main.py",
-        f"test/test_{package}.py",
-    }
+        "package.xml", "setup.py", "setup.cfg", f"resource/{package}", f"{package}/__init__.py",
+        f"{package}/py.typed", f"{package}/messages.py", f"{package}/{package}_base.py",
+        f"{package}/{package}.py", f"{package}/main.py", f"test/test_{package}.py",
+    }  # fmt: skip
 
 
 def test_only_the_skeleton_is_the_users():
@@ -90,20 +81,8 @@ def test_a_silent_report_leads_to_the_state_that_the_model_says():
 
 
 def test_limits_of_a_velocity_command_are_obeyed_in_standby(tmp_path):
-    library = ROOT / "models" / "library" / "jaus" / "mobility.xmi"
-    model = model_in(
-        tmp_path,
-        f"""<?xml version="1.0" encoding="UTF-8"?>
-<system:System xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"
-    xmlns:system="http://www.jausml.org/system/1.0" name="driver">
-  <components name="driver" address="1.1.1">
-    <provides href="{os.path.relpath(library, tmp_path)}#VelocityStateDriver"/>
-  </components>
-</system:System>
-""",
-        "driver.xmi",
-    )
-    base = text_of(model, [TARGET])
+    text = "component driver { address: 1.1.1  provides: VelocityStateDriver }"
+    base = text_of(model_in(tmp_path, f"import jaus.mobility\n{text}\n"), [TARGET])
     assert (
         "self.handle( SetVelocityCommand, self.on_set_velocity_command, "
         "when=lambda message: Guard.READY if message.command_type == 0 else Guard.CONTROLLED, )"
@@ -113,22 +92,12 @@ def test_limits_of_a_velocity_command_are_obeyed_in_standby(tmp_path):
 
 def test_messages_without_fields_are_laid_out_too(tmp_path):
     """A module without a `struct` once had a blank line too many."""
-    model = model_in(
-        tmp_path,
-        """<?xml version="1.0" encoding="UTF-8"?>
-<system:System xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"
-    xmlns:system="http://www.jausml.org/system/1.0" name="bell">
-  <serviceSets name="own">
-    <services xmi:id="Bell" name="Bell" urn="urn:example:own:Bell">
-      <inputs name="Ring" code="0xD120" isCommand="true"/>
-    </services>
-  </serviceSets>
-  <components name="bell" address="1.1.1" provides="Bell"/>
-</system:System>
-""",
-        "bell.xmi",
-    )
-    messages = text_of(model, [MESSAGES], "/bell.py")
+    text = """
+service Bell { urn: "urn:example:own:Bell"
+  inputs: new message_def Ring { code: 0xD120  isCommand: true } }
+component bell { address: 1.1.1  provides: Bell }
+"""
+    messages = text_of(model_in(tmp_path, text), [MESSAGES], "/bell.py")
     (tmp_path / "messages.py").write_text(messages, encoding="utf-8")
     config = ["--config", str(ROOT / "pyproject.toml"), "messages.py"]
     run_in(tmp_path, "-m", "ruff", "format", "--check", *config)

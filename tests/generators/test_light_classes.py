@@ -338,24 +338,16 @@ class Real:
     ("fields", "found"),
     [
         ({"x": "double", "y": "double", "z": "double"}, []),
-        (
-            {"x": "double", "y": "float", "z": "double"},
-            ["geometry_msgs/msg/Point: y is double in the model and is float there"],
-        ),
-        (
-            {"x": "double", "y": "double"},
-            ["geometry_msgs/msg/Point: z is double in the model and is not there"],
-        ),
-        (
-            {"x": "double", "y": "double", "z": "double", "w": "uint8[4]"},
-            ["geometry_msgs/msg/Point: w is not in the model and uint8[4] there"],
-        ),
-        (
-            {"x": "double", "z": "double", "y": "double"},
-            ["geometry_msgs/msg/Point: the fields are in another order there"],
-        ),
+        ({"x": "double", "y": "float", "z": "double"},
+            ["geometry_msgs/msg/Point: y is double in the model and is float there"]),
+        ({"x": "double", "y": "double"},
+            ["geometry_msgs/msg/Point: z is double in the model and is not there"]),
+        ({"x": "double", "y": "double", "z": "double", "w": "uint8[4]"},
+            ["geometry_msgs/msg/Point: w is not in the model and uint8[4] there"]),
+        ({"x": "double", "z": "double", "y": "double"},
+            ["geometry_msgs/msg/Point: the fields are in another order there"]),
     ],
-)
+)  # fmt: skip
 def test_differences_are_told(fields, found):
     assert differences(library().kind("geometry_msgs/msg/Point"), Real(fields)) == found
 

@@ -59,18 +59,15 @@ service_set mark {
         fixed_field Charge { type: float64 optional: true }
         bit_field TimeStamp { type: uint32 optional: true
           sub_field Milliseconds { lowBit: 0 highBit: 9 }
-          sub_field Seconds { lowBit: 10 highBit: 15 }
-          sub_field Minutes { lowBit: 16 highBit: 21 }
-          sub_field Hour { lowBit: 22 highBit: 26 }
-          sub_field Day { lowBit: 27 highBit: 31 }
+          sub_field Seconds { lowBit: 10 highBit: 15 }  sub_field Minutes { lowBit: 16 highBit: 21 }
+          sub_field Hour { lowBit: 22 highBit: 26 }  sub_field Day { lowBit: 27 highBit: 31 }
         }
         fixed_field Ticks { type: int64 optional: true }
         fixed_field Turning { type: float64 optional: true }
         fixed_field Total { type: float64 optional: true }
         list Ranges { countType: uint8
           record RangeRec { presenceVector: uint8
-            fixed_field Range { type: float64 optional: true }
-            fixed_field Ok { type: uint8 }
+            fixed_field Range { type: float64 optional: true }  fixed_field Ok { type: uint8 }
           }
         }
       }
@@ -78,9 +75,7 @@ service_set mark {
   }
 }
 
-plain {
-  JAUS SetMark
-  ROS mark_msgs/State
+plain { JAUS SetMark  ROS mark_msgs/State
   ROS->JAUS (
     status -> Status
     latitude -> Latitude
@@ -98,9 +93,7 @@ plain {
   )
 }
 
-more {
-  JAUS SetMark
-  ROS mark_msgs/State
+more { JAUS SetMark  ROS mark_msgs/State
   ROS->JAUS (
     parts[0].charge -> Charge
     ticks -> Ticks
@@ -112,27 +105,13 @@ more {
       . -> Ok : expression("value > 1") { whenAbsent: useDefault defaultValue: "7" }
     }
   )
-  JAUS->ROS (
-    Ranges -> ranges { Range -> . }
-    Ranges -> parts { Range -> charge }
-  )
+  JAUS->ROS ( Ranges -> ranges { Range -> . }  Ranges -> parts { Range -> charge } )
 }
 
-places {
-  JAUS SetMark
-  ROS geometry_msgs/Vector3
-  ROS->JAUS ( x -> X  y -> Speed_X )
-}
+places { JAUS SetMark  ROS geometry_msgs/Vector3  ROS->JAUS ( x -> X  y -> Speed_X ) }
+kept { JAUS SetMark  ROS geometry_msgs/Vector3  ROS->JAUS ( x -> X { outOfRange: clamp } ) }
 
-kept {
-  JAUS SetMark
-  ROS geometry_msgs/Vector3
-  ROS->JAUS ( x -> X { outOfRange: clamp } )
-}
-
-strict {
-  JAUS SetMark
-  ROS mark_msgs/State
+strict { JAUS SetMark  ROS mark_msgs/State
   ROS->JAUS (
     latitude -> Latitude { whenAbsent: dropMessage }
     voltage -> Voltage { whenAbsent: lastValue }
@@ -142,10 +121,7 @@ strict {
       whenAbsent: useDefault defaultValue: "1"
     }
   )
-  JAUS->ROS (
-    Status -> status { whenAbsent: leave }
-    Voltage -> voltage { whenAbsent: lastValue }
-  )
+  JAUS->ROS ( Status -> status { whenAbsent: leave }  Voltage -> voltage { whenAbsent: lastValue } )
 }
 
 bridge marked_bridge {

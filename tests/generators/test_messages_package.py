@@ -20,22 +20,18 @@ from jausml_generators.runtime.target import TARGET as RUNTIME
 from .node_support import CASES, ROOT, run
 
 EXAMPLE = ROOT / "models" / "catvehicle" / "catvehicle.xmi"
-NAMESAKES = """<?xml version="1.0" encoding="UTF-8"?>
-<system:System xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"
-    xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"
-    xmlns:system="http://www.jausml.org/system/1.0" name="yard">
-  <serviceSets name="own">
-    <services xmi:id="Bell" name="Bell" urn="urn:own:a:Bell">
-      <inputs name="Ring" code="0xD120"/><inputs name="Stop" code="0xD122"/>
-    </services>
-    <services xmi:id="Phone" name="bell" urn="urn:own:b:Bell">
-      <inputs name="Ring" code="0xD121"/><inputs name="Stop" code="0xD122"/>
-    </services>
-  </serviceSets>
-  <components name="tower" address="1.1.1" provides="Bell"/>
-  <components name="desk" address="1.1.2" provides="Phone"/>
-  <components name="nothing" address="1.1.3"/>
-</system:System>
+NAMESAKES = """
+service_set own {
+  service Bell { urn: "urn:own:a:Bell"
+    inputs: new message_def Ring { code: 0xD120 }, new message_def Stop { code: 0xD122 } }
+  service bell { urn: "urn:own:b:Bell"
+    inputs: new message_def Ring { code: 0xD121 }, new message_def Stop { code: 0xD122 } }
+}
+system yard {
+  component tower { address: 1.1.1  provides: Bell }
+  component desk { address: 1.1.2  provides: bell }
+  component nothing { address: 1.1.3 }
+}
 """
 
 
@@ -47,7 +43,7 @@ def files():
 @pytest.fixture(scope="module")
 def namesakes(tmp_path_factory):
     folder = tmp_path_factory.mktemp("namesakes")
-    model = model_in(folder, NAMESAKES, "yard.xmi")
+    model = model_in(folder, NAMESAKES, "yard.ros2jaus")
     write(model, [COMPONENTS, MESSAGES, RUNTIME], folder / "src")
     return folder / "src"
 
@@ -67,13 +63,9 @@ def test_a_module_for_each_service(files):
         path for path in files if path.startswith("catvehicle_messages/catvehicle_messages/")
     ]
     assert [Path(path).name for path in modules] == [
-        "__init__.py",
-        "local_pose_sensor.py",
-        "primitive_driver.py",
-        "py.typed",
-        "velocity_state_driver.py",
-        "velocity_state_sensor.py",
-    ]
+        "__init__.py", "local_pose_sensor.py", "primitive_driver.py", "py.typed",
+        "velocity_state_driver.py", "velocity_state_sensor.py",
+    ]  # fmt: skip
 
 
 def test_packages_depend_on_the_messages_that_they_use(files):

@@ -11,34 +11,25 @@ from hypothesis import strategies as st
 from tests.generators.assignment_support import generated
 
 TEXT = """
-cells {
-  JAUS SetCells ( uint8 [<=3000] cells ) { code: 0xD111 }
-  ROS nav_msgs/OccupancyGrid
+cells { JAUS SetCells ( uint8 [<=3000] cells ) { code: 0xD111 }  ROS nav_msgs/OccupancyGrid
   JAUS->ROS ( cells -> data { value -> . : cost_to_occupancy } )
   ROS->JAUS ( data -> cells { . -> value : occupancy_to_cost { outOfRange: dropMessage } } )
 }
-plain {
-  JAUS SetPlain ( uint8 [<=3000] cells ) { code: 0xD112 }
-  ROS nav_msgs/OccupancyGrid
+plain { JAUS SetPlain ( uint8 [<=3000] cells ) { code: 0xD112 }  ROS nav_msgs/OccupancyGrid
   JAUS->ROS ( cells -> data { value -> . { outOfRange: clamp } } )
   ROS->JAUS ( data -> cells { . -> value { outOfRange: clamp } } )
 }
-scaled {
-  JAUS SetScaled ( uint8 width  uint8 [<=3000] cells ) { code: 0xD113 }
+scaled { JAUS SetScaled ( uint8 width  uint8 [<=3000] cells ) { code: 0xD113 }
   ROS nav_msgs/OccupancyGrid
   JAUS->ROS ( cells -> data {
     value, /width -> . : expression("value - width") { outOfRange: clamp }
   } )
 }
-shares {
-  JAUS SetShares ( uint8 [<=3000] cells { lower: 0  upper: 100 } ) { code: 0xD114 }
+shares { JAUS SetShares ( uint8 [<=3000] cells { lower: 0  upper: 100 } ) { code: 0xD114 }
   ROS nav_msgs/OccupancyGrid
   JAUS->ROS ( cells -> data { value -> . : square_root { outOfRange: clamp } } )
 }
-bridge octet_lists {
-  address: 9.9.9
-CONNECTIONS
-}
+bridge octet_lists { address: 9.9.9  CONNECTIONS }
 """
 WAYS = (
     ("cells", "up"),

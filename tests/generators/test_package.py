@@ -144,15 +144,10 @@ def test_installation_of_launch_files_and_parameters(workspace, tmp_path):
     assert {name.removeprefix("share/features_bringup/") for name in share} - {
         name for name in share if name.endswith(".pyc")
     } == {
-        "package.xml",
-        "launch/features.launch.py",
-        "config/everything.yaml",
-        "config/Odometry.yaml",
-        "config/idle.yaml",
-        "security/everything.policy.xml",
-        "security/Odometry.policy.xml",
-        "security/idle.policy.xml",
-    }
+        "package.xml", "launch/features.launch.py", "config/everything.yaml",
+        "config/Odometry.yaml", "config/idle.yaml", "security/everything.policy.xml",
+        "security/Odometry.policy.xml", "security/idle.policy.xml",
+    }  # fmt: skip
 
 
 @pytest.mark.slow

@@ -145,17 +145,12 @@ def body(text):
 def test_declared_packages_and_messages_without_a_map(model):
     files = render(model)
     assert sorted(files) == [
-        "tug_interfaces/CMakeLists.txt",
-        "tug_interfaces/action/Tow.action",
-        "tug_interfaces/msg/Rope.msg",
-        "tug_interfaces/msg/Winch.msg",
-        "tug_interfaces/package.xml",
-        "tug_interfaces/srv/Pull.srv",
-        "tug_jaus_msgs/CMakeLists.txt",
-        "tug_jaus_msgs/msg/ReportWinch.msg",
-        "tug_jaus_msgs/msg/ReportWinchFlags.msg",
+        "tug_interfaces/CMakeLists.txt", "tug_interfaces/action/Tow.action",
+        "tug_interfaces/msg/Rope.msg", "tug_interfaces/msg/Winch.msg", "tug_interfaces/package.xml",
+        "tug_interfaces/srv/Pull.srv", "tug_jaus_msgs/CMakeLists.txt",
+        "tug_jaus_msgs/msg/ReportWinch.msg", "tug_jaus_msgs/msg/ReportWinchFlags.msg",
         "tug_jaus_msgs/package.xml",
-    ]
+    ]  # fmt: skip
     assert body(files["tug_interfaces/msg/Winch.msg"]) == WINCH
     assert body(files["tug_jaus_msgs/msg/ReportWinch.msg"]) == REPORT
     pull = "\n# Pulls.\n\nfloat64 length\n---\n# How it went.\n"

@@ -316,15 +316,9 @@ def test_imports_are_sorted_as_ruff_sorts_them(tmp_path):
     body = f"from __future__ import annotations\n\nEVERY = {sorted(origins)}\n".replace("'", "")
     file.write_text(Modules().finished(body, Imports(origins)))
     line = [
-        "-m",
-        "ruff",
-        "check",
-        "--isolated",
-        "--no-cache",
-        "--line-length=100",
-        "--select=I",
+        "-m", "ruff", "check", "--isolated", "--no-cache", "--line-length=100", "--select=I",
         "--diff",
-    ]
+    ]  # fmt: skip
     done = run(*line, file)
     assert done.returncode == 0, done.stdout
 

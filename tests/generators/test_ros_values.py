@@ -110,8 +110,5 @@ def test_rough_values_are_those_of_light_classes(kind, data):
 
 def test_messages_of_any_size_are_known():
     assert [*map(is_of_any_size, (PointCloud2, Path, Twist, BatteryState))] == [
-        True,
-        True,
-        False,
-        True,
-    ]
+        True, True, False, True,
+    ]  # fmt: skip

@@ -24,22 +24,14 @@ from jausml_generators.runtime.target import TARGET as RUNTIME
 from .node_support import ROOT, run
 
 SYSTEMS = (
-    "models/catvehicle/catvehicle.xmi",
-    "models/minimal/minimal.xmi",
-    "models/examples/winch/winch.xmi",
-    "tests/generators/components.xmi",
-    "tests/generators/lamp.xmi",
-    "tests/generators/narrow_bridge.xmi",
-)
+    "models/catvehicle/catvehicle.xmi", "models/minimal/minimal.xmi",
+    "models/examples/winch/winch.xmi", "tests/generators/components.xmi",
+    "tests/generators/lamp.xmi", "tests/generators/narrow_bridge.xmi",
+)  # fmt: skip
 PUBLIC = {
-    public.FACE,
-    public.MESSAGES,
-    public.CONVERSIONS,
-    public.OCTETS,
-    public.WIRE,
-    public.LIGHT,
+    public.FACE, public.MESSAGES, public.CONVERSIONS, public.OCTETS, public.WIRE, public.LIGHT,
     public.VALUES,
-}
+}  # fmt: skip
 
 
 def original(module):

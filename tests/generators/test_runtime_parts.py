@@ -254,11 +254,7 @@ def test_the_runtime_alone_is_that_of_the_code_that_is_there(begun, tmp_path):
 
 
 @pytest.mark.parametrize(
-    "line",
-    [
-        "from jausml_runtime.virtual import VirtualWorld",
-        "from jausml_runtime import Bridge",
-    ],
+    "line", ["from jausml_runtime.virtual import VirtualWorld", "from jausml_runtime import Bridge"]
 )
 def test_code_of_users_brings_what_it_imports(begun, tmp_path, line):
     begun(tmp_path, TALKER, "talk")

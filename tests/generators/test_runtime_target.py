@@ -33,12 +33,9 @@ def test_every_module_is_copied(files, copies):
     assert set(copies) == {path.relative_to(SOURCE).as_posix() for path in SOURCE.rglob("*.py")}
     others = {path for path in files if path.removeprefix(FOLDER) not in copies}
     assert others == {
-        "jausml_runtime/package.xml",
-        "jausml_runtime/resource/jausml_runtime",
-        "jausml_runtime/setup.cfg",
-        "jausml_runtime/setup.py",
-        f"{FOLDER}py.typed",
-    }
+        "jausml_runtime/package.xml", "jausml_runtime/resource/jausml_runtime",
+        "jausml_runtime/setup.cfg", "jausml_runtime/setup.py", f"{FOLDER}py.typed",
+    }  # fmt: skip
 
 
 def test_a_copy_is_the_original_below_a_header(copies):
@@ -90,11 +87,8 @@ def test_what_components_need_is_the_copy_alone(tmp_path, copies):
     share_runtime(tmp_path)
     names = [name for name, text in sorted(copies.items()) if not needs_more(name, text)]
     assert {
-        "component/process.py",
-        "component/component.py",
-        "bridge/bridge.py",
-        "services/events.py",
-    } <= set(names)
+        "component/process.py", "component/component.py", "bridge/bridge.py", "services/events.py",
+    } <= set(names)  # fmt: skip
     modules = [name.removesuffix(".py").replace("/", ".") for name in names]
     pure = [f"jausml_runtime.{name}".removesuffix(".__init__") for name in modules]
     # -I and -S: neither the environment nor site-packages; the checkout is not there either.

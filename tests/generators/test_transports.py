@@ -6,7 +6,6 @@ import sys
 from pathlib import Path
 
 import pytest
-from codec_support import ROOT
 from generated import model_in
 from ports import free_port
 from scripts import succeeded
@@ -20,23 +19,17 @@ from jausml_generators.runtime.target import TARGET as RUNTIME
 
 pytestmark = pytest.mark.ports
 
-CORE = ROOT / "models" / "library" / "jaus" / "core-1.1.xmi"
-MODEL = """<?xml version="1.0" encoding="UTF-8"?>
-<system:System xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"
-    xmlns:system="http://www.jausml.org/system/1.0" name="fleet">
-  <components xmi:id="arm" name="arm" address="10.1.1">
-    <provides href="{core}#Discovery"/>
-  </components>
-  <components xmi:id="leg" name="leg" address="10.1.2">
-    <provides href="{core}#Discovery"/>
-  </components>
-  <components xmi:id="desk" name="desk" address="20.1.1"/>
-  <hosts xmi:id="robot" name="robot" transport="{transport}" port="{robot}"/>
-  <hosts xmi:id="station" name="station" transport="{transport}" port="{station}"
-      fragmentSize="1400"/>
-  <placements host="robot" components="arm leg"/>
-  <placements host="station" components="desk"/>
-</system:System>
+MODEL = """
+import `jaus.core-1.1`
+system fleet {{
+  component arm {{ address: 10.1.1  provides: Discovery }}
+  component leg {{ address: 10.1.2  provides: Discovery }}
+  component desk {{ address: 20.1.1 }}
+  host robot {{ transport: {transport}  port: {robot} }}
+  host station {{ transport: {transport}  port: {station}  fragmentSize: 1400 }}
+  placement {{ host: robot  components: arm, leg }}
+  placement {{ host: station  components: desk }}
+}}
 """
 ASK = """
 import queue
@@ -65,8 +58,8 @@ print(sorted(seen))
 
 
 def generate(folder: Path, transport: str, robot: int = 3794, station: int = 3795) -> None:
-    text = MODEL.format(core=CORE, transport=transport, robot=robot, station=station)
-    write(model_in(folder, text, "fleet.xmi"), [COMPONENT, MESSAGES, RUNTIME, BRINGUP], folder)
+    text = MODEL.format(transport=transport, robot=robot, station=station)
+    write(model_in(folder, text, "fleet.ros2jaus"), [COMPONENT, MESSAGES, RUNTIME, BRINGUP], folder)
 
 
 def environment(folder: Path) -> dict[str, str]:

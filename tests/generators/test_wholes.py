@@ -108,11 +108,8 @@ def findings(text, tmp_path, name="model.ros2jaus"):
 @pytest.mark.parametrize(
     ("jaus", "ros", "said"),
     [
-        (
-            "struct [ float64 x  float64 y ] m",
-            "struct [ float64 x ] m",
-            "'y' of 'm' has no counterpart in",
-        ),
+        ("struct [ float64 x  float64 y ] m", "struct [ float64 x ] m",
+            "'y' of 'm' has no counterpart in"),
         ("struct [ float64 x ] m", "struct [ float64 x  float64 y ] m", "'y' of "),
         ("struct [ float64 x ] m", "struct [ string x ] m", "'m.x' is a number, but 'm.x' is text"),
         ("float64[3] m", "float64[4] m", "'m' has 3 elements, 'm' has 4"),
@@ -121,7 +118,7 @@ def findings(text, tmp_path, name="model.ros2jaus"):
         ("float64[3] m", "string[3] m", "'.' is a number, but '.' is text"),
         ("float64[3] m", "float64 m", "'m' is an array"),
     ],
-)
+)  # fmt: skip
 def test_what_does_not_correspond_is_told_where_it_is_written(jaus, ros, said, tmp_path):
     ends = f"JAUS SetA ( {jaus} ) {{ code: 0xD201 }}\n  ROS A ( {ros} )"
     text = f"a {{\n  {ends}\n  JAUS->ROS (\n    m -> m\n  )\n}}\n"

@@ -11,7 +11,7 @@ import time
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import ports
 import pytest
@@ -34,6 +34,15 @@ def wait_until(condition: Callable[[], object], seconds: float = 10.0) -> None:
     while not condition():
         assert time.monotonic() < deadline, "the condition did not come true in time"
         time.sleep(0.002)
+
+
+def reports_of(component: Any, target: Any, query: Any, report_class: Any, **options: Any) -> list:
+    """Subscribes to reports; returns where they will stand."""
+    reports: list = []
+    component.subscribe(
+        target, query, report_class, lambda report, _sender: reports.append(report), **options
+    )
+    return reports
 
 
 class Received(NamedTuple):
@@ -63,6 +72,19 @@ class Station:
         inbox = self.transport._messenger_of(own).inbox
         message = Received(source, payload, inbox.arrival.number)
         self.received.append((own, message))
+
+    def send(self, *message: object, **options: object) -> list[bool]:
+        """Sends a message; its result will stand in the list."""
+        results: list[bool] = []
+        self.transport.send(*message, on_result=results.append, **options)
+        return results
+
+    def result(self, *message: object, **options: object) -> bool:
+        """Sends a message and waits for its result, of which there is one."""
+        results = self.send(*message, **options)
+        wait_until(lambda: results)
+        (result,) = results
+        return result
 
     @property
     def payloads(self) -> list[bytes]:
@@ -246,9 +268,3 @@ class FakeClock:
 def clock() -> FakeClock:
     """A clock that only moves when told."""
     return FakeClock()
-
-
-@pytest.fixture(name="wait_until")
-def wait_until_fixture() -> Callable[..., None]:
-    """Waits for a condition, with a bound."""
-    return wait_until

@@ -48,23 +48,11 @@ def test_no_value(function, arguments):
 @pytest.mark.parametrize(
     "function",
     [
-        a.root,
-        a.sine,
-        a.cosine,
-        a.tangent,
-        a.arc_sine,
-        a.arc_cosine,
-        a.arc_tangent,
-        a.magnitude,
-        a.round_down,
-        a.round_up,
-        a.round_off,
-        a.sign,
-        lambda value: a.least(1.0, value),
-        lambda value: a.greatest(value, 1.0),
-        lambda value: a.divide(value, 2.0),
+        a.root, a.sine, a.cosine, a.tangent, a.arc_sine, a.arc_cosine, a.arc_tangent, a.magnitude,
+        a.round_down, a.round_up, a.round_off, a.sign, lambda value: a.least(1.0, value),
+        lambda value: a.greatest(value, 1.0), lambda value: a.divide(value, 2.0),
     ],
-)
+)  # fmt: skip
 def test_not_a_number_stays_so(function):
     """The out-of-range policy of the target field judges it."""
     assert math.isnan(function(math.nan))

@@ -99,19 +99,6 @@ def test_compass(heading, yaw):
     assert off(c.enu_yaw_to_ned_heading(yaw), heading) < 1e-12
 
 
-@pytest.mark.parametrize(
-    ("angle", "wrapped"),
-    [
-        (0.5, 0.5),
-        (math.pi + 0.5, 0.5 - math.pi),
-        (-math.pi - 0.5, math.pi - 0.5),
-        (4 * math.pi + 0.25, 0.25),
-    ],
-)
-def test_wrap_angle(angle, wrapped):
-    assert c.wrap_angle(angle) == pytest.approx(wrapped, abs=1e-12)
-
-
 @given(st.floats(-1e4, 1e4))
 def test_a_wrapped_angle_has_the_same_direction(angle):
     wrapped = c.wrap_angle(angle)
@@ -179,16 +166,6 @@ def left(q):
 
 def near(a, b):
     return all(abs(x - y) < 1e-12 for x, y in zip(a, b, strict=True))
-
-
-def test_absolute_attitudes_on_the_body():
-    # JAUS yaw +90 degrees is a right turn: the nose points along -y of forward-left-up.
-    assert near(forward(c.frd_angles_to_flu_quaternion(0, 0, math.pi / 2)), [0, -1, 0])
-    assert near(forward(c.frd_yaw_to_flu_quaternion(math.pi / 2)), [0, -1, 0])
-    # JAUS pitch +90 degrees is nose up.
-    assert near(forward(c.frd_angles_to_flu_quaternion(0, math.pi / 2, 0)), [0, 0, 1])
-    # JAUS roll +90 degrees is right side down, so the left side points up.
-    assert near(left(c.frd_angles_to_flu_quaternion(math.pi / 2, 0, 0)), [0, 0, 1])
 
 
 def test_absolute_attitudes_on_the_earth():
@@ -277,27 +254,20 @@ def test_upside_down_near_the_vertical(roll, pitch, heading):
 
 
 @given(ANGLE)
-def test_heading_alone_is_the_general_case(heading):
-    general = matrix(c.ned_angles_to_enu_quaternion(0.0, 0.0, heading))
-    assert distance(matrix(c.ned_heading_to_enu_quaternion(heading)), general) < 1e-12
+def test_heading_or_yaw_alone_is_the_general_case(angle):
+    for alone, general in (
+        (c.ned_heading_to_enu_quaternion, c.ned_angles_to_enu_quaternion),
+        (c.frd_yaw_to_flu_quaternion, c.frd_angles_to_flu_quaternion),
+    ):
+        assert distance(matrix(alone(angle)), matrix(general(0.0, 0.0, angle))) < 1e-12
 
 
 @given(ANGLE, PITCH, ANGLE)
-def test_body_orientation_agrees_with_matrices(roll, pitch, yaw):
-    expected = times(FLIP, attitude(roll, pitch, yaw), FLIP)
-    assert distance(matrix(c.frd_angles_to_flu_quaternion(roll, pitch, yaw)), expected) < 1e-12
-
-
-@given(ANGLE)
-def test_yaw_alone_is_the_general_case(yaw):
-    general = matrix(c.frd_angles_to_flu_quaternion(0.0, 0.0, yaw))
-    assert distance(matrix(c.frd_yaw_to_flu_quaternion(yaw)), general) < 1e-12
-
-
-@given(ANGLE, PITCH, ANGLE)
-def test_earth_orientation_agrees_with_matrices(roll, pitch, heading):
-    expected = times(SWAP, attitude(roll, pitch, heading), FLIP)
-    assert distance(matrix(c.ned_angles_to_enu_quaternion(roll, pitch, heading)), expected) < 1e-12
+def test_orientations_of_bodies_and_on_the_earth_agree_with_matrices(roll, pitch, yaw):
+    body = times(FLIP, attitude(roll, pitch, yaw), FLIP)
+    earth = times(SWAP, attitude(roll, pitch, yaw), FLIP)
+    assert distance(matrix(c.frd_angles_to_flu_quaternion(roll, pitch, yaw)), body) < 1e-12
+    assert distance(matrix(c.ned_angles_to_enu_quaternion(roll, pitch, yaw)), earth) < 1e-12
 
 
 def angles_of(q):

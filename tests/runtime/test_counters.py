@@ -1,7 +1,8 @@
 import logging
-import threading
 
 from jausml.runtime.base.counters import Counters
+
+from .transport_support import in_threads
 
 
 def test_a_flood_of_one_name_is_one_line_each_interval(caplog, clock):
@@ -36,15 +37,11 @@ def test_an_error_is_logged_with_its_traceback(caplog):
 def test_no_count_is_lost_between_threads():
     counters = Counters()
 
-    def work() -> None:
+    def work(_index: int) -> None:
         for _ in range(2000):
             counters.add("n")
 
-    threads = [threading.Thread(target=work) for _ in range(4)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
+    in_threads(work)
     assert counters.snapshot() == {"n": 8000}
 
 

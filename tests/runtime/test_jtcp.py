@@ -8,7 +8,6 @@ import random
 import socket
 import subprocess
 import sys
-import threading
 from contextlib import ExitStack
 from functools import partial
 from typing import TYPE_CHECKING
@@ -21,10 +20,8 @@ from network_hosts import NetworkHost
 
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.base.counters import Counters
-from jausml.runtime.base.loop import Loop
-from jausml.runtime.base.settings import TransportKind, TransportSettings
+from jausml.runtime.base.settings import TransportKind
 from jausml.runtime.transports import jtcp
-from jausml.runtime.transports.jtcp import JtcpTransport
 from jausml.runtime.transports.packets.packet import (
     AckNak,
     Broadcast,
@@ -35,6 +32,10 @@ from jausml.runtime.transports.packets.packet import (
 )
 from jausml.runtime.transports.tcp_connection import StreamError, StreamReader
 
+from .conftest import wait_until
+from .transport_support import DRIVER, OCU, PEER, SENSOR, STATUS, in_threads
+from .transport_support import from_peer as packet_from_peer
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from pathlib import Path
@@ -43,16 +44,10 @@ if TYPE_CHECKING:
 
 pytestmark = pytest.mark.ports
 
-DRIVER = JausAddress(100, 1, 1)
-SENSOR = JausAddress(100, 1, 2)
-OCU = JausAddress(200, 1, 1)
-PEER = JausAddress(300, 1, 1)
-STATUS = b"\x02\x40" + bytes(5)
 
-
-def from_peer(payload: bytes = STATUS, sequence: int = 1, **fields) -> bytes:
+def from_peer(*arguments, **fields) -> bytes:
     """Returns a message of the peer as it stands in a stream."""
-    return Packet(fields.pop("destination", DRIVER), PEER, payload, sequence, **fields).encode()[1:]
+    return packet_from_peer(*arguments, **fields).encode()[1:]
 
 
 class Stream:
@@ -107,9 +102,17 @@ class Host:
         self.streams.append(Stream(self.listener.accept()[0]))
         return self.streams[-1]
 
-    def connect(self, endpoint: tuple[str, int]) -> Stream:
-        self.streams.append(Stream(socket.create_connection(endpoint, 5)))
+    def connect(self, there: Station, data: bytes = b"") -> Stream:
+        """Connects, and says this behind the version."""
+        self.streams.append(Stream(socket.create_connection(there.transport.endpoint, 5)))
+        self.streams[-1].send(b"\x02" + data if data else b"")
         return self.streams[-1]
+
+    def meet(self, there: Station) -> Stream:
+        """Connects and is heard."""
+        stream = self.connect(there, from_peer())
+        wait_until(lambda: there.received)
+        return stream
 
     def close(self) -> None:
         self.listener.close()
@@ -122,12 +125,6 @@ def host() -> Iterator[Host]:
     made = Host()
     yield made
     made.close()
-
-
-@pytest.fixture
-def free_port() -> int:
-    """A TCP port of loopback that nobody uses."""
-    return ports.free_port()
 
 
 @pytest.fixture
@@ -234,38 +231,34 @@ class TestStream:
             for count in range(3)
         ]
 
-    def test_a_peer_that_connects_is_answered_over_its_connection(self, tcp, host, wait_until):
+    def test_a_peer_that_connects_is_answered_over_its_connection(self, tcp, host):
         here = tcp().attach(DRIVER, SENSOR)
-        stream = host.connect(here.transport.endpoint)
-        stream.send(b"\x02" + from_peer() + from_peer(sequence=2, destination=SENSOR))
+        stream = host.connect(here, from_peer() + from_peer(sequence=2, destination=SENSOR))
         wait_until(lambda: len(here.received) == 2)
         assert [own for own, _ in here.received] == [DRIVER, SENSOR]
         here.transport.send(SENSOR, PEER, STATUS)
         assert stream.read(1) == b"\x02"
         assert stream.receive().source == SENSOR
 
-    def test_a_broadcast_with_all_flags_set_is_no_announcement(self, tcp, host, wait_until):
+    def test_a_broadcast_with_all_flags_set_is_no_announcement(self, tcp, host):
         here = tcp().attach(DRIVER)
-        stream = host.connect(here.transport.endpoint)
         data = bytearray(from_peer(destination=BROADCAST))
         data[3] = 0xFF
-        stream.send(b"\x02" + data)
+        host.connect(here, data)
         wait_until(lambda: here.received)
         assert here.counter("transport.flagless") == 1
         assert here.counter("jtcp.present") == 0
 
     @pytest.mark.parametrize("size", [4079, 4080, 300_001])
-    def test_large_messages_arrive_whole(self, tcp, free_port, wait_until, size):
+    def test_large_messages_arrive_whole(self, tcp, free_port, size):
         there = tcp().attach(OCU)
         here = tcp(port=ports.free_port(), address_book={OCU: ("127.0.0.1", free_port)}).attach(
             DRIVER
         )
         payload = random.Random(size).randbytes(size)
-        results: list[bool] = []
-        here.transport.send(DRIVER, OCU, payload, acknowledge=True, on_result=results.append)
-        wait_until(lambda: there.received and results)
+        assert here.result(DRIVER, OCU, payload, acknowledge=True) is True
+        wait_until(lambda: there.received)
         assert there.payloads == [payload]
-        assert results == [True]
 
     def test_chunks_are_those_of_datagrams(self, tcp, host):
         here = tcp(address_book={PEER: host.endpoint}).attach(DRIVER)
@@ -276,16 +269,12 @@ class TestStream:
         assert [len(packet.payload) for packet in packets] == [4079, 921]
         assert [packet.data_flags for packet in packets] == [DataFlags.FIRST, DataFlags.LAST]
 
-    def test_a_request_for_acknowledgement_is_answered_and_none_is_made(
-        self, tcp, host, wait_until
-    ):
+    def test_a_request_for_acknowledgement_is_answered_and_none_is_made(self, tcp, host):
         here = tcp().attach(DRIVER)
-        stream = host.connect(here.transport.endpoint)
-        stream.send(b"\x02" + from_peer(sequence=9, acknowledge=AckNak.REQUESTED))
+        stream = host.connect(here, from_peer(sequence=9, acknowledge=AckNak.REQUESTED))
         stream.read(1)
         assert stream.receive() == Packet(PEER, DRIVER, b"", 9, acknowledge=AckNak.ACK)
-        results: list[bool] = []
-        here.transport.send(DRIVER, PEER, STATUS, acknowledge=True, on_result=results.append)
+        results = here.send(DRIVER, PEER, STATUS, acknowledge=True)
         packet = stream.receive()
         assert packet.acknowledge is AckNak.NONE
         stream.send(from_peer(b"", packet.sequence, acknowledge=AckNak.ACK))
@@ -294,12 +283,10 @@ class TestStream:
 
 
 class TestWildcards:
-    def test_every_peer_and_the_own_components_but_not_the_sender(self, tcp, host, wait_until):
+    def test_every_peer_and_the_own_components_but_not_the_sender(self, tcp, host):
         known = Host()
         here = tcp(address_book={OCU: known.endpoint}).attach(DRIVER, SENSOR)
-        stream = host.connect(here.transport.endpoint)
-        stream.send(b"\x02" + from_peer())
-        wait_until(lambda: here.received)
+        stream = host.meet(here)
         here.transport.send(DRIVER, BROADCAST, STATUS + b"all")
         for receiving_stream in (stream, known.accept()):
             receiving_stream.read(1)
@@ -309,7 +296,7 @@ class TestWildcards:
         assert here.received[1][0] == SENSOR
         known.close()
 
-    def test_nobody_to_send_to_is_no_failure_worth_a_warning(self, tcp, wait_until):
+    def test_nobody_to_send_to_is_no_failure_worth_a_warning(self, tcp):
         here = tcp()
         here.transport.send(DRIVER, BROADCAST, STATUS)
         wait_until(lambda: here.counter("jtcp.nobody_connected") == 1)
@@ -326,29 +313,24 @@ class TestBadStreams:
             (b"\x02" + from_peer() + b"\x00\x0d\x00", "jtcp.bad_size"),
         ],
     )
-    def test_it_is_closed_and_counted(self, tcp, host, wait_until, data, counter):
+    def test_it_is_closed_and_counted(self, tcp, host, data, counter):
         here = tcp().attach(DRIVER)
-        stream = host.connect(here.transport.endpoint)
+        stream = host.connect(here)
         stream.send(data)
         assert stream.is_closed()
         wait_until(lambda: here.counter(counter) == 1)
-        other = host.connect(here.transport.endpoint)
-        other.send(b"\x02" + from_peer(sequence=2))
+        host.connect(here, from_peer(sequence=2))
         wait_until(lambda: STATUS in here.payloads)
 
-    def test_an_end_within_a_message_is_counted(self, tcp, host, wait_until):
+    def test_an_end_within_a_message_is_counted(self, tcp, host):
         here = tcp().attach(DRIVER)
-        stream = host.connect(here.transport.endpoint)
-        stream.send(b"\x02" + from_peer()[:-1])
+        stream = host.connect(here, from_peer()[:-1])
         stream.socket.shutdown(socket.SHUT_WR)
         wait_until(lambda: here.counter("jtcp.truncated") == 1)
         assert not here.received
 
-    def test_messages_that_cannot_be_used_are_counted_and_the_stream_goes_on(
-        self, tcp, host, wait_until
-    ):
+    def test_messages_that_cannot_be_used_are_counted_and_the_stream_goes_on(self, tcp, host):
         here = tcp().attach(DRIVER)
-        stream = host.connect(here.transport.endpoint)
         bad = [
             from_peer(message_type=7),
             from_peer(destination=OCU),
@@ -356,7 +338,7 @@ class TestBadStreams:
             Packet(OCU, DRIVER, STATUS).encode()[1:],
             from_peer(b""),
         ]
-        stream.send(b"\x02" + b"".join(bad) + from_peer(sequence=3))
+        host.connect(here, b"".join(bad) + from_peer(sequence=3))
         wait_until(lambda: here.received)
         assert here.payloads == [STATUS]
         names = ("bad_message_type", "not_for_us", "bad_source", "own_source", "no_message_code")
@@ -364,37 +346,32 @@ class TestBadStreams:
             assert here.counter(f"transport.{name}") == 1
 
     @pytest.fixture
-    def filled(self, tcp, host, wait_until):
+    def filled(self, tcp, host):
         """A transport with as many connections as it may have, and these: all of one host."""
         here = tcp(max_connections=4).attach(DRIVER)
-        streams = [host.connect(here.transport.endpoint) for _ in range(4)]
-        for number, stream in enumerate(streams):
-            stream.send(b"\x02" + from_peer(sequence=number))
+        streams = [host.connect(here, from_peer(sequence=number)) for number in range(4)]
         wait_until(lambda: len(here.received) == 4)
         return here, streams
 
-    def test_connections_are_bounded(self, filled, host, wait_until):
+    def test_connections_are_bounded(self, filled, host):
         here, streams = filled
-        assert host.connect(here.transport.endpoint).is_closed()
+        assert host.connect(here).is_closed()
         wait_until(lambda: here.counter("jtcp.too_many_connections") == 1)
         streams[1].send(from_peer(sequence=9))
         wait_until(lambda: len(here.received) == 5)
 
-    def test_silent_connections_shut_nobody_out(self, tcp, host, wait_until):
+    def test_silent_connections_shut_nobody_out(self, tcp, host):
         here = tcp(max_connections=4).attach(DRIVER)
-        honest = host.connect(here.transport.endpoint)
-        honest.send(b"\x02" + from_peer())
-        wait_until(lambda: here.received)
-        silent = [host.connect(here.transport.endpoint) for _ in range(20)]
+        honest = host.meet(here)
+        silent = [host.connect(here) for _ in range(20)]
         silent[0].send(b"\x02\xff\xff")  # half a header
         wait_until(lambda: here.counter("jtcp.gave_way") == 17)
-        late = host.connect(here.transport.endpoint)
-        late.send(b"\x02" + from_peer(sequence=2))
+        host.connect(here, from_peer(sequence=2))
         wait_until(lambda: len(here.received) == 2)
         honest.send(from_peer(sequence=3))
         wait_until(lambda: len(here.received) == 3)
 
-    def test_another_host_gets_a_connection_of_the_one_that_has_most(self, filled, wait_until):
+    def test_another_host_gets_a_connection_of_the_one_that_has_most(self, filled):
         here, streams = filled
         with socket.create_connection(here.transport.endpoint, 5, ("127.0.0.9", 0)) as other:
             other.sendall(b"\x02" + from_peer(sequence=9))
@@ -402,11 +379,10 @@ class TestBadStreams:
         assert streams[-1].is_closed()
         assert here.counter("jtcp.gave_way") == 1
 
-    def test_a_connection_that_nothing_comes_by_ends(self, tcp, host, wait_until):
+    def test_a_connection_that_nothing_comes_by_ends(self, tcp, host):
         here = tcp(idle_timeout=0.2).attach(DRIVER)
-        honest = host.connect(here.transport.endpoint)
-        honest.send(b"\x02" + from_peer())
-        silent = host.connect(here.transport.endpoint)
+        honest = host.connect(here, from_peer())
+        silent = host.connect(here)
         silent.send(b"\x02\xff\xff")
         wait_until(lambda: here.counter("jtcp.never_spoke") == 1)
         assert silent.is_closed()
@@ -444,9 +420,9 @@ class TestBadStreams:
         assert counts["jtcp.accept_failed"] < 50
 
     @pytest.mark.parametrize("fixed", [False, True])
-    def test_invented_names_push_out_those_of_their_connection(self, tcp, host, wait_until, fixed):
+    def test_invented_names_push_out_those_of_their_connection(self, tcp, host, fixed):
         here = tcp(max_peers=16, fixed_sources=fixed).attach(DRIVER)
-        honest, other = (host.connect(here.transport.endpoint) for _ in range(2))
+        honest, other = (host.connect(here) for _ in range(2))
         honest.send(b"\x02" + from_peer())
         wait_until(lambda: here.received)
         invented = [
@@ -455,26 +431,23 @@ class TestBadStreams:
         ]
         other.send(b"\x02" + b"".join(invented))
         wait_until(lambda: len(here.received) == 101)
-        results: list[bool] = []
-        here.transport.send(DRIVER, PEER, STATUS, on_result=results.append)
+        results = here.send(DRIVER, PEER, STATUS)
         wait_until(lambda: results == [True])
         assert here.counter("transport.source_refused") == 0
 
-    def test_a_peer_that_takes_nothing_costs_no_more_than_the_buffer(self, tcp, host, wait_until):
+    def test_a_peer_that_takes_nothing_costs_no_more_than_the_buffer(self, tcp, host):
         here = tcp(send_buffer=50_000, connection_timeout=0.3).attach(DRIVER)
-        stream = host.connect(here.transport.endpoint)
-        stream.send(b"\x02" + from_peer())
-        wait_until(lambda: here.received)
-        results: list[bool] = []
+        host.meet(here)
+        results: list[list[bool]] = []
 
         def is_full() -> bool:
-            here.transport.send(DRIVER, PEER, bytes(20_000), on_result=results.append)
+            results.append(here.send(DRIVER, PEER, bytes(20_000)))
             return here.counter("jtcp.buffer_full") > 0
 
         wait_until(is_full)
         wait_until(lambda: here.counter("jtcp.stalled") == 1)
         wait_until(lambda: here.counter("jtcp.unsent") == 1)
-        assert False in results
+        assert [False] in results
         here.transport.send(DRIVER, PEER, STATUS)
         wait_until(lambda: here.counter("jtcp.not_connected") == 1)
 
@@ -514,16 +487,13 @@ class TestConnecting:
     @pytest.mark.parametrize(
         ("is_known", "counter"), [(True, "jtcp.connect_failed"), (False, "jtcp.not_connected")]
     )
-    def test_who_refuses_or_is_unknown_is_reported(self, tcp, wait_until, is_known, counter):
+    def test_who_refuses_or_is_unknown_is_reported(self, tcp, is_known, counter):
         nobody = ("127.0.0.1", ports.free_port())
         here = tcp(address_book={PEER: nobody} if is_known else {})
-        results: list[bool] = []
-        here.transport.send(DRIVER, PEER, STATUS, on_result=results.append)
-        wait_until(lambda: results)
-        assert results == [False]
+        assert here.result(DRIVER, PEER, STATUS) is False
         assert here.counter(counter) >= 1
 
-    def test_a_peer_that_does_not_answer_is_given_up(self, tcp, wait_until):
+    def test_a_peer_that_does_not_answer_is_given_up(self, tcp):
         with contextlib.ExitStack() as stack:
             full = stack.enter_context(socket.socket())
             full.bind(("127.0.0.1", 0))
@@ -533,10 +503,7 @@ class TestConnecting:
                 waiting.setblocking(False)
                 waiting.connect_ex(full.getsockname())
             here = tcp(address_book={PEER: full.getsockname()}, connection_timeout=0.1)
-            results: list[bool] = []
-            here.transport.send(DRIVER, PEER, STATUS, on_result=results.append)
-            wait_until(lambda: results)
-            assert results == [False]
+            assert here.result(DRIVER, PEER, STATUS) is False
             assert here.counter("jtcp.connect_failed") >= 1
 
     def test_a_lost_connection_is_made_again(self, tcp, host):
@@ -551,7 +518,7 @@ class TestConnecting:
         here.transport.send(DRIVER, PEER, STATUS + b"again")
         assert second.receive().payload == STATUS + b"again"
 
-    def test_attempts_become_seldom(self, tcp, wait_until, monkeypatch):
+    def test_attempts_become_seldom(self, tcp, monkeypatch):
         monkeypatch.setattr(jtcp, "_FIRST_PAUSE_S", 0.01)
         here = tcp(address_book={PEER: ("127.0.0.1", ports.free_port())})
         here.transport.send(DRIVER, PEER, STATUS)
@@ -560,9 +527,9 @@ class TestConnecting:
         assert line.pause >= 0.01 * 2**3
         assert here.loop.counters.snapshot()["jtcp.connect_failed"] < 20
 
-    def test_the_newest_connection_of_a_component_is_used(self, tcp, host, wait_until):
+    def test_the_newest_connection_of_a_component_is_used(self, tcp, host):
         here = tcp().attach(DRIVER)
-        streams = [host.connect(here.transport.endpoint) for _ in range(2)]
+        streams = [host.connect(here) for _ in range(2)]
         for sequence, stream in enumerate(streams):
             stream.send(b"\x02" + from_peer(sequence=sequence))
             wait_until(lambda count=sequence + 1: len(here.received) == count)
@@ -573,17 +540,22 @@ class TestConnecting:
 
 
 class TestSharedPort:
-    def test_processes_of_a_host_reach_each_other_and_the_world(self, tcp, host, wait_until):
-        owner, first, second = (tcp().attach(address) for address in (DRIVER, SENSOR, OCU))
+    @pytest.fixture
+    def three(self, tcp):
+        """The owner of a port and two others that share it, of a component each."""
+        stations = [tcp().attach(address) for address in (DRIVER, SENSOR, OCU)]
+        wait_until(lambda: stations[0].counter("jtcp.present") == 2)
+        return stations
+
+    def test_processes_of_a_host_reach_each_other_and_the_world(self, three, host):
+        owner, first, second = three
         assert first.transport.endpoint is None
-        wait_until(lambda: owner.counter("jtcp.present") == 2)
         first.transport.send(SENSOR, OCU, STATUS + b"relayed")
         first.transport.send(SENSOR, DRIVER, STATUS + b"direct")
         owner.transport.send(DRIVER, OCU, STATUS + b"out")
         wait_until(lambda: len(second.received) == 2 and owner.received)
         assert sorted(second.payloads) == [STATUS + b"out", STATUS + b"relayed"]
-        stream = host.connect(owner.transport.endpoint)
-        stream.send(b"\x02" + from_peer(destination=SENSOR))
+        stream = host.connect(owner, from_peer(destination=SENSOR))
         wait_until(lambda: first.received)
         first.transport.send(SENSOR, PEER, STATUS)
         stream.read(1)
@@ -591,20 +563,16 @@ class TestSharedPort:
             pass
         assert (packet.source, packet.destination) == (SENSOR, PEER)
 
-    def test_a_broadcast_reaches_each_once(self, tcp, host, wait_until):
-        owner, first, second = (tcp().attach(address) for address in (DRIVER, SENSOR, OCU))
-        wait_until(lambda: owner.counter("jtcp.present") == 2)
+    def test_a_broadcast_reaches_each_once(self, three, host):
+        owner, first, second = three
         first.transport.send(SENSOR, BROADCAST, STATUS)
         wait_until(lambda: owner.received and second.received)
-        stream = host.connect(owner.transport.endpoint)
-        stream.send(b"\x02" + from_peer(STATUS + b"2", destination=BROADCAST))
+        host.connect(owner, from_peer(STATUS + b"2", destination=BROADCAST))
         for station in (owner, first, second):
             wait_until(lambda each=station: STATUS + b"2" in each.payloads)
         assert [len(station.received) for station in (owner, first, second)] == [2, 1, 2]
 
-    def test_a_broadcast_that_comes_by_two_ways_arrives_once_and_changes_no_route(
-        self, tcp, wait_until
-    ):
+    def test_a_broadcast_that_comes_by_two_ways_arrives_once_and_changes_no_route(self, tcp):
         port = ports.free_port()
         far = tcp(port=port).attach(PEER)
         owner, first = (
@@ -620,9 +588,8 @@ class TestSharedPort:
         assert len(far.received) == 5
         assert far.counter("transport.address_changed") == 0
 
-    def test_another_process_takes_over(self, tcp, wait_until):
-        owner, first, second = (tcp().attach(address) for address in (DRIVER, SENSOR, OCU))
-        wait_until(lambda: owner.counter("jtcp.present") == 2)
+    def test_another_process_takes_over(self, three):
+        owner, first, second = three
         endpoint = owner.transport.endpoint
         owner.close()
         wait_until(lambda: endpoint in (first.transport.endpoint, second.transport.endpoint))
@@ -631,17 +598,9 @@ class TestSharedPort:
         first.transport.send(SENSOR, OCU, STATUS)
         wait_until(lambda: second.received)
 
-    def test_an_unusable_interface_is_an_error_of_open(self):
-        with Loop() as loop:
-            transport = JtcpTransport(TransportSettings(interface="192.0.2.200"), loop)
-            with pytest.raises(OSError, match=r"192\.0\.2\.200"):
-                transport.open()
-
 
 class TestThreads:
-    def test_messages_of_many_threads_all_arrive_with_their_own_number(
-        self, tcp, free_port, wait_until
-    ):
+    def test_messages_of_many_threads_all_arrive_with_their_own_number(self, tcp, free_port):
         there = tcp().attach(OCU)
         here = tcp(port=ports.free_port(), address_book={OCU: ("127.0.0.1", free_port)}).attach(
             DRIVER
@@ -651,30 +610,23 @@ class TestThreads:
             for count in range(50):
                 here.transport.send(DRIVER, OCU, bytes([2, 64, index, count]))
 
-        threads = [threading.Thread(target=work, args=(index,)) for index in range(4)]
-        for thread in threads:
-            thread.start()
-        for thread in threads:
-            thread.join()
+        in_threads(work)
         wait_until(lambda: len(there.received) == 200)
         assert len({message.sequence for _, message in there.received}) == 200
 
-    def test_what_was_sent_before_closing_arrives(self, tcp, host, wait_until):
+    def test_what_was_sent_before_closing_arrives(self, tcp, host):
         here = tcp().attach(DRIVER)
-        stream = host.connect(here.transport.endpoint)
-        stream.send(b"\x02" + from_peer())
-        wait_until(lambda: here.received)
+        stream = host.meet(here)
         with here.loop.lock:
             here.transport.send(DRIVER, PEER, STATUS + b"farewell")
             here.transport.close()
         stream.read(1)
         assert stream.receive().payload == STATUS + b"farewell"
 
-    def test_closing_reports_what_still_waits(self, tcp, host, wait_until):
+    def test_closing_reports_what_still_waits(self, tcp, host):
         here = tcp(address_book={PEER: host.endpoint})
-        results: list[bool] = []
         with here.loop.lock:
-            here.transport.send(DRIVER, PEER, bytes(20_000_000), on_result=results.append)
+            results = here.send(DRIVER, PEER, bytes(20_000_000))
         host.accept()
         here.transport.close()
         wait_until(lambda: results)

@@ -9,16 +9,15 @@ from keeping_peer import KeepingPeer
 from jausml.live.peers.makes.junior import REPORT_STATUS, STANDBY, JtsComponent
 from jausml.live.peers.makes.vehicle import Place
 from jausml.runtime import ComponentSettings, JausComponent, ServiceIdentity
-from jausml.runtime.base.address import BROADCAST, JausAddress
+from jausml.runtime.base.address import BROADCAST
 from jausml.runtime.transports.packets import outbox
 from jausml.runtime.transports.packets.packet import Packet
 
+from .conftest import wait_until
+from .transport_support import DRIVER, OCU, PEER, STATUS
+
 pytestmark = pytest.mark.ports
 
-DRIVER = JausAddress(100, 1, 1)
-PEER = JausAddress(300, 1, 1)
-OCU = JausAddress(200, 1, 1)
-STATUS = b"\x02\x40" + bytes(5)
 QUERY_STATUS = b"\x02\x20"
 
 
@@ -30,7 +29,7 @@ def junior(free_port):
         yield made
 
 
-def test_first_contact_works_both_ways(station, junior, wait_until):
+def test_first_contact_works_both_ways(station, junior):
     driver = station().attach(DRIVER)
     driver.transport.send(DRIVER, PEER, STATUS)
     wait_until(lambda: junior.payloads == [STATUS])
@@ -38,7 +37,7 @@ def test_first_contact_works_both_ways(station, junior, wait_until):
     wait_until(lambda: driver.payloads == [STATUS])
 
 
-def test_messages_of_many_packets_pass_both_ways(station, junior, wait_until):
+def test_messages_of_many_packets_pass_both_ways(station, junior):
     driver = station().attach(DRIVER)
     big = os.urandom(100_000)
     results = []
@@ -50,12 +49,12 @@ def test_messages_of_many_packets_pass_both_ways(station, junior, wait_until):
     wait_until(lambda: driver.payloads == [big, big])
 
 
-def test_a_broadcast_reaches_it(station, junior, wait_until):
+def test_a_broadcast_reaches_it(station, junior):
     station().attach(DRIVER).transport.send(DRIVER, BROADCAST, STATUS)
     wait_until(lambda: junior.received == [(DRIVER, STATUS)])
 
 
-def test_an_empty_message_ends_a_generated_component(station, peer, free_port, wait_until):
+def test_an_empty_message_ends_a_generated_component(station, peer, free_port):
     with JtsComponent(PEER, Place(port=free_port)) as component:
         driver = station().attach(DRIVER)
         driver.transport.send(DRIVER, PEER, QUERY_STATUS)
@@ -70,7 +69,7 @@ def big(count: int, size: int) -> list[bytes]:
     return [STATUS + os.urandom(size - len(STATUS)) for _ in range(count)]
 
 
-def met(station, junior, wait_until):
+def met(station, junior):
     """A component that knows where the peer is, and gives a busy computer time."""
     driver = station(acknowledge_retries=50).attach(DRIVER)
     assert junior.send(DRIVER, b"\x01\x40", acknowledge=True)
@@ -80,9 +79,9 @@ def met(station, junior, wait_until):
 
 
 @pytest.mark.parametrize(("count", "size"), [(3, 100_000), (8, 100_000), (8, 50_000)])
-def test_large_messages_at_the_same_time_all_arrive(station, junior, wait_until, count, size):
+def test_large_messages_at_the_same_time_all_arrive(station, junior, count, size):
     """It holds 50 loose packets; those of several messages by turns push each other out."""
-    driver = met(station, junior, wait_until)
+    driver = met(station, junior)
     sent, results = big(count, size), []
     for payload in sent:
         driver.transport.send(DRIVER, PEER, payload, acknowledge=True, on_result=results.append)
@@ -94,17 +93,17 @@ def test_large_messages_at_the_same_time_all_arrive(station, junior, wait_until,
 
 
 @pytest.mark.parametrize("size", [50_000, 100_000, 150_000, 200_000])
-def test_a_large_message_without_acknowledgement_arrives(station, junior, wait_until, size):
+def test_a_large_message_without_acknowledgement_arrives(station, junior, size):
     """Its receive buffer holds 70,000 bytes, which a message in one go does not fit."""
-    driver = met(station, junior, wait_until)
+    driver = met(station, junior)
     (sent,) = big(1, size)
     driver.transport.send(DRIVER, PEER, sent)
     wait_until(lambda: junior.payloads == [sent], 60)
 
 
-def test_messages_of_several_packets_in_a_row_arrive(station, junior, wait_until, monkeypatch):
+def test_messages_of_several_packets_in_a_row_arrive(station, junior, monkeypatch):
     monkeypatch.setattr(outbox, "_BEST_EFFORT_PATIENCE_S", 60.0)
-    driver = met(station, junior, wait_until)
+    driver = met(station, junior)
     sent = big(6, 38_000)
     for payload in sent:
         driver.transport.send(DRIVER, PEER, payload)
@@ -113,8 +112,8 @@ def test_messages_of_several_packets_in_a_row_arrive(station, junior, wait_until
     assert junior.payloads in (sent, sent[1:])
 
 
-def test_a_burst_of_acknowledged_messages_arrives(station, junior, wait_until):
-    driver = met(station, junior, wait_until)
+def test_a_burst_of_acknowledged_messages_arrives(station, junior):
+    driver = met(station, junior)
     results: list[bool] = []
     for _ in range(1000):
         driver.transport.send(DRIVER, PEER, STATUS, acknowledge=True, on_result=results.append)
@@ -123,8 +122,8 @@ def test_a_burst_of_acknowledged_messages_arrives(station, junior, wait_until):
     wait_until(lambda: len(junior.payloads) == 1000)
 
 
-def test_a_message_that_it_cannot_hold_is_warned_of_once(station, junior, wait_until, caplog):
-    driver = met(station, junior, wait_until)
+def test_a_message_that_it_cannot_hold_is_warned_of_once(station, junior, caplog):
+    driver = met(station, junior)
     results: list[bool] = []
     for payload in big(2, 52 * 4079):
         driver.transport.send(DRIVER, PEER, payload, on_result=results.append)
@@ -133,7 +132,7 @@ def test_a_message_that_it_cannot_hold_is_warned_of_once(station, junior, wait_u
     assert caplog.text.count("takes 52 packets; Junior") == 1
 
 
-def test_a_component_that_runs_again_is_heard(station, junior, wait_until):
+def test_a_component_that_runs_again_is_heard(station, junior):
     """Its numbers start at 1 in each process."""
     driver = station().attach(DRIVER)
     for run in range(3):
@@ -145,7 +144,7 @@ def test_a_component_that_runs_again_is_heard(station, junior, wait_until):
         junior.restart()
 
 
-def test_a_large_message_of_a_component_that_runs_again_is_heard(station, junior, wait_until):
+def test_a_large_message_of_a_component_that_runs_again_is_heard(station, junior):
     driver = station().attach(DRIVER)
     first, second = big(2, 100_000)
     for payload in (first, second):
@@ -157,7 +156,7 @@ def test_a_large_message_of_a_component_that_runs_again_is_heard(station, junior
 
 
 def test_a_component_that_says_the_same_when_it_runs_again_is_heard(
-    station, junior, wait_until, clock, monkeypatch
+    station, junior, clock, monkeypatch
 ):
     """JrConnect takes two seconds, in which nothing is a repetition any more."""
     driver = station().attach(DRIVER)
@@ -170,9 +169,7 @@ def test_a_component_that_says_the_same_when_it_runs_again_is_heard(
     wait_until(lambda: driver.payloads == [STATUS, STATUS])
 
 
-def test_a_component_that_starts_elsewhere_and_has_nothing_to_say_is_found(
-    station, junior, wait_until
-):
+def test_a_component_that_starts_elsewhere_and_has_nothing_to_say_is_found(station, junior):
     """Its address book never forgets where a component was."""
     services = [ServiceIdentity("urn:jaus:jss:core:Liveness", 1, 1)]
     settings = ComponentSettings(register_services=False)

@@ -10,11 +10,14 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from jausml.runtime.base.address import BROADCAST, JausAddress
+from jausml.runtime.base.address import BROADCAST
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.settings import TransportKind, TransportSettings
 from jausml.runtime.transports.node_manager import NodeManagerTransport
 from jausml.runtime.transports.packets.packet import AckNak, Broadcast, Packet
+
+from .conftest import wait_until
+from .transport_support import DRIVER, OCU, PEER, SENSOR, STATUS
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -24,12 +27,6 @@ if TYPE_CHECKING:
 pytestmark = pytest.mark.ports
 
 SCRIPT = Path(__file__).with_name("junior_manager.py")
-
-DRIVER = JausAddress(100, 1, 1)
-SENSOR = JausAddress(100, 1, 2)
-OCU = JausAddress(200, 1, 1)
-PEER = JausAddress(300, 1, 1)
-STATUS = b"\x02\x40" + bytes(5)
 
 
 @pytest.fixture
@@ -66,13 +63,12 @@ def client(station, folder) -> Callable[..., Station]:
     return make
 
 
-def test_two_components_of_two_processes_exchange_messages(client, managers, wait_until):
+def test_two_components_of_two_processes_exchange_messages(client, managers):
     manager = managers()
     here, there = client().attach(DRIVER), client().attach(OCU)
     for address in (DRIVER, OCU):
         manager.expect(f"client {address.packed}")
-    results: list[bool] = []
-    here.transport.send(DRIVER, OCU, STATUS, acknowledge=True, on_result=results.append)
+    results = here.send(DRIVER, OCU, STATUS, acknowledge=True)
     wait_until(lambda: there.received and results)
     assert (there.payloads, results) == ([STATUS], [True])
     big = os.urandom(50_000)
@@ -81,7 +77,7 @@ def test_two_components_of_two_processes_exchange_messages(client, managers, wai
     assert (here.payloads, results[1]) == ([big], True)
 
 
-def test_two_components_of_one_process_exchange_messages(client, managers, wait_until):
+def test_two_components_of_one_process_exchange_messages(client, managers):
     managers()
     here = client().attach(DRIVER, SENSOR)
     here.transport.send(DRIVER, SENSOR, STATUS)
@@ -89,7 +85,7 @@ def test_two_components_of_one_process_exchange_messages(client, managers, wait_
     assert here.received[0][0] == SENSOR
 
 
-def test_a_broadcast_reaches_every_other_component_once(client, managers, wait_until):
+def test_a_broadcast_reaches_every_other_component_once(client, managers):
     managers()
     here, there = client().attach(DRIVER, SENSOR), client().attach(OCU)
     wait_until(lambda: all(map(here.transport.is_attached, (DRIVER, SENSOR))))
@@ -99,7 +95,7 @@ def test_a_broadcast_reaches_every_other_component_once(client, managers, wait_u
     assert [own for own, _ in here.received + there.received] == [SENSOR, OCU]
 
 
-def test_the_world_is_reached_through_the_manager(client, managers, peer, wait_until, free_port):
+def test_the_world_is_reached_through_the_manager(client, managers, peer, free_port):
     managers(f"127.0.0.1:{peer.endpoint[1]}")
     here = client().attach(DRIVER, SENSOR)
     here.transport.send(DRIVER, BROADCAST, STATUS)
@@ -120,7 +116,7 @@ def test_the_world_is_reached_through_the_manager(client, managers, peer, wait_u
     assert len(here.received) == 3
 
 
-def test_messages_wait_for_the_manager_to_accept(client, managers, wait_until):
+def test_messages_wait_for_the_manager_to_accept(client, managers):
     managers()
     there = client().attach(OCU)
     wait_until(lambda: there.transport.is_attached(OCU))
@@ -163,7 +159,16 @@ def by_hand(folder) -> Iterator[HandMade]:
     made.socket.close()
 
 
-def test_the_bytes_of_the_handshake(client, by_hand, wait_until):
+@pytest.fixture
+def here(client, by_hand) -> Station:
+    """A station whose component the manager has accepted."""
+    made = client().attach(DRIVER)
+    by_hand.say(ACCEPT)
+    wait_until(lambda: made.transport.is_attached(DRIVER))
+    return made
+
+
+def test_the_bytes_of_the_handshake(client, by_hand):
     here = client().attach(DRIVER)
     connect = "01000000100602{code}" + "00000000" + "01016400" + "00000000"
     assert by_hand.receive().hex() == connect.format(code="0100")
@@ -175,7 +180,7 @@ def test_the_bytes_of_the_handshake(client, by_hand, wait_until):
     assert data == connect.format(code="0300")
 
 
-def test_a_late_answer_is_an_answer(client, by_hand, wait_until):
+def test_a_late_answer_is_an_answer(client, by_hand):
     here = client().attach(DRIVER)
     wait_until(lambda: here.counter("node_manager.no_answer") == 1)
     by_hand.say(ACCEPT)
@@ -184,21 +189,15 @@ def test_a_late_answer_is_an_answer(client, by_hand, wait_until):
     wait_until(lambda: here.counter("node_manager.accepted_again") == 1)
 
 
-def test_a_manager_that_cancels_is_asked_again(client, by_hand, wait_until):
-    here = client().attach(DRIVER)
-    by_hand.say(ACCEPT)
-    wait_until(lambda: here.transport.is_attached(DRIVER))
+def test_a_manager_that_cancels_is_asked_again(here, by_hand):
     by_hand.say(CANCEL)
     wait_until(lambda: here.counter("node_manager.lost") == 1)
     by_hand.say(ACCEPT)
     wait_until(lambda: here.transport.is_attached(DRIVER))
 
 
-def test_a_busy_manager_is_waited_for(client, by_hand, wait_until):
+def test_a_busy_manager_is_waited_for(here, by_hand):
     """The system holds few datagrams for a local socket; messages come in bursts."""
-    here = client().attach(DRIVER)
-    by_hand.say(ACCEPT)
-    wait_until(lambda: here.transport.is_attached(DRIVER))
     for _ in range(200):
         here.transport.send(DRIVER, OCU, bytes(4079))
     received = 0
@@ -207,7 +206,7 @@ def test_a_busy_manager_is_waited_for(client, by_hand, wait_until):
     assert here.counter("node_manager.queue_full") == 0
 
 
-def test_a_burst_and_a_very_large_message_reach_their_component(client, managers, wait_until):
+def test_a_burst_and_a_very_large_message_reach_their_component(client, managers):
     managers()
     here, there = client().attach(DRIVER), client().attach(OCU)
     wait_until(lambda: here.transport.is_attached(DRIVER) and there.transport.is_attached(OCU))
@@ -223,10 +222,7 @@ def test_a_burst_and_a_very_large_message_reach_their_component(client, managers
     wait_until(lambda: there.payloads[-1] == big)
 
 
-def test_what_a_stuck_manager_does_not_take_is_refused_at_last(client, by_hand, wait_until):
-    here = client().attach(DRIVER)
-    by_hand.say(ACCEPT)
-    wait_until(lambda: here.transport.is_attached(DRIVER))
+def test_what_a_stuck_manager_does_not_take_is_refused_at_last(here):
     results: list[bool] = []
     while False not in results:
         for _ in range(100):
@@ -236,21 +232,18 @@ def test_what_a_stuck_manager_does_not_take_is_refused_at_last(client, by_hand, 
     assert here.counter("node_manager.queue_full") == results.count(False)
 
 
-def test_without_a_manager_messages_are_counted_and_it_is_found_later(client, managers, wait_until):
+def test_without_a_manager_messages_are_counted_and_it_is_found_later(client, managers):
     here = client().attach(DRIVER)
-    results: list[bool] = []
     here.transport.send(DRIVER, OCU, STATUS)
     wait_until(lambda: here.counter("node_manager.no_answer") == 1)
-    here.transport.send(DRIVER, OCU, STATUS, on_result=results.append)
-    wait_until(lambda: results)
-    assert results == [False]
+    assert here.result(DRIVER, OCU, STATUS) is False
     assert here.counter("node_manager.not_attached") == 1
     managers()
     wait_until(lambda: here.transport.is_attached(DRIVER))
 
 
 @pytest.mark.parametrize("sends", [True, False])
-def test_a_manager_that_restarts_is_attached_to_again(client, managers, wait_until, sends):
+def test_a_manager_that_restarts_is_attached_to_again(client, managers, sends):
     manager = managers()
     here = client().attach(DRIVER)
     wait_until(lambda: here.transport.is_attached(DRIVER))
@@ -263,7 +256,7 @@ def test_a_manager_that_restarts_is_attached_to_again(client, managers, wait_unt
     wait_until(lambda: here.transport.is_attached(DRIVER))
 
 
-def test_a_component_takes_leave(client, managers, folder, wait_until):
+def test_a_component_takes_leave(client, managers, folder):
     manager = managers()
     here = client().attach(DRIVER, SENSOR)
     wait_until(lambda: all(map(here.transport.is_attached, (DRIVER, SENSOR))))
@@ -296,7 +289,7 @@ def test_a_refusal_leaves_no_sockets_behind(client, managers, folder):
         assert names == {"JuniorRTE", str(DRIVER.packed)}
 
 
-def test_the_socket_of_a_crashed_process_is_replaced(client, managers, folder, wait_until):
+def test_the_socket_of_a_crashed_process_is_replaced(client, managers, folder):
     managers()
     with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as crashed:
         crashed.bind(str(folder / str(DRIVER.packed)))
@@ -304,7 +297,7 @@ def test_the_socket_of_a_crashed_process_is_replaced(client, managers, folder, w
     wait_until(lambda: here.transport.is_attached(DRIVER))
 
 
-def test_foreign_and_damaged_datagrams_are_counted(client, managers, folder, wait_until):
+def test_foreign_and_damaged_datagrams_are_counted(client, managers, folder):
     managers()
     here = client().attach(DRIVER)
     wait_until(lambda: here.transport.is_attached(DRIVER))

@@ -15,22 +15,14 @@ from jausml.runtime.transports.delivery import Carrier
 from jausml.runtime.transports.packets.messenger import Bursts, Messenger
 from jausml.runtime.transports.packets.packet import AckNak, DataFlags, Packet, Priority
 
+from .conftest import FakeClock
+
 OWN = JausAddress(100, 1, 1)
 NEIGHBOUR = JausAddress(100, 1, 2)
 PEER = JausAddress(300, 1, 1)
 OTHER = JausAddress(300, 1, 2)
 STATUS = b"\x02\x40"
 PACKET = 100
-
-
-class Clock:
-    """A clock that only moves when told."""
-
-    def __init__(self) -> None:
-        self.time = 1000.0
-
-    def __call__(self) -> float:
-        return self.time
 
 
 class Recording(Carrier[str]):
@@ -95,6 +87,10 @@ class Line:
             self.messenger.outbox.acknowledged(packet.source, packet.sequence, packet.destination)
         self.pass_time(0)
 
+    def close(self) -> None:
+        self.messenger.close()
+        self.loop.stop()
+
     def pass_time(self, seconds: float) -> None:
         self.clock.time += seconds
         while self.loop.run_once(0):
@@ -106,8 +102,7 @@ def line(clock):
     """A messenger without a network."""
     made = Line(clock)
     yield made
-    made.messenger.close()
-    made.loop.stop()
+    made.close()
 
 
 def test_large_messages_to_one_destination_go_one_after_the_other(line):
@@ -156,8 +151,7 @@ def test_equal_numbers_to_several_destinations_are_acknowledged_apart(clock):
     line.messenger.outbox.acknowledged(OWN, at_all.sequence, JausAddress(300, 1, 3))
     line.pass_time(0)
     assert line.results == {"a": True, "b": True, "c": True}
-    line.messenger.close()
-    line.loop.stop()
+    line.close()
 
 
 def test_a_message_of_few_packets_needs_no_acknowledgement(line):
@@ -306,7 +300,7 @@ STEPS = st.lists(
 
 @given(STEPS)
 def test_each_result_comes_once_and_large_messages_never_mix(steps):
-    line = Line(Clock())
+    line = Line(FakeClock())
     results: list[int] = []
     sent: list[Packet] = []
     for number, step in enumerate(steps):
@@ -342,8 +336,7 @@ def test_each_result_comes_once_and_large_messages_never_mix(steps):
             if packet.destination == to and packet.data_flags and packet.acknowledge
         ]
         assert order == sorted(order)
-    line.messenger.close()
-    line.loop.stop()
+    line.close()
 
 
 def lossy(line, seed, count=10):
@@ -376,8 +369,7 @@ def test_one_lost_message_does_not_take_those_behind_it_along(clock):
     for seed in range(20):
         line = Line(clock)
         arrived.append(lossy(line, seed))
-        line.messenger.close()
-        line.loop.stop()
+        line.close()
     assert sum(arrived) / len(arrived) >= 8.5
 
 

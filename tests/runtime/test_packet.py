@@ -72,11 +72,6 @@ def test_captured_datagrams_read_as_stated_and_encode_to_the_same_bytes():
         assert packet.encode() == data
 
 
-def test_the_layout_of_an_acknowledgement():
-    packet = Packet(JausAddress(101, 1, 1), OCU, b"", 1, acknowledge=AckNak.ACK)
-    assert packet.encode().hex() == "02000e0031010165000201c8000100"
-
-
 @given(st.lists(PACKETS, min_size=1, max_size=5))
 def test_every_message_of_a_datagram_is_read(packets):
     data = b"\x02" + b"".join(packet.encode()[1:] for packet in packets)

@@ -2,6 +2,7 @@
 
 import socket
 import time
+from collections.abc import Iterator
 from contextlib import ExitStack
 from typing import Any
 
@@ -42,6 +43,12 @@ class Host:
             pass
 
 
+@pytest.fixture
+def host() -> Iterator[Host]:
+    with ExitStack() as stack:
+        yield Host(stack)
+
+
 def _socket() -> socket.socket:
     made = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     made.bind(("127.0.0.1", 0))
@@ -60,53 +67,47 @@ def _drain(sock: socket.socket) -> list[tuple[bytes, Any]]:
 
 @pytest.mark.parametrize("acknowledge", [AckNak.NONE, AckNak.REQUESTED])
 @pytest.mark.parametrize("payload", [b"\x02\x40", bytes(1024)])
-def test_each_message_is_taken_once_and_each_packet_answered(acknowledge, payload):
-    with ExitStack() as stack:
-        host = Host(stack)
-        for number in range(5):
-            packet = Packet(FIRST, PEER, payload, number, acknowledge=acknowledge)
-            host.send(packet.encode())
-            host.send(packet.encode())
-        host.run()
-        assert host.delivered == [payload] * 5
-        counters = host.loop.counters.snapshot()
-        assert counters["transport.duplicate"] == 5
-        assert counters["judp.received"] == 10
-        assert len(_drain(host.peer)) == (10 if acknowledge else 0)
+def test_each_message_is_taken_once_and_each_packet_answered(host, acknowledge, payload):
+    for number in range(5):
+        packet = Packet(FIRST, PEER, payload, number, acknowledge=acknowledge)
+        host.send(packet.encode())
+        host.send(packet.encode())
+    host.run()
+    assert host.delivered == [payload] * 5
+    counters = host.loop.counters.snapshot()
+    assert counters["transport.duplicate"] == 5
+    assert counters["judp.received"] == 10
+    assert len(_drain(host.peer)) == (10 if acknowledge else 0)
 
 
-def test_others_have_their_turn_between_many_datagrams():
-    with ExitStack() as stack:
-        host = Host(stack)
-        turns: list[int] = []
-        for number in range(200):
-            host.send(Packet(FIRST, PEER, b"\x02\x40", number).encode())
-        while len(host.delivered) < 200:
-            host.loop.run_once(0)
-            turns.append(len(host.delivered))
-        read = [after - before for before, after in zip([0, *turns], turns, strict=False)]
-        # One at first, and twice as many in each turn while one follows the other.
-        assert read == [1, 2, 4, 8, 16, 32, 32, 32, 32, 32, 9]
-        host.time += 1.0
-        host.send(Packet(FIRST, PEER, b"\x02\x40", 200).encode())
-        host.send(Packet(FIRST, PEER, b"\x02\x40", 201).encode())
+def test_others_have_their_turn_between_many_datagrams(host):
+    turns: list[int] = []
+    for number in range(200):
+        host.send(Packet(FIRST, PEER, b"\x02\x40", number).encode())
+    while len(host.delivered) < 200:
         host.loop.run_once(0)
-        assert len(host.delivered) == 201
+        turns.append(len(host.delivered))
+    read = [after - before for before, after in zip([0, *turns], turns, strict=False)]
+    # One at first, and twice as many in each turn while one follows the other.
+    assert read == [1, 2, 4, 8, 16, 32, 32, 32, 32, 32, 9]
+    host.time += 1.0
+    host.send(Packet(FIRST, PEER, b"\x02\x40", 200).encode())
+    host.send(Packet(FIRST, PEER, b"\x02\x40", 201).encode())
+    host.loop.run_once(0)
+    assert len(host.delivered) == 201
 
 
-def test_what_the_kernel_drops_is_counted(caplog):
-    with ExitStack() as stack:
-        host = Host(stack)
-        host.unicast.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1)
-        packet = Packet(FIRST, PEER, b"\x02\x40", 0).encode()
-        for _ in range(50):
-            host.send(packet)
-        host.run()
-        host.time += 1.1
-        host.run()
-        counters = host.loop.counters.snapshot()
-        assert counters["judp.kernel_dropped"] == 50 - counters["judp.received"]
-        assert "the receive buffer was full" in caplog.text
+def test_what_the_kernel_drops_is_counted(host, caplog):
+    host.unicast.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1)
+    packet = Packet(FIRST, PEER, b"\x02\x40", 0).encode()
+    for _ in range(50):
+        host.send(packet)
+    host.run()
+    host.time += 1.1
+    host.run()
+    counters = host.loop.counters.snapshot()
+    assert counters["judp.kernel_dropped"] == 50 - counters["judp.received"]
+    assert "the receive buffer was full" in caplog.text
 
 
 def test_drops_are_counted_once_where_a_socket_is_named_again():
@@ -135,14 +136,12 @@ def test_what_is_no_answer_of_the_kernel_counts_nothing():
     assert counters.snapshot() == {}
 
 
-def test_drops_until_the_end_are_counted():
-    with ExitStack() as stack:
-        host = Host(stack)
-        host.unicast.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1)
-        for _ in range(50):
-            host.send(b"sent")
-        host.transport.close()
-        assert host.loop.counters.snapshot()["judp.kernel_dropped"] > 0
+def test_drops_until_the_end_are_counted(host):
+    host.unicast.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1)
+    for _ in range(50):
+        host.send(b"sent")
+    host.transport.close()
+    assert host.loop.counters.snapshot()["judp.kernel_dropped"] > 0
 
 
 @pytest.mark.parametrize(("limit", "arrived"), [(0.2, [b"\x02\x40new"]), (0, None)])

@@ -64,12 +64,6 @@ def test_messages_are_whole_in_whatever_order_their_fragments_come(shapes, start
     assert reassembly.size == 0
 
 
-def test_numbers_wrap_from_65535_to_0(reassembly):
-    stream = fragments(3, 65535)
-    assert [packet.sequence for packet in stream] == [65535, 0, 1]
-    assert [reassembly.add(packet, 0.0) for packet in stream] == [None, None, whole(stream)]
-
-
 def test_neighbouring_messages_are_not_joined(reassembly):
     one, two = fragments(3, 10, fill=1), fragments(3, 13, fill=2)
     for packet in (one[0], one[2], two[0], two[2], two[1]):

@@ -5,29 +5,30 @@ import threading
 
 import pytest
 
-from jausml.runtime.base.address import BROADCAST, JausAddress
+from jausml.runtime.base.address import BROADCAST
 from jausml.runtime.transports.packets.packet import AckNak, Broadcast, Packet, Priority
+
+from .conftest import wait_until
+from .transport_support import DRIVER, OCU, PEER, SENSOR, STATUS, join
 
 pytestmark = pytest.mark.ports
 
-DRIVER = JausAddress(100, 1, 1)
-SENSOR = JausAddress(100, 1, 2)
-OCU = JausAddress(200, 1, 1)
-PEER = JausAddress(300, 1, 1)
-STATUS = b"\x02\x40" + bytes(5)
+
+@pytest.fixture
+def driver(station, peer):
+    """A station that knows where the peer is."""
+    made = station().attach(DRIVER)
+    join(peer, made)
+    return made
 
 
-def join(peer, at, wait_until) -> None:
-    """Lets a station learn where the peer is."""
-    before = at.counter("transport.nak")
-    packet = Packet(DRIVER, PEER, b"", 0, acknowledge=AckNak.NAK)
-    peer.send(packet, at.transport.endpoint)
-    wait_until(lambda: at.counter("transport.nak") > before)
+@pytest.fixture
+def send(driver):
+    """Sends to the peer."""
+    return driver.transport.sender(DRIVER, PEER)
 
 
-def test_a_known_peer_gets_plain_datagrams_in_order(station, peer, wait_until):
-    driver = station().attach(DRIVER)
-    join(peer, driver, wait_until)
+def test_a_known_peer_gets_plain_datagrams_in_order(driver, peer):
     send = driver.transport.sender(DRIVER, PEER, Priority.HIGH)
     sent = driver.counter("judp.sent")
     for number in range(5):
@@ -45,40 +46,40 @@ def test_a_known_peer_gets_plain_datagrams_in_order(station, peer, wait_until):
     assert driver.counter("judp.sent") == sent + 10
 
 
-def test_numbers_wrap(station, peer, wait_until, monkeypatch):
+def test_numbers_wrap(station, peer, monkeypatch):
     monkeypatch.setattr(random, "randrange", lambda _: 65534)
     driver = station().attach(DRIVER)
-    join(peer, driver, wait_until)
+    join(peer, driver)
     send = driver.transport.sender(DRIVER, PEER)
     for _ in range(4):
         send(STATUS)
     assert [peer.receive().sequence for _ in range(4)] == [65534, 65535, 0, 1]
 
 
-def test_an_unknown_peer_is_searched_and_then_sent_to(station, peer, wait_until):
+def test_an_unknown_peer_is_searched_and_then_sent_to(station, peer):
     driver = station().attach(DRIVER)
     send = driver.transport.sender(DRIVER, PEER)
     send(STATUS)
     packet = peer.overhear()
     assert (packet.broadcast, packet.acknowledge) == (Broadcast.GLOBAL, AckNak.REQUESTED)
-    join(peer, driver, wait_until)
+    join(peer, driver)
     send(STATUS)
     packet = peer.receive()
     assert (packet.broadcast, packet.acknowledge) == (Broadcast.NONE, AckNak.NONE)
 
 
-def test_a_peer_that_moved_is_sent_to_where_it_is(station, peer, wait_until):
+def test_a_peer_that_moved_is_sent_to_where_it_is(station, peer):
     driver = station(address_book={PEER: ("127.0.0.1", 9)}).attach(DRIVER)
     send = driver.transport.sender(DRIVER, PEER)
     send(STATUS)
-    join(peer, driver, wait_until)
+    join(peer, driver)
     send(STATUS)
     assert peer.receive().payload == STATUS
 
 
-def test_a_doubted_peer_is_asked(station, peer, wait_until):
+def test_a_doubted_peer_is_asked(station, peer):
     driver = station(address_lifetime=0.1).attach(DRIVER)
-    join(peer, driver, wait_until)
+    join(peer, driver)
     send = driver.transport.sender(DRIVER, PEER)
     heard = driver.transport.loop.now()
     wait_until(lambda: driver.transport.loop.now() > heard + 0.15)
@@ -86,7 +87,7 @@ def test_a_doubted_peer_is_asked(station, peer, wait_until):
     assert peer.receive().acknowledge is AckNak.REQUESTED
 
 
-def test_components_of_this_process_are_reached_without_the_network(station, wait_until):
+def test_components_of_this_process_are_reached_without_the_network(station):
     here = station().attach(DRIVER)
     send = here.transport.sender(DRIVER, SENSOR)
     here.attach(SENSOR)
@@ -103,7 +104,7 @@ def test_a_broadcast_goes_to_the_group(station, peer):
 
 
 @pytest.mark.parametrize("size", [4079, 4080, 60_000])
-def test_a_large_message_arrives_whole(station, wait_until, size):
+def test_a_large_message_arrives_whole(station, size):
     driver, ocu = station().attach(DRIVER), station().attach(OCU)
     payload = STATUS + random.Random(1).randbytes(size - len(STATUS))
     driver.transport.sender(DRIVER, OCU)(payload)
@@ -111,26 +112,18 @@ def test_a_large_message_arrives_whole(station, wait_until, size):
     assert ocu.payloads == [payload]
 
 
-def test_a_payload_needs_a_message_code(station, peer, wait_until):
-    driver = station().attach(DRIVER)
-    join(peer, driver, wait_until)
+def test_a_payload_needs_a_message_code(driver):
     with pytest.raises(ValueError, match="message code"):
         driver.transport.sender(DRIVER, PEER)(b"\x01")
 
 
-def test_a_transport_that_is_closed_counts(station, peer, wait_until):
-    driver = station().attach(DRIVER)
-    join(peer, driver, wait_until)
-    send = driver.transport.sender(DRIVER, PEER)
+def test_a_transport_that_is_closed_counts(driver, send):
     driver.transport.close()
     send(STATUS)
     assert driver.counter("judp.send_failed") == 1
 
 
-def test_messages_of_many_threads_have_their_own_numbers(station, peer, wait_until):
-    driver = station().attach(DRIVER)
-    join(peer, driver, wait_until)
-    send = driver.transport.sender(DRIVER, PEER)
+def test_messages_of_many_threads_have_their_own_numbers(send, peer):
 
     def work() -> None:
         for _ in range(40):

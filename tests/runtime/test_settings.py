@@ -59,11 +59,6 @@ def test_the_transport_is_chosen_by_option_and_by_model(kind):
     assert parse(defaults=chosen) == chosen
 
 
-def test_an_unknown_transport_is_a_usage_error():
-    with pytest.raises(argparse.ArgumentError, match="jaus-transport"):
-        parse("--jaus-transport=carrier-pigeon")
-
-
 def test_peers_are_written_as_on_the_command_line():
     known = peers("1.1.1=192.0.2.7:3794", "2.1.1=robot.local:4000")
     assert known == {
@@ -72,12 +67,15 @@ def test_peers_are_written_as_on_the_command_line():
     }
 
 
+BAD_PEERS = ("", "1.1.1", "1.1.1=host", "1.1.1=:5", "1.1.1=host:x", "1.1=host:5", "=host:5")
+
+
 @pytest.mark.parametrize(
-    "text", ["", "1.1.1", "1.1.1=host", "1.1.1=:5", "1.1.1=host:x", "1.1=host:5", "=host:5"]
+    ("option", "text"), [("transport", "carrier-pigeon"), *(("peer", text) for text in BAD_PEERS)]
 )
-def test_a_bad_peer_is_a_usage_error(text):
-    with pytest.raises(argparse.ArgumentError, match="jaus-peer"):
-        parse(f"--jaus-peer={text}")
+def test_an_unknown_transport_and_a_bad_peer_are_usage_errors(option, text):
+    with pytest.raises(argparse.ArgumentError, match=f"jaus-{option}"):
+        parse(f"--jaus-{option}={text}")
 
 
 @pytest.mark.parametrize(

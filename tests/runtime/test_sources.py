@@ -20,6 +20,8 @@ from jausml.runtime.base.settings import (
 from jausml.runtime.transports.address_book import AddressBook, AllowedHosts
 from jausml.runtime.transports.packets.packet import Packet
 
+from .conftest import wait_until
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
@@ -98,7 +100,7 @@ class TestAllowedHosts:
         with pytest.raises(ValueError, match=f"allowed host '{text}'"):
             TransportSettings(allowed_hosts=(text,))
 
-    def test_a_datagram_from_elsewhere_has_no_effect(self, station, udp, wait_until):
+    def test_a_datagram_from_elsewhere_has_no_effect(self, station, udp):
         driver = station(allowed_hosts=("127.0.0.2",)).attach(DRIVER)
         stranger, friend = udp(STRANGER), udp("127.0.0.2")
         stranger.sendto(message(1), driver.transport.endpoint)
@@ -111,7 +113,7 @@ class TestAllowedHosts:
         friend.sendto(message(1, b"2"), driver.transport.endpoint)
         wait_until(lambda: driver.payloads == [b"\x02\x402"])
 
-    def test_nor_has_one_to_the_multicast_group(self, station, udp, wait_until):
+    def test_nor_has_one_to_the_multicast_group(self, station, udp):
         driver = station(allowed_hosts=("10.0.0.0/8",)).attach(DRIVER)
         stranger, here = udp(STRANGER), udp()
         for udp_socket in (stranger, here):
@@ -123,7 +125,7 @@ class TestAllowedHosts:
         wait_until(lambda: driver.payloads == [b"\x02\x402"])
         assert driver.counter(NOT_ALLOWED) == 1
 
-    def test_a_neighbour_passes_nothing_on_from_elsewhere(self, station, udp, wait_until):
+    def test_a_neighbour_passes_nothing_on_from_elsewhere(self, station, udp):
         owner = station().attach(PEER)
         driver = station(allowed_hosts=("10.0.0.1",)).attach(DRIVER)
         known = driver.transport.endpoint
@@ -135,7 +137,7 @@ class TestAllowedHosts:
         wait_until(lambda: driver.payloads == [b"\x02\x401"])
         assert driver.counter(NOT_ALLOWED) == 1
 
-    def test_a_connection_from_elsewhere_is_closed(self, station, tcp, wait_until):
+    def test_a_connection_from_elsewhere_is_closed(self, station, tcp):
         settings = {"transport": TransportKind.JTCP, "allowed_hosts": ("127.0.0.2",)}
         driver = station(**settings).attach(DRIVER)
         stranger = tcp(driver, STRANGER)
@@ -185,7 +187,7 @@ class TestFixedSources:
         assert not book.learn(PEER, HERE, 1.0)
 
     @pytest.mark.parametrize("fixed", [False, True])
-    def test_one_datagram_does_not_take_the_traffic_over(self, station, udp, wait_until, fixed):
+    def test_one_datagram_does_not_take_the_traffic_over(self, station, udp, fixed):
         driver = station(fixed_sources=fixed).attach(DRIVER)
         peer, thief = udp(), udp()
         for number in (1, 2):  # the second one is usual
@@ -201,13 +203,12 @@ class TestFixedSources:
         peer.sendto(message(4, b"4"), driver.transport.endpoint)
         wait_until(lambda: driver.payloads[-1] == b"\x02\x404")
 
-    def test_nor_does_one_that_acknowledges(self, station, udp, wait_until):
+    def test_nor_does_one_that_acknowledges(self, station, udp):
         driver = station(fixed_sources=True).attach(DRIVER)
         peer, thief = udp(), udp()
         peer.sendto(message(1), driver.transport.endpoint)
         wait_until(lambda: driver.payloads)
-        results: list[bool] = []
-        driver.transport.send(DRIVER, PEER, b"\x02\x40", acknowledge=True, on_result=results.append)
+        results = driver.send(DRIVER, PEER, b"\x02\x40", acknowledge=True)
         peer.settimeout(5)
         number = int.from_bytes(peer.recv(100)[-2:], "little")
         acknowledgement = Packet(DRIVER, PEER, b"", number, acknowledge=3).encode()
@@ -217,7 +218,7 @@ class TestFixedSources:
         peer.sendto(acknowledgement, driver.transport.endpoint)
         wait_until(lambda: results == [True])
 
-    def test_a_connection_keeps_its_components_until_it_ends(self, station, tcp, wait_until):
+    def test_a_connection_keeps_its_components_until_it_ends(self, station, tcp):
         settings = {"transport": TransportKind.JTCP, "fixed_sources": True}
         driver = station(**settings).attach(DRIVER)
         peer, thief = tcp(driver), tcp(driver)

@@ -19,6 +19,8 @@ from jausml.runtime.transports.udp.sender import Prover
 from jausml.runtime.virtual import VirtualWorld
 from tests.runtime.services.state_tables import V1_1, core_services
 
+from .conftest import wait_until
+
 STRANGER, FRIEND = JausAddress(66, 1, 1), JausAddress(200, 1, 1)
 HOST, OTHER = "127.0.0.9", "127.0.0.8"
 SERVICES = core_services(
@@ -63,7 +65,7 @@ def count(robot: JausComponent, name: str) -> int:
 
 
 class TestProof:
-    def test_a_mute_one_gets_three_times_what_it_sent(self, robot, stranger, wait_until):
+    def test_a_mute_one_gets_three_times_what_it_sent(self, robot, stranger):
         mute = stranger()
         for number, address in enumerate(identities(20)):
             mute.send(address, event(100.0), number)
@@ -71,7 +73,7 @@ class TestProof:
         mute.take()
         assert 0 < mute.received <= 3 * mute.sent
 
-    def test_one_that_acknowledges_gets_all_that_waited(self, robot, stranger, wait_until):
+    def test_one_that_acknowledges_gets_all_that_waited(self, robot, stranger):
         honest = stranger(acknowledges=True)
         honest.send(STRANGER, event(100.0))
         wait_until(lambda: honest.take() or len(honest.payloads) > 20)
@@ -79,7 +81,7 @@ class TestProof:
         assert count(robot, "transport.address_proved") == 1
         assert count(robot, "transport.unmatched_acknowledgement") == 0
 
-    def test_an_acknowledgement_of_jaus_plus_plus_is_a_proof(self, robot, stranger, wait_until):
+    def test_an_acknowledgement_of_jaus_plus_plus_is_a_proof(self, robot, stranger):
         peer = stranger()
         peer.send(STRANGER, QueryStatus().encode())
         wait_until(lambda: peer.take() or peer.numbers)
@@ -87,7 +89,7 @@ class TestProof:
         peer.sock.sendto(answer[1:], robot.transport.endpoint)
         wait_until(lambda: robot.transport.is_proved(STRANGER))
 
-    def test_another_endpoint_proves_itself_anew(self, robot, stranger, wait_until):
+    def test_another_endpoint_proves_itself_anew(self, robot, stranger):
         honest = stranger(acknowledges=True)
         honest.send(STRANGER, QueryStatus().encode())
         wait_until(lambda: honest.take() or robot.transport.is_proved(STRANGER))
@@ -97,7 +99,7 @@ class TestProof:
         honest.send(STRANGER, QueryStatus().encode(), 3)
         wait_until(lambda: honest.take() or robot.transport.is_proved(STRANGER))
 
-    def test_a_stated_peer_needs_none(self, station, wait_until):
+    def test_a_stated_peer_needs_none(self, station):
         settings = {STRANGER: (HOST, 4000)}
         here = station(address_book=settings).attach(ROBOT)
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
@@ -107,7 +109,7 @@ class TestProof:
             wait_until(lambda: here.payloads)
         assert here.transport.is_proved(STRANGER)
 
-    def test_junior_proves_itself_by_what_it_does_anyway(self, station, free_port, wait_until):
+    def test_junior_proves_itself_by_what_it_does_anyway(self, station, free_port):
         here = station(port=free_port).attach(ROBOT)
         with KeepingPeer(STRANGER, Place(port=free_port)) as junior:
             assert junior.send(ROBOT, QueryStatus().encode(), acknowledge=True)

@@ -9,30 +9,24 @@ from network_hosts import NetworkHost
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.settings import TransportSettings
+from jausml.runtime.transports.jtcp import JtcpTransport
 from jausml.runtime.transports.packets.packet import AckNak, Broadcast, Packet, Priority
 from jausml.runtime.transports.ports import neighbour_ports
 from jausml.runtime.transports.udp import judp
 from jausml.runtime.transports.udp.judp import JudpTransport
 from jausml_generators.wireshark.target import NEIGHBOUR_PORTS
 
-from .transport_support import DRIVER, OCU, PEER, SENSOR, STATUS, from_peer, join
+from .conftest import wait_until
+from .transport_support import DRIVER, OCU, PEER, SENSOR, STATUS, from_peer, in_threads, join
 
 pytestmark = pytest.mark.ports
 
 
 class TestUnicast:
-    def test_a_known_destination_gets_one_plain_datagram(self, station, peer, wait_until):
-        driver = station().attach(DRIVER)
-        join(peer, driver, wait_until)
-        driver.transport.send(DRIVER, PEER, STATUS, priority=Priority.HIGH)
-        packet = peer.receive()
-        assert packet == Packet(PEER, DRIVER, STATUS, packet.sequence, Priority.HIGH)
-        assert peer.is_quiet()
-
-    def test_numbers_count_per_source_and_wrap(self, station, peer, wait_until, monkeypatch):
+    def test_numbers_count_per_source_and_wrap(self, station, peer, monkeypatch):
         monkeypatch.setattr(random, "randrange", lambda _: 65534)
         driver = station().attach(DRIVER, SENSOR)
-        join(peer, driver, wait_until)
+        join(peer, driver)
         for source in (DRIVER, DRIVER, SENSOR, DRIVER):
             driver.transport.send(source, PEER, STATUS)
         received = [peer.receive() for _ in range(4)]
@@ -51,7 +45,7 @@ class TestUnicast:
             numbers.add(peer.overhear().sequence)
         assert len(numbers) > 1
 
-    def test_a_received_message_says_all_that_a_component_needs(self, station, peer, wait_until):
+    def test_a_received_message_says_all_that_a_component_needs(self, station, peer):
         driver = station().attach(DRIVER)
         peer.send(from_peer(sequence=77, priority=Priority.SAFETY_CRITICAL))
         wait_until(lambda: driver.received)
@@ -64,24 +58,22 @@ class TestUnicast:
         assert packet.payload == STATUS
         assert packet.acknowledge is AckNak.REQUESTED  # never heard, hence asked
 
-    def test_the_newest_endpoint_of_a_component_is_used(self, station, peer, wait_until):
+    def test_the_newest_endpoint_of_a_component_is_used(self, station, peer):
         driver = station(address_book={PEER: ("127.0.0.1", 9)}).attach(DRIVER)
-        join(peer, driver, wait_until)
+        join(peer, driver)
         driver.transport.send(DRIVER, PEER, STATUS)
         assert peer.receive().payload == STATUS
 
-    def test_a_component_is_unheard_until_it_speaks(self, station, peer, wait_until):
+    def test_a_component_is_unheard_until_it_speaks(self, station, peer):
         driver = station().attach(DRIVER)
         assert driver.transport.is_unheard(PEER)
         assert not driver.transport.is_unheard(DRIVER)
-        join(peer, driver, wait_until)
+        join(peer, driver)
         assert not driver.transport.is_unheard(PEER)
 
 
 class TestWildcards:
-    def test_every_matching_component_of_all_processes_but_not_the_sender(
-        self, station, wait_until
-    ):
+    def test_every_matching_component_of_all_processes_but_not_the_sender(self, station):
         here, there = station().attach(DRIVER, SENSOR), station().attach(OCU)
         here.transport.send(DRIVER, BROADCAST, STATUS)
         here.transport.send(DRIVER, JausAddress(100, 255, 255), STATUS + b"own subsystem")
@@ -94,12 +86,9 @@ class TestWildcards:
         assert there.payloads == [STATUS, STATUS + b"other subsystem"]
         assert here.counter("transport.own_source") == 0
 
-    def test_a_broadcast_is_not_fragmented(self, station, wait_until, caplog):
+    def test_a_broadcast_is_not_fragmented(self, station, caplog):
         driver = station(fragment_size=100).attach(DRIVER)
-        results: list[bool] = []
-        driver.transport.send(DRIVER, BROADCAST, bytes(4080), on_result=results.append)
-        wait_until(lambda: results)
-        assert results == [False]
+        assert driver.result(DRIVER, BROADCAST, bytes(4080)) is False
         assert driver.counter("transport.broadcast_too_large") == 1
         assert "a broadcast goes in one packet, of 4079 bytes at most" in caplog.text
         assert driver.counter("judp.sent") == 0
@@ -110,18 +99,15 @@ class TestWildcards:
 
 
 class TestSameProcess:
-    def test_components_reach_each_other_without_the_network(self, station, wait_until):
+    def test_components_reach_each_other_without_the_network(self, station):
         driver = station().attach(DRIVER, SENSOR)
-        results: list[bool] = []
         big = bytes(20_000)
-        driver.transport.send(DRIVER, SENSOR, big, acknowledge=True, on_result=results.append)
-        wait_until(lambda: results)
+        assert driver.result(DRIVER, SENSOR, big, acknowledge=True) is True
         ((own, message),) = driver.received
         assert (own, message.source, message.payload) == (SENSOR, DRIVER, big)
-        assert results == [True]
         assert driver.counter("judp.sent") == 0
 
-    def test_an_answer_within_a_callback_is_not_recursion(self, station, wait_until):
+    def test_an_answer_within_a_callback_is_not_recursion(self, station):
         here = station()
         depths: list[int] = []
         active = 0
@@ -143,17 +129,16 @@ class TestSameProcess:
         wait_until(lambda: len(depths) == 200)
         assert set(depths) == {1}
 
-    def test_a_component_detached_meanwhile_gets_nothing(self, station, wait_until):
+    def test_a_component_detached_meanwhile_gets_nothing(self, station):
         here = station().attach(SENSOR)
-        results: list[bool] = []
         with here.loop.lock:
-            here.transport.send(DRIVER, SENSOR, STATUS, on_result=results.append)
+            results = here.send(DRIVER, SENSOR, STATUS)
             here.transport.detach(SENSOR)
         wait_until(lambda: results)
         assert results == [False]
         assert not here.received
 
-    def test_one_failing_component_does_not_silence_the_others(self, station, peer, wait_until):
+    def test_one_failing_component_does_not_silence_the_others(self, station, peer):
         here = station()
 
         def fail(_payload, _source):
@@ -187,29 +172,23 @@ class TestAttach:
         with pytest.raises(ValueError, match="message code"):
             station().transport.send(DRIVER, PEER, b"\x00")
 
-    def test_a_reserved_destination_is_counted(self, station, wait_until):
+    def test_a_reserved_destination_is_counted(self, station):
         here = station()
-        results: list[bool] = []
-        here.transport.send(DRIVER, JausAddress(0, 0, 0), STATUS, on_result=results.append)
-        wait_until(lambda: results)
-        assert results == [False]
+        assert here.result(DRIVER, JausAddress(0, 0, 0), STATUS) is False
         assert here.counter("transport.bad_destination") == 1
 
 
 class TestAcknowledge:
-    def test_a_multicast_to_a_unicast_id_is_received_and_acknowledged(
-        self, station, peer, wait_until
-    ):
+    def test_a_multicast_to_a_unicast_id_is_received_and_acknowledged(self, station, peer):
         driver = station().attach(DRIVER)
         peer.multicast_out(from_peer(acknowledge=AckNak.REQUESTED, broadcast=Broadcast.GLOBAL))
         assert peer.receive().source == DRIVER
         wait_until(lambda: driver.payloads == [STATUS])
 
-    def test_four_transmissions_then_failure(self, station, peer, wait_until):
+    def test_four_transmissions_then_failure(self, station, peer):
         here = station(acknowledge_timeout=0.02).attach(DRIVER)
-        join(peer, here, wait_until)
-        results: list[bool] = []
-        here.transport.send(DRIVER, PEER, STATUS, acknowledge=True, on_result=results.append)
+        join(peer, here)
+        results = here.send(DRIVER, PEER, STATUS, acknowledge=True)
         packets = [peer.receive() for _ in range(4)]
         wait_until(lambda: results)
         assert results == [False]
@@ -218,11 +197,10 @@ class TestAcknowledge:
         assert peer.is_quiet()
         wait_until(lambda: here.counter("transport.unacknowledged") == 1)
 
-    def test_a_late_acknowledgement_ends_the_repetition(self, station, peer, wait_until):
+    def test_a_late_acknowledgement_ends_the_repetition(self, station, peer):
         here = station(acknowledge_timeout=0.02, acknowledge_retries=50).attach(DRIVER)
-        join(peer, here, wait_until)
-        results: list[bool] = []
-        here.transport.send(DRIVER, PEER, STATUS, acknowledge=True, on_result=results.append)
+        join(peer, here)
+        results = here.send(DRIVER, PEER, STATUS, acknowledge=True)
         peer.receive()
         packet = peer.receive()
         stranger = Packet(DRIVER, OCU, b"", packet.sequence, acknowledge=AckNak.ACK)
@@ -233,14 +211,11 @@ class TestAcknowledge:
         assert here.counter("transport.unmatched_acknowledgement") == 1
 
     @pytest.mark.parametrize("version", [b"", b"\x00", b"\x01", b"\x03"])
-    def test_an_acknowledgement_counts_whatever_version_it_states(
-        self, station, peer, wait_until, version
-    ):
+    def test_an_acknowledgement_counts_whatever_version_it_states(self, station, peer, version):
         # JAUS++ states none: its acknowledgements have 14 bytes.
         here = station(acknowledge_timeout=0.5).attach(DRIVER)
-        join(peer, here, wait_until)
-        results: list[bool] = []
-        here.transport.send(DRIVER, PEER, STATUS, acknowledge=True, on_result=results.append)
+        join(peer, here)
+        results = here.send(DRIVER, PEER, STATUS, acknowledge=True)
         packet = peer.receive()
         data = from_peer(b"", packet.sequence, acknowledge=AckNak.ACK).encode()
         peer.send(version + data[1:], here.transport.endpoint)
@@ -249,17 +224,16 @@ class TestAcknowledge:
         assert peer.is_quiet()
         assert here.counter("judp.acknowledgement_of_other_version") == 1
 
-    def test_closing_reports_what_still_waits(self, station, wait_until):
+    def test_closing_reports_what_still_waits(self, station):
         here = station(acknowledge_timeout=30.0)
-        results: list[bool] = []
-        here.transport.send(DRIVER, PEER, STATUS, acknowledge=True, on_result=results.append)
+        results = here.send(DRIVER, PEER, STATUS, acknowledge=True)
         here.transport.close()
         wait_until(lambda: results)
         assert results == [False]
 
 
 class TestUnknownDestination:
-    def test_it_is_multicast_and_the_acknowledgement_teaches(self, station, peer, wait_until):
+    def test_it_is_multicast_and_the_acknowledgement_teaches(self, station, peer):
         here = station().attach(DRIVER)
         here.transport.send(DRIVER, PEER, STATUS)
         packet = peer.overhear()
@@ -271,27 +245,19 @@ class TestUnknownDestination:
         here.transport.send(DRIVER, PEER, STATUS)
         assert peer.receive().acknowledge is AckNak.NONE
 
-    def test_a_component_that_moved_is_found_again(self, station, wait_until):
+    def test_a_component_that_moved_is_found_again(self, station):
         station()  # owns the port, and is told where the others are
         here, there = station().attach(DRIVER), station().attach(OCU)
-        results: list[bool] = []
-
-        def send():
-            here.transport.send(DRIVER, OCU, STATUS, acknowledge=True, on_result=results.append)
-
-        send()
-        wait_until(lambda: results == [True])
+        assert here.result(DRIVER, OCU, STATUS, acknowledge=True) is True
         there.transport.close()
         elsewhere = station().attach(OCU)
-        send()
-        wait_until(lambda: len(results) == 2)
-        assert results[1] is True
+        assert here.result(DRIVER, OCU, STATUS, acknowledge=True) is True
         wait_until(lambda: elsewhere.received)
         assert here.transport.address_book.find(OCU) == elsewhere.transport.endpoint
 
-    def test_a_silent_peer_is_asked_and_then_searched(self, station, peer, wait_until):
+    def test_a_silent_peer_is_asked_and_then_searched(self, station, peer):
         here = station(address_lifetime=0.1).attach(DRIVER)
-        join(peer, here, wait_until)
+        join(peer, here)
         seen: list[Packet] = []
 
         def sends_until(wanted) -> None:
@@ -313,7 +279,7 @@ class TestUnknownDestination:
 
 
 class TestThreads:
-    def test_messages_of_many_threads_all_arrive_with_their_own_number(self, station, wait_until):
+    def test_messages_of_many_threads_all_arrive_with_their_own_number(self, station):
         here, there = station().attach(DRIVER), station().attach(OCU)
         here.transport.send(DRIVER, OCU, STATUS)
         wait_until(lambda: there.received)
@@ -322,11 +288,7 @@ class TestThreads:
             for count in range(50):
                 here.transport.send(DRIVER, OCU, bytes([2, 64, index, count]))
 
-        threads = [threading.Thread(target=work, args=(index,)) for index in range(4)]
-        for thread in threads:
-            thread.start()
-        for thread in threads:
-            thread.join()
+        in_threads(work)
         wait_until(lambda: len(there.received) == 201)
         assert len({message.sequence for _, message in there.received}) == 201
 
@@ -401,15 +363,14 @@ class TestNetworkFailure:
         here.transport.send(DRIVER, PEER, STATUS)
         assert here.counter("judp.send_failed") == 1
 
-    def test_an_unusable_interface_is_an_error_of_open(self):
+    @pytest.mark.parametrize("kind", [JudpTransport, JtcpTransport])
+    def test_an_unusable_interface_is_an_error_of_open(self, kind):
         with Loop() as loop:
-            transport = JudpTransport(TransportSettings(interface="192.0.2.200"), loop)
+            transport = kind(TransportSettings(interface="192.0.2.200"), loop)
             with pytest.raises(OSError, match=r"192\.0\.2\.200"):
                 transport.open()
 
-    def test_a_port_taken_by_another_program_is_left_to_it(
-        self, station, peer, free_port, wait_until
-    ):
+    def test_a_port_taken_by_another_program_is_left_to_it(self, station, peer, free_port):
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as foreign:
             foreign.bind(("127.0.0.1", free_port))
             here = station(takeover_interval=0.05).attach(DRIVER)
@@ -437,9 +398,7 @@ class TestNetworkFailure:
             ports = [station(port=3794).transport.endpoint[1] for _ in range(2)]
         assert ports == [3794, 53795]
 
-    def test_a_node_manager_that_shares_the_port_is_run_beside(
-        self, station, free_port, wait_until
-    ):
+    def test_a_node_manager_that_shares_the_port_is_run_beside(self, station, free_port):
         """That of fkie takes the port of all interfaces, and allows others to."""
         interface, group = socket.inet_aton("127.0.0.1"), "239.255.0.1"
         with (
@@ -468,7 +427,7 @@ class TestNetworkFailure:
             assert question in heard
 
     def test_a_node_manager_that_starts_later_is_warned_of(
-        self, tmp_path_factory, wait_until, caplog, monkeypatch
+        self, tmp_path_factory, caplog, monkeypatch
     ):
         folder = tmp_path_factory.mktemp("nm")
         monkeypatch.setattr(judp, "_MANAGER_INTERVAL_S", 0.02)

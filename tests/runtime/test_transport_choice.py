@@ -22,6 +22,8 @@ from jausml.runtime.transports.jtcp import JtcpTransport
 from jausml.runtime.transports.node_manager import NodeManagerTransport
 from jausml.runtime.transports.udp.judp import JudpTransport
 
+from .conftest import wait_until
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
@@ -87,7 +89,7 @@ def test_each_kind_has_its_transport(kind, expected):
         assert type(create_transport(TransportSettings(transport=kind), loop)) is expected
 
 
-def control_both(operator: JausComponent, wait_until) -> None:
+def control_both(operator: JausComponent) -> None:
     """Control two robots and see their status."""
     statuses: dict[JausAddress, list[ReportStatus]] = {}
     sessions = [operator.control(address, authority=100) for address in (ROBOT, OTHER)]
@@ -102,7 +104,7 @@ def control_both(operator: JausComponent, wait_until) -> None:
     wait_until(lambda: set(statuses) == {ROBOT, OTHER})
 
 
-def test_two_robots_and_an_operator_over_tcp(robot, operator, free_port, wait_until):
+def test_two_robots_and_an_operator_over_tcp(robot, operator, free_port):
     robots = [
         robot("--jaus-transport", "jtcp", "--jaus-id", str(address)) for address in (ROBOT, OTHER)
     ]
@@ -114,12 +116,12 @@ def test_two_robots_and_an_operator_over_tcp(robot, operator, free_port, wait_un
         port=ports.free_port(),
         address_book={ROBOT: here, OTHER: here},
     )
-    control_both(tested, wait_until)
+    control_both(tested)
     assert [process.end(signal.SIGTERM) for process in robots] == [0, 0]
 
 
 def test_two_robots_and_an_operator_through_a_node_manager(
-    start, robot, operator, folder, free_port, wait_until
+    start, robot, operator, folder, free_port
 ):
     start(MANAGER_SCRIPT, folder, free_port, "-").expect("ready")
     options = ("--jaus-transport", "node-manager", "--jaus-node-manager-directory", str(folder))
@@ -127,7 +129,7 @@ def test_two_robots_and_an_operator_through_a_node_manager(
     for process in robots:
         process.expect("initialize")
     tested = operator(transport=TransportKind.NODE_MANAGER, node_manager_directory=str(folder))
-    control_both(tested, wait_until)
+    control_both(tested)
     assert [process.end(signal.SIGTERM) for process in robots] == [0, 0]
     assert not (folder / str(ROBOT.packed)).exists()
 
@@ -144,7 +146,7 @@ class TestPortTaken:
         for way_out in ("--jaus-transport node-manager", "--jaus-port"):
             assert way_out in tested.log
 
-    def test_a_port_that_is_shared_needs_no_action(self, start, robot, free_port, wait_until):
+    def test_a_port_that_is_shared_needs_no_action(self, start, robot, free_port):
         holder = start("-c", HOLDER, "SOCK_DGRAM", "127.0.0.1", free_port)
         holder.expect("ready")
         tested = robot()
@@ -153,7 +155,7 @@ class TestPortTaken:
         wait_until(lambda: re.search(said, tested.log))
         assert tested.end(signal.SIGTERM) == 0
 
-    def test_a_tcp_port_that_a_stranger_holds(self, start, robot, free_port, wait_until):
+    def test_a_tcp_port_that_a_stranger_holds(self, start, robot, free_port):
         holder = start("-c", HOLDER, "SOCK_STREAM", "127.0.0.1", free_port)
         holder.expect("ready")
         tested = robot("--jaus-transport", "jtcp")

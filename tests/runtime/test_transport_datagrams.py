@@ -12,6 +12,7 @@ from jausml.runtime.base.settings import TransportSettings
 from jausml.runtime.transports.packets.packet import AckNak, DataFlags, Packet
 from jausml.runtime.transports.udp.judp import JudpTransport
 
+from .conftest import wait_until
 from .transport_support import DRIVER, OCU, PEER, SENSOR, STATUS, from_peer, join
 
 pytestmark = pytest.mark.ports
@@ -20,19 +21,17 @@ pytestmark = pytest.mark.ports
 class TestFragments:
     @pytest.mark.parametrize("acknowledge", [False, True])
     @pytest.mark.parametrize("size", [4079, 4080, 4079 * 3, 100_001])
-    def test_large_messages_arrive_whole(self, station, wait_until, size, acknowledge):
+    def test_large_messages_arrive_whole(self, station, size, acknowledge):
         here, there = station().attach(DRIVER), station().attach(OCU)
         payload = random.Random(size).randbytes(size)
-        results: list[bool] = []
-        here.transport.send(DRIVER, OCU, payload, acknowledge=acknowledge, on_result=results.append)
-        wait_until(lambda: there.received and results)
+        assert here.result(DRIVER, OCU, payload, acknowledge=acknowledge) is True
+        wait_until(lambda: there.received)
         assert there.payloads == [payload]
-        assert results == [True]
 
-    def test_the_chunks_of_a_message(self, station, peer, wait_until, monkeypatch):
+    def test_the_chunks_of_a_message(self, station, peer, monkeypatch):
         monkeypatch.setattr(random, "randrange", lambda _: 65535)
         here = station(fragment_size=4).attach(DRIVER)
-        join(peer, here, wait_until)
+        join(peer, here)
         here.transport.send(DRIVER, PEER, b"\x02\x40abcdefg")
         packets = [peer.receive() for _ in range(3)]
         assert [(p.sequence, p.data_flags, p.payload) for p in packets] == [
@@ -41,14 +40,11 @@ class TestFragments:
             (1, DataFlags.LAST, b"g"),
         ]
 
-    def test_acknowledged_chunks_go_one_by_one(self, station, peer, wait_until):
+    def test_acknowledged_chunks_go_one_by_one(self, station, peer):
         here = station(fragment_size=4, acknowledge_timeout=0.05, acknowledge_retries=100)
         here.attach(DRIVER)
-        join(peer, here, wait_until)
-        results: list[bool] = []
-        here.transport.send(
-            DRIVER, PEER, b"\x02\x40abcdef", acknowledge=True, on_result=results.append
-        )
+        join(peer, here)
+        results = here.send(DRIVER, PEER, b"\x02\x40abcdef", acknowledge=True)
         first = peer.receive()
         assert peer.receive() == first
         peer.send(from_peer(b"", first.sequence, acknowledge=AckNak.ACK), here.transport.endpoint)
@@ -60,14 +56,11 @@ class TestFragments:
         wait_until(lambda: results)
         assert results == [True]
 
-    def test_each_chunk_is_repeated_as_often_as_a_message(self, station, peer, wait_until):
+    def test_each_chunk_is_repeated_as_often_as_a_message(self, station, peer):
         here = station(fragment_size=4, acknowledge_timeout=0.3, acknowledge_retries=1)
         here.attach(DRIVER)
-        join(peer, here, wait_until)
-        results: list[bool] = []
-        here.transport.send(
-            DRIVER, PEER, b"\x02\x40abcdef", acknowledge=True, on_result=results.append
-        )
+        join(peer, here)
+        results = here.send(DRIVER, PEER, b"\x02\x40abcdef", acknowledge=True)
         for _ in range(2):
             chunk = peer.receive()
             assert peer.receive() == chunk
@@ -76,7 +69,7 @@ class TestFragments:
         wait_until(lambda: results)
         assert results == [True]
 
-    def test_a_partial_message_is_discarded(self, station, peer, wait_until):
+    def test_a_partial_message_is_discarded(self, station, peer):
         driver = station(reassembly_timeout=0.05).attach(DRIVER)
         peer.send(from_peer(b"\x02\x40a", 1, data_flags=DataFlags.FIRST))
         wait_until(lambda: driver.counter("transport.reassembly_timeout") == 1)
@@ -97,9 +90,7 @@ class TestBadDatagrams:
             (from_peer()._replace(source=DRIVER).encode(), "transport.own_source"),
         ],
     )
-    def test_each_is_counted_and_the_next_one_arrives(
-        self, station, peer, wait_until, data, counter
-    ):
+    def test_each_is_counted_and_the_next_one_arrives(self, station, peer, data, counter):
         driver = station().attach(DRIVER)
         peer.send(data)
         peer.send(from_peer(sequence=2))
@@ -107,9 +98,7 @@ class TestBadDatagrams:
         assert driver.counter(counter) == 1
         assert driver.payloads == [STATUS]
 
-    def test_another_component_with_our_id_is_an_error_once(
-        self, station, peer, wait_until, caplog
-    ):
+    def test_another_component_with_our_id_is_an_error_once(self, station, peer, caplog):
         driver = station().attach(DRIVER, SENSOR)
         assert driver.transport.double_of(DRIVER) is None
         for sequence, source in enumerate([DRIVER, DRIVER, SENSOR, DRIVER]):
@@ -122,12 +111,6 @@ class TestBadDatagrams:
         assert errors[0].startswith(start)
         assert str(driver.transport.double_of(DRIVER)) == errors[0]
         assert driver.loop.counters.drops()["transport.own_source"] == 4
-
-    def test_two_messages_in_one_datagram_are_both_delivered(self, station, peer, wait_until):
-        driver = station().attach(DRIVER)
-        peer.send(from_peer(sequence=1).encode() + from_peer(b"\x01\x00", 2).encode()[1:])
-        wait_until(lambda: len(driver.received) == 2)
-        assert driver.payloads == [STATUS, b"\x01\x00"]
 
     @pytest.fixture
     def quiet(self):

@@ -69,13 +69,10 @@ def test_a_component_that_runs_is_alive_and_one_that_stands_still_is_not(manager
 @pytest.mark.parametrize(
     "change",
     [
-        {"NOTIFY_SOCKET": ""},
-        {"WATCHDOG_USEC": ""},
-        {"WATCHDOG_USEC": "-1"},
-        {"WATCHDOG_USEC": "0"},
-        {"WATCHDOG_PID": "1"},
+        {"NOTIFY_SOCKET": ""}, {"WATCHDOG_USEC": ""}, {"WATCHDOG_USEC": "-1"},
+        {"WATCHDOG_USEC": "0"}, {"WATCHDOG_PID": "1"},
     ],
-)
+)  # fmt: skip
 def test_whom_nobody_watches_says_nothing(manager, change):
     with Loop() as loop:
         feed_watchdog(loop, watched(manager, **change))

@@ -94,6 +94,11 @@ class Bridge:
         """Whether the guardian goes on for a time."""
         return not select.select([self._end_of_guardian], [], [], seconds)[0]
 
+    def go_on(self):
+        """Ends a standstill; the bridge says that its command was taken."""
+        self.process.send_signal(signal.SIGCONT)
+        assert self.said() == "taken"
+
     def wait_alone(self):
         assert not self.has_guardian(PATIENCE), "the guardian goes on"
 
@@ -148,8 +153,7 @@ def test_the_stop_is_said_when_the_bridge_stands_still(bridge):
     halted = bridge()
     halted.process.send_signal(signal.SIGSTOP)
     assert halted.stop() == STOP
-    halted.process.send_signal(signal.SIGCONT)
-    assert halted.said() == "taken"
+    halted.go_on()
     assert halted.has_guardian()
 
 
@@ -158,8 +162,7 @@ def test_the_stop_is_said_thrice_of_a_bridge_that_stands_still(bridge):
     halted.process.send_signal(signal.SIGSTOP)
     assert [halted.stop(), halted.stop(), halted.stop()] == [STOP] * 3
     assert halted.stop(1.0) is None
-    halted.process.send_signal(signal.SIGCONT)
-    assert halted.said() == "taken"
+    halted.go_on()
 
 
 def test_a_bridge_that_was_back_for_less_than_a_look_is_told_again(bridge):
@@ -167,8 +170,7 @@ def test_a_bridge_that_was_back_for_less_than_a_look_is_told_again(bridge):
     halted.process.send_signal(signal.SIGSTOP)
     assert [halted.stop(), halted.stop(), halted.stop()] == [STOP] * 3
     os.kill(halted.guardian, signal.SIGSTOP)
-    halted.process.send_signal(signal.SIGCONT)
-    assert halted.said() == "taken"
+    halted.go_on()
     halted.process.send_signal(signal.SIGSTOP)
     time.sleep(0.6)  # the last beat is older than the patience when the guardian looks again
     os.kill(halted.guardian, signal.SIGCONT)
@@ -183,15 +185,13 @@ def test_the_time_for_which_the_computer_was_suspended_counts(bridge, tmp_path):
     assert halted.stop(0.5) is None
     clocks.suspend(int(10 * PATIENCE))
     assert halted.stop() == STOP
-    halted.process.send_signal(signal.SIGCONT)
-    assert halted.said() == "taken"
+    halted.go_on()
 
 
 def test_the_stop_is_said_of_a_bridge_that_stands_still_before_its_loop_ran(bridge):
     halted = bridge("halted")
     assert halted.stop() == STOP
-    halted.process.send_signal(signal.SIGCONT)
-    assert halted.said() == "taken"
+    halted.go_on()
 
 
 def test_the_stop_is_said_when_the_loop_hangs(bridge):
@@ -245,8 +245,7 @@ def unheard():
     """A library of ROS whose topics never have a subscriber."""
     names = ("type", "check", "destroy", "close", "publishers", "subscribers")
     return SimpleNamespace(
-        publisher=lambda topic, *_: Publisher(None, topic),
-        **dict.fromkeys(names, lambda *_: 0),
+        publisher=lambda topic, *_: Publisher(None, topic), **dict.fromkeys(names, lambda *_: 0)
     )
 
 

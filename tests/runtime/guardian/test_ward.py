@@ -23,13 +23,10 @@ MUCH = MAX_FRAME_SIZE - 1000
 GOAL = bytes(range(16))
 STOPS = {"patience": 0.5, "topics": [], "datagrams": []}
 TOPIC = {
-    "topic": "/cmd_vel",
-    "type": "geometry_msgs/msg/Twist",
-    "library": "/nowhere/libgeometry_msgs__rosidl_typesupport_c.so",
-    "qos": {},
-    "data": "",
+    "topic": "/cmd_vel", "type": "geometry_msgs/msg/Twist",
+    "library": "/nowhere/libgeometry_msgs__rosidl_typesupport_c.so", "qos": {}, "data": "",
     "stamps": [],
-}
+}  # fmt: skip
 
 
 class Guarding:

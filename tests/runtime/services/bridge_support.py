@@ -280,14 +280,24 @@ class Setting:
         self.world.settle()
         return connections[0]
 
+    def say(self, *numbers, every=None):
+        """Delivers numbers on their topic, and lets a time pass after each if one is named."""
+        for number in numbers:
+            self.ros.deliver["numbers"](Number(float(number)))
+            if every is not None:
+                self.world.run(every)
+
     def drops(self, connection):
         return connection.statistics.drops
 
+    def judged(self, name):
+        """The level and the message of the last status of that name."""
+        status = self.ros.statuses[-1][name]
+        return status.level, status.message
+
 
 def peer_component(world, address=PEER, **settings):
-    component = world.component(str(address), services=CORE, **settings)
-    component.start()
-    return component
+    return world.started(str(address), services=CORE, **settings)
 
 
 def minutes_to_number(report):
@@ -363,6 +373,18 @@ def message_connection(
     return MessageToTopics(
         "times", translate, message=SetTime, type=Number, topics=[Topic("times")], **options
     )
+
+
+def obeyed(*translate, **options):
+    """A connection of commands that are obeyed in Ready, and stop by -1."""
+    options.setdefault("when", Guard.READY)
+    return message_connection(*translate, safe_value=lambda: Number(-1.0), **options)
+
+
+def stopping(**options):
+    """A connection that stops its peer after a second of silence."""
+    options = {"silence_timeout": 1.0, "safe_value": safe, "is_command": True, **options}
+    return command(**options)
 
 
 def minutes(value):

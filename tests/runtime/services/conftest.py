@@ -180,6 +180,12 @@ class World:
             settings=ComponentSettings(**settings),
         )
 
+    def started(self, address: str, **options: Any) -> Any:
+        """Makes a component that runs."""
+        component = self.component(address, **options)
+        component.start()
+        return component
+
     def probe(self, address: str, *, strict: bool = True):
         """Makes a peer that does nothing by itself; a strict one understands all that it gets."""
         return Probe(self, JausAddress.parse(address), strict=strict)
@@ -215,17 +221,23 @@ class Probe:
         target = getattr(destination, "address", destination)
         self._world.send(self.address, target, payload)
 
+    def tell(self, destination: Any, *messages: Message) -> None:
+        """Sends messages in a row, and lets everything happen that follows at once."""
+        for message in messages:
+            self.send(message, destination)
+        self._world.settle()
+
     def ask(self, message: Message, destination: Any) -> list[Message]:
         """Sends a message and returns what comes back at once."""
         self.take()
         self.send(message, destination)
         return self.take()
 
-    def take(self) -> list[Message]:
-        """Returns and forgets what was received."""
+    def take(self, kind: Any = Message) -> list[Any]:
+        """Returns what was received of a kind, and forgets all."""
         self._world.settle()
         received, self._received = self._received, []
-        return received
+        return [message for message in received if isinstance(message, kind)]
 
 
 @pytest.fixture

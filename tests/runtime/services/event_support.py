@@ -21,9 +21,7 @@ class Inbox(list):
 
 
 def provider(world, **settings):
-    component = world.component(str(PROVIDER), **settings)
-    component.start()
-    return component
+    return world.started(str(PROVIDER), **settings)
 
 
 def pulses(client, inbox, **named):

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from jausml.runtime import JausComponent, ServiceIdentity
-from jausml.runtime.messages import RequestControl, Resume
+from jausml.runtime.messages import QueryServiceList, QueryServices, RequestControl, Resume
 from jausml.runtime.wire.message import Message
 
 V1_0, V1_1 = (1, 0), (1, 1)
@@ -169,6 +169,22 @@ def unavailable(stage: Stage) -> None:
 def after(seconds: float, steps: int = 8) -> Callable[[Stage], None]:
     """Lets time pass, in so many steps."""
     return lambda stage: stage.world.run(seconds, step=seconds / steps)
+
+
+def query_services_of(*pairs: tuple[int, int]) -> QueryServices:
+    """The query for the services of nodes and components."""
+    query = QueryServices
+    return query(
+        [query.NodeSeq(query.NodeRec(node), [query.ComponentRec(one)]) for node, one in pairs]
+    )
+
+
+def query_service_list(subsystem: int, node=255, component=255, search=None) -> QueryServiceList:
+    """The query for the services of subsystems, of which an address may have some words."""
+    query = QueryServiceList
+    components = [query.ComponentRec(component, search)]
+    nodes = [query.NodeSeq(query.NodeRec(node), components)]
+    return query([query.SubsystemSeq(query.SubsystemRec(subsystem), nodes)])
 
 
 def controlled(authority: int = 50) -> tuple[Step, ...]:

@@ -40,9 +40,11 @@ from .bridge_support import (
     event,
     message_connection,
     minutes,
+    obeyed,
     peer_component,
     query,
     safe,
+    stopping,
     values,
 )
 
@@ -64,21 +66,17 @@ def test_diagnostics_judge_each_connection(world, setting):
     world.lost = lambda source, *_: source == PEER
     world.run(2.0)
     assert setting.ros.statuses[-1]["timeout"].message == "the source is silent"
-    setting.ros.deliver["numbers"](Number(99.0))
-    world.run(1.0)
+    setting.say(99.0, every=1.0)
     drive = setting.ros.statuses[-1]["drive"]
     assert (drive.level, drive.message) == ("warning", "messages are dropped")
     assert any(key.startswith("dropped: ") for key in values(drive))
 
 
 def test_diagnostics_count_the_reasons_of_stops(world, setting):
-    setting.open(
-        message_connection(when=Guard.READY, safe_value=lambda: Number(-1.0)), services=CORE
-    )
+    setting.open(obeyed(), services=CORE)
     operator = world.probe("5.1.1")
     for message in (ReleaseControl(), ReleaseControl(), Reset()):
-        for request in (RequestControl(authority_code=200), Resume(), minutes(2), message):
-            operator.send(request, OWN)
+        operator.tell(OWN, RequestControl(authority_code=200), Resume(), minutes(2), message)
         world.run(1.1)
     told = values(setting.ros.statuses[-1]["times"])
     assert {key: value for key, value in told.items() if key.startswith("stopped: ")} == {
@@ -89,17 +87,15 @@ def test_diagnostics_count_the_reasons_of_stops(world, setting):
 
 
 def test_diagnostics_tell_lapsed_control_from_released(world, setting):
-    setting.open(
-        message_connection(when=Guard.READY, safe_value=lambda: Number(-1.0)), services=CORE
-    )
+    setting.open(obeyed(), services=CORE)
     operator = world.probe("5.1.1")
-    for message in (RequestControl(authority_code=200), Resume(), minutes(2)):
-        operator.send(message, OWN)
+    operator.tell(OWN, RequestControl(authority_code=200), Resume(), minutes(2))
     world.run(7.0)
     status = setting.ros.statuses[-1]["times"]
     lapsed = "control lapsed: its client did not request it again in time"
     assert values(status)[f"stopped: {lapsed}"] == "1"
     assert lapsed in setting.bridge.connections[0].forbidden()
+    assert setting.ros.numbers("times") == [-1.0, 2.0, -1.0]
 
 
 def test_diagnostics_tell_what_becomes_of_a_command_without_its_source(world, setting):
@@ -169,23 +165,17 @@ def test_one_dead_peer_of_two_is_told(world, setting, make):
 def test_a_peer_that_is_not_there_is_told_while_messages_go_to_it(world, setting):
     """Messages that nobody acknowledges count as passed: they went out."""
     connection = setting.open(command("tell"))
-    for _ in range(70):
-        setting.ros.deliver["numbers"](Number(5.0))
-        world.run(0.1)
+    setting.say(*[5.0] * 70, every=0.1)
     assert connection.statistics.passed == 70
-    status = setting.ros.statuses[-1]["tell"]
-    assert (status.level, status.message) == ("warning", "nothing from 1.1.1")
+    assert setting.judged("tell") == ("warning", "nothing from 1.1.1")
     world.probe(str(PEER), strict=False)
-    for _ in range(20):
-        setting.ros.deliver["numbers"](Number(5.0))
-        world.run(0.1)
+    setting.say(*[5.0] * 20, every=0.1)
     assert setting.ros.statuses[-1]["tell"].level == "ok"
 
 
 def test_who_controls_a_peer_instead_or_why_it_refuses_is_told(world, setting):
     peer = peer_component(world)
-    rival = world.component("6.1.1", services=())
-    rival.start()
+    rival = world.started("6.1.1", services=())
     session = rival.control(PEER, authority=255)
     world.run(1.0)
     setting.open(command("drive", control=Guard.READY))
@@ -231,8 +221,7 @@ def test_what_is_dropped_before_any_connection_is_told(world, setting):
     stranger.send(minutes(1), OWN)
     stranger.send_bytes(SetTime.CODE.to_bytes(2, "little"), OWN)
     world.run(1.0)
-    status = setting.ros.statuses[-1]["jaus traffic"]
-    assert (status.level, status.message) == ("warning", "component.command_refused")
+    assert setting.judged("jaus traffic") == ("warning", "component.command_refused")
     world.run(1.0)
     status = setting.ros.statuses[-1]["jaus traffic"]
     assert (status.level, status.message) == ("ok", "running")
@@ -281,7 +270,7 @@ def test_diagnostics_of_many_connections_take_turns_and_come_as_one(world, setti
 
 def test_losses_of_the_queue_are_told_and_counted(world, setting, caplog):
     connection = setting.open(command())
-    setting.ros.deliver["numbers"](Number(1.0))
+    setting.say(1.0)
     counts = setting.ros.counts["numbers"]
     counts.lost, counts.missed, counts.too_old = 3, 4, 2
     with caplog.at_level(logging.WARNING, "jausml"):
@@ -296,8 +285,7 @@ def test_losses_of_the_queue_are_told_and_counted(world, setting, caplog):
         "bridge.drive.too_old": 2,
     }
     assert len(caplog.records) == 3
-    setting.ros.deliver["numbers"](Number(1.0))
-    world.run(1.0)
+    setting.say(1.0, every=1.0)
     assert connection.status().message == "running"
     counts.lost += 1
     setting.bridge.close()
@@ -366,9 +354,8 @@ def test_latency_is_measured_while_it_is_wanted(setting, parameter):
 def test_latency_may_be_wanted_from_the_start(world, setting):
     peer = world.probe(str(PEER))
     setting.ros.parameters |= {"drive.latency": True}
-    connection = setting.open(command(silence_timeout=1.0, safe_value=safe, is_command=True))
-    for value in (1.0, 2.0):
-        setting.ros.deliver["numbers"](Number(value))
+    connection = setting.open(stopping())
+    setting.say(1.0, 2.0)
     assert latency(connection.status()) == BRIDGE  # no stamp, no age
     world.run(1.1)
     assert peer.take() == [minutes(0), minutes(1), minutes(2), minutes(0)]

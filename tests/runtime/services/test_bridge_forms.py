@@ -79,16 +79,12 @@ def test_forms_pass_the_same_on_and_count_alike(world, setting, kind, form):
     peer = world.probe(str(PEER))
     made = kind()
     connection = setting.open(made.drive)
-    for value in (5.0, -1.0, -2.0, 70.0, NAN, 7.0):
-        setting.ros.deliver["numbers"](Number(value))
+    setting.say(5.0, -1.0, -2.0, 70.0, NAN, 7.0)
     setting.ros.take["numbers"](b"\0\1\0\0")
     assert peer.take() == [minutes(5), minutes(59), minutes(7)]
     assert setting.drops(connection) == {
-        "filtered": 1,
-        "no_counterpart": 1,
-        "out_of_range": 1,
-        "not_decodable": 1,
-    }
+        "filtered": 1, "no_counterpart": 1, "out_of_range": 1, "not_decodable": 1,
+    }  # fmt: skip
     counts = connection.statistics
     assert (counts.arrivals, counts.passed, counts.limited) == (7, 3, 1)
     assert counts.out_of_range == {("clamp", "minutes"): 1, ("not_clampable", "minutes"): 1}
@@ -102,10 +98,9 @@ def test_forms_do_the_same_in_silence(world, setting, kind):
     peer = world.probe(str(PEER))
     connection = setting.open(kind(silence_timeout=1.0, safe_value=safe, is_command=True).drive)
     assert peer.take() == [minutes(0)]
-    setting.ros.deliver["numbers"](Number(5.0))
+    setting.say(5.0)
     assert not connection.is_silent
-    setting.ros.deliver["numbers"](Number(6.0))
-    world.run(1.1)
+    setting.say(6.0, every=1.1)
     assert peer.take() == [minutes(5), minutes(6), minutes(0)]
     assert connection.is_silent
 
@@ -114,7 +109,7 @@ def test_forms_do_the_same_in_silence(world, setting, kind):
 def test_overrides_are_given_the_classes_they_ask_for(setting, kind, given):
     made = kind()
     setting.open(made.drive)
-    setting.ros.deliver["numbers"](Number(3.0))
+    setting.say(3.0)
     assert made.given == given(3.0)
 
 
@@ -135,8 +130,7 @@ def test_joins_are_objects_in_every_form_and_made_once(world, setting, kind):
     setting.open(kind(joins=[Join("other", CountedNumber, [Topic("others")])]).drive)
     for value in (1.0, 2.0, 3.0):
         setting.ros.take["others"](Number(value).to_cdr())
-    for value in (11.0, 12.0):
-        setting.ros.deliver["numbers"](Number(value))
+    setting.say(11.0, 12.0)
     assert peer.take() == [
         SetTime(time_stamp=SetTime.TimeStamp(minutes=value, hour=3)) for value in (11, 12)
     ]
@@ -146,7 +140,7 @@ def test_joins_are_objects_in_every_form_and_made_once(world, setting, kind):
 def test_joined_message_that_cannot_be_read_is_counted(setting):
     connection = setting.open(Generated(joins=[Join("other", Number, [Topic("others")])]).drive)
     setting.ros.take["others"](b"\0")
-    setting.ros.deliver["numbers"](Number(1.0))
+    setting.say(1.0)
     assert setting.drops(connection) == {"not_decodable": 1}
 
 
@@ -187,8 +181,7 @@ def test_hand_written_connections_may_have_types_of_ros(world, setting):
     drive, timeout = command(translate=translate), event(rate=10.0, translate=real_minutes)
     drive._type = timeout._type = RosNumber
     setting.open(drive, timeout)
-    setting.ros.deliver["numbers"](Number(4.0))
-    world.run(1.0)
+    setting.say(4.0, every=1.0)
     assert given == [RosNumber(4.0)]
     assert set(setting.ros.numbers("timeout")) == {3.0}
 
@@ -205,8 +198,7 @@ def test_message_that_cannot_be_read_is_counted(world, setting):
     connection = setting.open(message_connection())
     operator = world.probe("5.1.1")
     operator.send_bytes(SetTime.CODE.to_bytes(2, "little"), OWN)
-    operator.send(minutes(7), OWN)
-    world.settle()
+    operator.tell(OWN, minutes(7))
     assert setting.ros.numbers("times") == [7.0]
     assert setting.drops(connection) == {"not_decodable": 1}
 

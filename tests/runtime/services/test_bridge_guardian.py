@@ -8,7 +8,7 @@ from jausml.runtime.guardian import page
 from jausml.runtime.guardian import ward as warding
 from jausml.runtime.guardian.ward import Ward
 
-from .bridge_support import CORE, OWN, PEER, Number, command, minutes, safe
+from .bridge_support import CORE, OWN, PEER, command, minutes, safe
 
 
 @pytest.fixture
@@ -31,8 +31,7 @@ def test_more_peers_than_a_guardian_has_room_for_get_their_commands_and_are_told
     connection = command(peers=peers, is_command=True, safe_value=safe)
     setting.open(connection, ward=ward)
     last.take()
-    for number in (5.0, 6.0):
-        setting.ros.deliver["numbers"](Number(number))
+    setting.say(5.0, 6.0)
     assert last.take() == [minutes(5), minutes(6)]
     world.run(1.5, step=0.5)
     status = setting.ros.statuses[-1]["guardian"]
@@ -40,15 +39,14 @@ def test_more_peers_than_a_guardian_has_room_for_get_their_commands_and_are_told
 
 
 def test_the_place_of_a_peer_is_free_when_all_connections_have_lost_it(world, setting, ward):
-    peer = world.component(str(PEER))
-    peer.start()
+    peer = world.started(str(PEER))
     search = PeerSearch(("urn:jaus:jss:core:AccessControl",), choice=PeerChoice.ALL)
     options = {"peers": search, "is_command": True, "safe_value": safe}
     connections = command("one", **options), command("two", **options)
     setting.open(*connections, services=CORE, ward=ward)
     world.run(20.0, step=0.1)
     assert all(connection.peers == (PEER,) for connection in connections)
-    setting.ros.deliver["numbers"](Number(5.0))
+    setting.say(5.0)
     world.run(1.5, step=0.1)
     probe = object()
     # One place for both, as they share one sequence of numbers.

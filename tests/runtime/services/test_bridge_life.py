@@ -3,25 +3,12 @@
 import pytest
 
 from jausml.runtime import Guard, Status
+from jausml.runtime import messages as core
 from jausml.runtime.bridge.bridge import Bridge
 from jausml.runtime.bridge.connections.shaping import Shape
 from jausml.runtime.bridge.ends.ends import BridgeSettings
 from jausml.runtime.bridge.ends.topics import Qos, Topic
 from jausml.runtime.bridge.reports.states import StopReason
-from jausml.runtime.messages import (
-    ClearEmergency,
-    ConfirmControl,
-    QueryStatus,
-    QueryTime,
-    RejectControl,
-    ReleaseControl,
-    ReportEventTimeout,
-    ReportStatus,
-    RequestControl,
-    Resume,
-    SetEmergency,
-    SetTime,
-)
 
 from .bridge_support import (
     CORE,
@@ -33,6 +20,7 @@ from .bridge_support import (
     event,
     message_connection,
     minutes,
+    obeyed,
     peer_component,
     report,
     safe,
@@ -43,15 +31,15 @@ def test_a_command_stops_and_goes_on_with_the_next_message(world, setting):
     peer = world.probe(str(PEER))
     connection = setting.open(command(safe_value=safe, is_command=True))
     peer.take()
-    setting.ros.deliver["numbers"](Number(5.0))
+    setting.say(5.0)
     setting.bridge.set_active(False)
-    setting.ros.deliver["numbers"](Number(6.0))
+    setting.say(6.0)
     assert peer.take() == [minutes(5), minutes(0)]
     assert connection.stopped is StopReason.INACTIVE
     assert setting.drops(connection) == {"inactive": 1}
     setting.bridge.set_active(True)
     assert peer.take() == []
-    setting.ros.deliver["numbers"](Number(7.0))
+    setting.say(7.0)
     assert peer.take() == [minutes(7)]
     assert setting.drops(connection) == {"inactive": 1}
 
@@ -80,33 +68,24 @@ def test_subscribers_long_after_the_start_get_no_stop(world, setting, is_simulat
 
 
 def test_control_ends_and_is_not_to_be_had(world, setting):
-    connection = setting.open(
-        message_connection(when=Guard.READY, safe_value=lambda: Number(-1.0), is_command=True),
-        services=CORE,
-    )
+    connection = setting.open(obeyed(is_command=True), services=CORE)
     operator = world.probe("5.1.1")
-    for message in (RequestControl(authority_code=200), Resume(), minutes(2)):
-        operator.send(message, OWN)
-    world.settle()
+    operator.tell(OWN, core.RequestControl(authority_code=200), core.Resume(), minutes(2))
     operator.take()
     topic = setting.ros.numbers("times")
     assert topic == [-1.0, 2.0]
     setting.bridge.set_active(False)
     world.settle()
-    (reject,) = [message for message in operator.take() if isinstance(message, RejectControl)]
-    assert reject.response_code == RejectControl.ResponseCode.NOT_AVAILABLE
-    operator.send(RequestControl(authority_code=255), OWN)
-    operator.send(minutes(3), OWN)
-    world.settle()
-    (answer,) = [message for message in operator.take() if isinstance(message, ConfirmControl)]
-    assert answer.response_code == ConfirmControl.ResponseCode.NOT_AVAILABLE
-    (status,) = operator.ask(QueryStatus(), OWN)
-    assert status.status == ReportStatus.Status.STANDBY
+    (reject,) = operator.take(core.RejectControl)
+    assert reject.response_code == core.RejectControl.ResponseCode.NOT_AVAILABLE
+    operator.tell(OWN, core.RequestControl(authority_code=255), minutes(3))
+    (answer,) = operator.take(core.ConfirmControl)
+    assert answer.response_code == core.ConfirmControl.ResponseCode.NOT_AVAILABLE
+    (status,) = operator.ask(core.QueryStatus(), OWN)
+    assert status.status == core.ReportStatus.Status.STANDBY
     assert setting.ros.numbers("times") == [-1.0, 2.0, -1.0]
     setting.bridge.set_active(True)
-    for message in (RequestControl(authority_code=200), Resume(), minutes(4)):
-        operator.send(message, OWN)
-    world.settle()
+    operator.tell(OWN, core.RequestControl(authority_code=200), core.Resume(), minutes(4))
     assert setting.ros.numbers("times")[-1] == 4.0
     assert connection.stopped is None
 
@@ -114,31 +93,27 @@ def test_control_ends_and_is_not_to_be_had(world, setting):
 def test_what_stands_stands_for_the_latest_reason(world, setting):
     options = {"safe_value": safe, "is_command": True, "silence_timeout": 1.0}
     connection = setting.open(command(**options), services=CORE)
-    setting.ros.deliver["numbers"](Number(5.0))
-    world.run(1.1)
+    setting.say(5.0, every=1.1)
     assert connection.stopped is StopReason.SILENCE
-    world.probe("5.1.1").send(SetEmergency(emergency_code=1), OWN)
-    world.settle()
+    world.probe("5.1.1").tell(OWN, core.SetEmergency(emergency_code=1))
     assert connection.stopped is StopReason.EMERGENCY
 
 
 def test_an_emergency_is_one_while_inactive_too(world, setting):
     setting.open(command(safe_value=safe, is_command=True), services=CORE)
     setting.bridge.set_active(False)
-    world.probe("5.1.1").send(SetEmergency(emergency_code=1), OWN)
-    world.settle()
+    world.probe("5.1.1").tell(OWN, core.SetEmergency(emergency_code=1))
     assert setting.bridge.standing.halt is StopReason.EMERGENCY
     setting.bridge.set_active(True)
     peer = world.probe(str(PEER))
-    setting.ros.deliver["numbers"](Number(5.0))
+    setting.say(5.0)
     assert minutes(5) not in peer.take()
 
 
 def test_a_parameter_lifts_the_emergency_of_somebody_who_is_gone(world, setting):
     setting.open(command(safe_value=safe, is_command=True), services=CORE)
     stranger = world.probe("66.1.1")
-    stranger.send(SetEmergency(emergency_code=1), OWN)
-    world.settle()
+    stranger.tell(OWN, core.SetEmergency(emergency_code=1))
     (lift,) = [
         parameter for parameter in setting.ros.declared if parameter.name == "lift_emergency"
     ]
@@ -159,12 +134,10 @@ def test_a_bridge_that_begins_inactive_asks_for_control_when_it_is_active(world,
     bridge = setting.bridge = Bridge(BridgeSettings("bridge", OWN, services=CORE))
     bridge.connections = [command(is_command=True, control=Guard.READY)]
     bridge.open(setting.ros, world, active=False)
-    assert not [
-        message for message in peer.take() if isinstance(message, (RequestControl, ReleaseControl))
-    ]
+    assert not peer.take((core.RequestControl, core.ReleaseControl))
     bridge.set_active(True)
-    (request,) = [message for message in peer.take() if not isinstance(message, QueryStatus)]
-    assert isinstance(request, RequestControl)
+    (request,) = [message for message in peer.take() if not isinstance(message, core.QueryStatus)]
+    assert isinstance(request, core.RequestControl)
 
 
 def test_a_bridge_that_is_activated_in_emergency_asks_nobody_for_control(world, setting):
@@ -172,28 +145,27 @@ def test_a_bridge_that_is_activated_in_emergency_asks_nobody_for_control(world, 
     peer = world.probe(str(PEER))
     setting.bridge.set_active(False)
     operator = world.probe("5.1.1")
-    operator.send(SetEmergency(emergency_code=1), OWN)
-    world.settle()
+    operator.tell(OWN, core.SetEmergency(emergency_code=1))
     peer.take()
     setting.bridge.set_active(True)
     world.run(1.0)
-    assert not [message for message in peer.take() if isinstance(message, RequestControl)]
-    operator.send(ClearEmergency(emergency_code=1), OWN)
-    assert [message for message in peer.take() if isinstance(message, RequestControl)]
+    assert not peer.take(core.RequestControl)
+    operator.send(core.ClearEmergency(emergency_code=1), OWN)
+    assert peer.take(core.RequestControl)
 
 
 def test_reports_are_withdrawn(world, setting):
     setting.open(report(), services=CORE)
     probe = world.probe(str(OTHER))
-    setting.ros.deliver["numbers"](Number(3.0))
-    assert len(probe.ask(QueryTime(presence_vector=1), OWN)) == 1
+    setting.say(3.0)
+    assert len(probe.ask(core.QueryTime(presence_vector=1), OWN)) == 1
     setting.bridge.set_active(False)
-    setting.ros.deliver["numbers"](Number(4.0))
-    assert probe.ask(QueryTime(presence_vector=1), OWN) == []
+    setting.say(4.0)
+    assert probe.ask(core.QueryTime(presence_vector=1), OWN) == []
     setting.bridge.set_active(True)
-    assert probe.ask(QueryTime(presence_vector=1), OWN) == []  # what was said meanwhile is old
-    setting.ros.deliver["numbers"](Number(5.0))
-    (answer,) = probe.ask(QueryTime(presence_vector=1), OWN)
+    assert probe.ask(core.QueryTime(presence_vector=1), OWN) == []  # what was said meanwhile is old
+    setting.say(5.0)
+    (answer,) = probe.ask(core.QueryTime(presence_vector=1), OWN)
     assert answer.time_stamp.minutes == 5
 
 
@@ -203,11 +175,10 @@ def test_what_is_latched_passes_afterwards(world, setting):
     )
     probe = world.probe(str(OTHER))
     setting.bridge.set_active(False)
-    for number in (3.0, 4.0):
-        setting.ros.deliver["numbers"](Number(number))
-    assert probe.ask(QueryTime(presence_vector=1), OWN) == []
+    setting.say(3.0, 4.0)
+    assert probe.ask(core.QueryTime(presence_vector=1), OWN) == []
     setting.bridge.set_active(True)
-    (answer,) = probe.ask(QueryTime(presence_vector=1), OWN)
+    (answer,) = probe.ask(core.QueryTime(presence_vector=1), OWN)
     assert answer.time_stamp.minutes == 4
 
 
@@ -216,14 +187,14 @@ def test_a_change_passes_afterwards_and_a_periodic_report_is_old_then(world, set
     connection = setting.open(event(rate=rate))
     setting.bridge.set_active(False)
     for timeout in (6, 7):
-        connection.take(ReportEventTimeout(timeout=timeout).encode(), PEER)
+        connection.take(core.ReportEventTimeout(timeout=timeout).encode(), PEER)
     assert connection.statistics.passed == 0
     setting.bridge.set_active(True)
     assert setting.ros.numbers("timeout") == [7.0] * passed
     world.run(1.0)
     assert connection.statistics.passed == passed
     setting.bridge.set_active(False)
-    connection.take(ReportEventTimeout(timeout=8).encode(), PEER)
+    connection.take(core.ReportEventTimeout(timeout=8).encode(), PEER)
     setting.bridge.close()
     setting.ros.made.clear()
     setting.bridge.open(setting.ros, world)
@@ -237,7 +208,7 @@ def test_what_waits_for_its_time_does_not_pass_after_the_end(world, setting):
         setting.ros.deliver["numbers"](Number(number))
     setting.bridge.close()
     world.run(5.0)
-    assert world.count(SetTime.CODE) == 1
+    assert world.count(core.SetTime.CODE) == 1
     assert (connection.statistics.passed, connection.statistics.thinned) == (1, 1)
     assert not connection.statistics.stops
 
@@ -265,11 +236,11 @@ def test_it_can_be_opened_again(world, setting):
         world.run(1.0)
         assert connections[1].status().message == "running"
         assert connections[0].stopped is None
-        assert len(watched.ask(QueryTime(presence_vector=1), OWN)) == 1
+        assert len(watched.ask(core.QueryTime(presence_vector=1), OWN)) == 1
         setting.bridge.close()
         setting.bridge.close()
         world.settle()
-        assert watched.ask(QueryTime(presence_vector=1), OWN) == []
+        assert watched.ask(core.QueryTime(presence_vector=1), OWN) == []
         setting.ros.made.clear()
         setting.bridge.open(setting.ros, world)
     assert peer.running

@@ -22,7 +22,6 @@ from .bridge_support import (
     INFINITE,
     NAN,
     PEER,
-    Number,
     command,
     event,
     minutes,
@@ -45,7 +44,7 @@ from .bridge_support import (
 )
 def test_every_drop_has_a_name(world, setting, translate, reason):
     connection = setting.open(command(translate=translate))
-    setting.ros.deliver["numbers"](Number(1.0))
+    setting.say(1.0)
     assert setting.drops(connection) == {reason: 1}
     assert world.counters.snapshot()[f"bridge.drive.{reason}"] == 1
     assert connection.statistics.passed == 0
@@ -60,8 +59,7 @@ def test_a_translation_that_blocks_is_named(world, setting):
         raise ConversionError("too late")
 
     connection = setting.open(command(translate=dawdle))
-    for seconds in (0.6, 0.0):
-        setting.ros.deliver["numbers"](Number(seconds))
+    setting.say(0.6, 0.0)
     assert setting.drops(connection) == {"no_counterpart": 2}
     assert world.counters.drops()["bridge.drive.blocked"] == 1
 
@@ -198,10 +196,10 @@ def test_counters_name_field_and_policy(
     world, setting, caplog, policy, value, passed, counted, level
 ):
     connection = setting.open(limited(policy))
-    setting.ros.deliver["numbers"](Number(1.0))
+    setting.say(1.0)
     connection.status()
     caplog.clear()
-    setting.ros.deliver["numbers"](Number(value))
+    setting.say(value)
     counts = world.counters.snapshot()
     assert counts[f"bridge.drive.out_of_range.{counted}.M"] == 1
     assert counts["bridge.drive.out_of_range.clamp.S"] == 2
@@ -219,14 +217,6 @@ def test_counters_name_field_and_policy(
     assert connection.status().level == "ok"  # a matter of the past
 
 
-def test_errors_do_not_flood_the_log(world, setting, caplog):
-    setting.open(limited("error"))
-    for _ in range(100):
-        setting.ros.deliver["numbers"](Number(60.0))
-    assert len([record for record in caplog.records if record.levelname == "ERROR"]) == 1
-    assert world.counters.snapshot()["bridge.drive.out_of_range.error.M"] == 100
-
-
 def test_a_source_of_unusable_values_is_silent(world, setting):
     peer = world.probe(str(PEER))
 
@@ -234,10 +224,8 @@ def test_a_source_of_unusable_values_is_silent(world, setting):
         return minutes(connection.drop_message.integer("M", source.data, 0, 59))
 
     connection = setting.open(command(translate=translate, silence_timeout=1.0, safe_value=safe))
-    for _ in range(30):
-        setting.ros.deliver["numbers"](Number(NAN))
-        world.run(0.1)
+    setting.say(*[NAN] * 30, every=0.1)
     assert peer.take() == [minutes(0)]
     assert connection.is_silent
-    setting.ros.deliver["numbers"](Number(5.0))
+    setting.say(5.0)
     assert peer.take() == [minutes(5)]

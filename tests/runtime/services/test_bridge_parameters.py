@@ -9,6 +9,7 @@ from jausml.runtime.bridge.bridge import Bridge
 from jausml.runtime.bridge.ends import parameters
 from jausml.runtime.bridge.ends.ends import BridgeSettings
 from jausml.runtime.bridge.ends.topics import Qos, Topic, TopicFault, nearest
+from jausml.runtime.messages import QueryEventTimeout
 
 from .bridge_support import (
     OTHER,
@@ -40,6 +41,8 @@ def test_topics_and_peers_are_parameters(world, setting):
     world.run(1.0)
     assert setting.ros.made[:2] == [("publisher", "c"), ("publisher", "/d")]
     assert set(setting.ros.numbers("c")) == {3.0}
+    assert setting.ros.numbers("c") == setting.ros.numbers("/d")
+    assert len(setting.ros.numbers("c")) >= 9
     assert list(setting.ros.deliver) == ["other_numbers"]
     assert setting.ros.changed["timeout.topics"] is None
 
@@ -126,6 +129,7 @@ def test_rate_changes_while_the_bridge_runs(world, setting, of, least, state):
         (0.0, {"frequency": 20.0}, 20.0),
         (0.0, {"frequency": 20.0, "timeout.rate": 5.0}, 5.0),
         (1.0, {"frequency": 20.0}, 1.0),
+        (10.0, {"timeout.rate": 2.0}, 2.0),
     ],
 )
 def test_who_states_no_rate_follows_the_frequency_of_the_bridge(
@@ -136,8 +140,10 @@ def test_who_states_no_rate_follows_the_frequency_of_the_bridge(
     setting.ros.parameters |= given
     connection = setting.open(of(rate=stated))
     world.run(3.0)
-    assert connection.rate == rate
+    assert connection.rate == connection.declared_rate == rate
     assert abs(len(setting.ros.numbers("timeout")) - 3 * rate) <= 2
+    assert set(setting.ros.numbers("timeout")) == {4.0}
+    assert of is event or abs(world.count(QueryEventTimeout.CODE) - 3 * rate) <= 1
 
 
 def test_silence_timeout_changes_while_the_bridge_runs(world, setting):
@@ -150,8 +156,7 @@ def test_silence_timeout_changes_while_the_bridge_runs(world, setting):
     world.run(0.2)
     assert peer.take() == [minutes(0)]
     setting.ros.changed["drive.silence_timeout"](0.0)
-    setting.ros.deliver["numbers"](Number(7.0))
-    world.run(5.0)
+    setting.say(7.0, every=5.0)
     assert peer.take() == [minutes(7)]
 
 

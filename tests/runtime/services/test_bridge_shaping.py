@@ -33,14 +33,9 @@ from .bridge_support import (
     minutes,
     peer_component,
     safe,
+    stopping,
     values,
 )
-
-
-def deliver(setting, *numbers, every=0.0):
-    for number in numbers:
-        setting.ros.deliver["numbers"](Number(float(number)))
-        setting.world.run(every)
 
 
 def sent(peer):
@@ -53,7 +48,7 @@ def sent(peer):
 def test_of_what_comes_too_fast_the_newest_passes_in_its_time(world, setting):
     peer = world.probe(str(PEER))
     connection = setting.open(command(shape=Shape(max_rate=2.0)))
-    deliver(setting, 1, 2, 3)
+    setting.say(1, 2, 3)
     assert sent(peer) == [1]
     world.run(0.49)
     assert sent(peer) == []
@@ -61,17 +56,10 @@ def test_of_what_comes_too_fast_the_newest_passes_in_its_time(world, setting):
     assert sent(peer) == [3]
     world.run(5.0)
     assert sent(peer) == []
-    deliver(setting, 4)
+    setting.say(4)
     assert sent(peer) == [4]
     counts = connection.statistics
     assert (counts.arrivals, counts.passed, counts.thinned, counts.drops) == (4, 3, 1, {})
-
-
-def test_a_source_within_its_pace_passes_whole(world, setting):
-    peer = world.probe(str(PEER))
-    setting.open(command(shape=Shape(max_rate=10.0)))
-    deliver(setting, *range(20), every=0.11)
-    assert sent(peer) == list(range(20))
 
 
 def test_reports_and_topics_have_a_pace_too(world, setting):
@@ -87,7 +75,7 @@ def test_reports_and_topics_have_a_pace_too(world, setting):
     times = message_connection(shape=Shape(max_rate=1.0))
     setting.open(report, times)
     probe = world.probe(str(PEER))
-    deliver(setting, 5, 6, 7)
+    setting.say(5, 6, 7)
     for value in (1, 2, 3):
         probe.send(minutes(value), OWN)
     world.settle()
@@ -103,8 +91,7 @@ def test_whoever_must_not_be_heard_takes_no_place(world, setting):
     setting.open(message_connection(shape=Shape(max_rate=1.0), peers=[PEER]))
     stranger, probe = world.probe("1.1.77"), world.probe(str(PEER))
     stranger.send(minutes(9), OWN)
-    probe.send(minutes(1), OWN)
-    world.settle()
+    probe.tell(OWN, minutes(1))
     assert setting.ros.numbers("times") == [1.0]
 
 
@@ -114,18 +101,9 @@ def test_whoever_must_not_be_heard_takes_no_place(world, setting):
 def test_every_third_passes(world, setting):
     peer = world.probe(str(PEER))
     connection = setting.open(command(shape=Shape(decimation=3)))
-    deliver(setting, *range(8))
+    setting.say(*range(8))
     assert sent(peer) == [0, 3, 6]
     assert connection.statistics.thinned == 5
-
-
-def test_decimation_comes_before_the_pace(world, setting):
-    peer = world.probe(str(PEER))
-    setting.open(command(shape=Shape(decimation=2, max_rate=1.0)))
-    deliver(setting, *range(6))
-    assert sent(peer) == [0]
-    world.run(1.01)
-    assert sent(peer) == [4]
 
 
 # ------------------------------------------------------------------ age
@@ -140,9 +118,7 @@ def stamped(time):
 
 def test_commands_that_are_late_do_not_pass_and_the_stop_stands(world, setting, caplog):
     peer = world.probe(str(PEER))
-    connection = setting.open(
-        command(shape=Shape(age_limit=0.5), silence_timeout=1.0, safe_value=safe, is_command=True)
-    )
+    connection = setting.open(stopping(shape=Shape(age_limit=0.5)))
     assert sent(peer) == [0]
     take = setting.ros.take["numbers"]
     late = time.time_ns() - 10 * 10**9
@@ -192,7 +168,7 @@ def test_age_of_jaus_messages():
 def test_what_waits_longer_than_it_may_is_too_old(world, setting):
     peer = world.probe(str(PEER))
     connection = setting.open(command(shape=Shape(max_rate=1.0, age_limit=0.5)))
-    deliver(setting, 1, 2)
+    setting.say(1, 2)
     world.run(2.0)
     assert sent(peer) == [1]
     assert connection.statistics.drops == {"too_old": 1}
@@ -203,10 +179,8 @@ def test_what_waits_longer_than_it_may_is_too_old(world, setting):
 
 def test_a_stop_neither_waits_nor_is_followed_by_what_waited(world, setting):
     peer = world.probe(str(PEER))
-    connection = setting.open(
-        command(shape=Shape(max_rate=0.2), silence_timeout=1.0, safe_value=safe, is_command=True)
-    )
-    deliver(setting, 5, 6)
+    connection = setting.open(stopping(shape=Shape(max_rate=0.2)))
+    setting.say(5, 6)
     world.run(10.0)
     assert sent(peer) == [0, 5, 0]
     assert connection.statistics.thinned == 1
@@ -214,37 +188,27 @@ def test_a_stop_neither_waits_nor_is_followed_by_what_waited(world, setting):
 
 def test_the_first_message_after_a_stop_passes(world, setting):
     peer = world.probe(str(PEER))
-    setting.open(
-        command(shape=Shape(decimation=3), silence_timeout=1.0, safe_value=safe, is_command=True)
-    )
-    deliver(setting, 5, 6)
+    setting.open(stopping(shape=Shape(decimation=3)))
+    setting.say(5, 6)
     world.run(2.0)
-    deliver(setting, 7)
+    setting.say(7)
     assert sent(peer) == [0, 5, 0, 7]
 
 
 def test_a_source_that_is_thinned_is_not_silent(world, setting):
     peer = world.probe(str(PEER))
-    setting.open(
-        command(shape=Shape(max_rate=0.2), silence_timeout=1.0, safe_value=safe, is_command=True)
-    )
-    deliver(setting, *[5] * 60, every=0.1)
+    setting.open(stopping(shape=Shape(max_rate=0.2)))
+    setting.say(*[5] * 60, every=0.1)
     assert sent(peer) == [0, 5, 5]
 
 
 def test_a_source_that_says_nothing_usable_is_silent_for_all_its_messages(world, setting):
     peer = world.probe(str(PEER))
     setting.open(
-        command(
-            translate=lambda source: minutes(int(1 / source.data)),
-            shape=Shape(decimation=3),
-            silence_timeout=1.0,
-            safe_value=safe,
-            is_command=True,
-        )
+        stopping(translate=lambda source: minutes(int(1 / source.data)), shape=Shape(decimation=3))
     )
-    deliver(setting, 1)
-    deliver(setting, *[0] * 20, every=0.1)
+    setting.say(1)
+    setting.say(*[0] * 20, every=0.1)
     assert sent(peer) == [0, 1, 0]
 
 
@@ -253,7 +217,7 @@ def test_nothing_that_waited_passes_after_the_end(world, setting):
     setting.open(
         command(shape=Shape(max_rate=1.0), safe_value=safe, is_command=True, control=Guard.ANY)
     )
-    deliver(setting, 5, 6)
+    setting.say(5, 6)
     setting.bridge.close()
     world.run(3.0)
     assert sent(peer) == [0, 5, 0]
@@ -264,7 +228,7 @@ def test_the_state_of_a_latched_topic_waits_while_the_bridge_is_inactive(world, 
     connection = command(shape=Shape(max_rate=1.0))
     connection._topics = (Topic("numbers", Qos(durability="transient_local")),)
     setting.open(connection)
-    deliver(setting, 5, 6)
+    setting.say(5, 6)
     setting.bridge.set_active(False)
     world.run(3.0)
     assert sent(peer) == [5]
@@ -288,23 +252,23 @@ def test_parameters_shape_while_the_bridge_runs(world, setting):
     peer = world.probe(str(PEER))
     setting.ros.parameters["drive.decimation"] = 2
     setting.open(command())
-    deliver(setting, 1, 2, 3)
+    setting.say(1, 2, 3)
     assert sent(peer) == [1, 3]
     changed = setting.ros.changed
     changed["drive.decimation"](1)
     changed["drive.max_rate"](0.1)
-    deliver(setting, 4, 5)
+    setting.say(4, 5)
     assert sent(peer) == []
     changed["drive.max_rate"](1.0)
     world.run(1.01)
     assert sent(peer) == [5]
-    deliver(setting, 6)
+    setting.say(6)
     world.run(0.5)
-    deliver(setting, 7)
+    setting.say(7)
     assert sent(peer) == []
     changed["drive.max_rate"](0.0)
     assert sent(peer) == [7]  # at once, before what comes now
-    deliver(setting, 8)
+    setting.say(8)
     assert sent(peer) == [8]
     changed["drive.age_limit"](1.0)
     setting.ros.take["numbers"](Number(9.0).to_cdr(), time.time_ns() - 60 * 10**9)
@@ -337,7 +301,7 @@ def test_latency_is_measured_behind_the_shaping(world, setting):
     peer = world.probe(str(PEER))
     connection = setting.open(command(shape=Shape(max_rate=1.0)))
     setting.ros.changed["drive.latency"](True)
-    deliver(setting, 1, 2)
+    setting.say(1, 2)
     world.run(1.01)
     assert sent(peer) == [1, 2]
     assert dict(connection._latency.describe())["in the bridge p50 (us)"]
@@ -348,7 +312,7 @@ def test_the_pace_is_that_of_a_simulation(world, setting):
     peer = world.probe(str(PEER))
     setting.open(command(shape=Shape(max_rate=1.0)))
     setting.ros.say_time(50.0)
-    deliver(setting, 1, 2)
+    setting.say(1, 2)
     world.run(2.9)
     assert sent(peer) == [1]
     setting.ros.say_time(50.9)
@@ -368,13 +332,11 @@ def test_age_is_that_of_a_simulation(world, setting):
     message = stamped(ros.now())
     sender.send(message, OWN)
     world.run(5.0, step=0.1)
-    sender.send(message, OWN)
-    world.settle()
+    sender.tell(OWN, message)
     assert connection.statistics.passed == 2
     clock[0] += 2.0
     ros.say_time(clock[0])
-    sender.send(message, OWN)
-    world.settle()
+    sender.tell(OWN, message)
     assert connection.statistics.passed == 2
     assert connection.statistics.drops == {"too_old": 1}
 

@@ -7,21 +7,19 @@ from jausml.runtime.base.quirks import Quirk
 from jausml.runtime.bridge.reports.states import StopReason
 from jausml.runtime.messages import CreateEvent, Event, QueryTime, ReportTime, SetTime
 
-from .bridge_support import CORE, OTHER, OWN, PEER, Number, command, event, minutes, report, safe
+from .bridge_support import CORE, OTHER, OWN, PEER, command, minutes, report, safe
 
 
 def test_safe_value_once_then_recovery(world, setting):
     peer = world.probe(str(PEER))
     connection = setting.open(command(silence_timeout=1.0, safe_value=safe))
-    for _ in range(30):
-        setting.ros.deliver["numbers"](Number(5.0))
-        world.run(0.1)
+    setting.say(*[5.0] * 30, every=0.1)
     assert peer.take() == [minutes(5)] * 30
     world.run(0.85)
     assert peer.take() == []  # the timeout counts from the last message
     world.run(5.0)
     assert peer.take() == [minutes(0)]
-    setting.ros.deliver["numbers"](Number(6.0))
+    setting.say(6.0)
     assert not connection.is_silent
     assert peer.take() == [minutes(6)]
     world.run(5.0)
@@ -61,7 +59,7 @@ def sent_stops(world):
 def test_a_stop_that_is_lost_is_sent_again_until_it_arrives(world, setting):
     peer = world.probe(str(PEER))
     setting.open(command(silence_timeout=1.0, safe_value=safe))
-    setting.ros.deliver["numbers"](Number(5.0))
+    setting.say(5.0)
     assert peer.take() == [minutes(5)]
     restore = cut(world)
     world.run(5.0)
@@ -75,13 +73,11 @@ def test_a_stop_that_is_lost_is_sent_again_until_it_arrives(world, setting):
 def test_a_stop_is_not_sent_after_what_the_source_says_next(world, setting):
     peer = world.probe(str(PEER))
     setting.open(command(silence_timeout=1.0, safe_value=safe))
-    setting.ros.deliver["numbers"](Number(5.0))
+    setting.say(5.0)
     restore = cut(world)
     world.run(1.5)
     restore()
-    for _ in range(30):
-        setting.ros.deliver["numbers"](Number(6.0))
-        world.run(0.1)
+    setting.say(*[6.0] * 30, every=0.1)
     assert minutes(0) not in peer.take()
 
 
@@ -111,7 +107,7 @@ def test_a_stop_is_not_repeated_for_a_peer_that_obeys_no_more(world, setting):
     tested.start()
     setting.open(command(silence_timeout=1.0, safe_value=safe, control=Guard.READY))
     world.run(0.5)
-    setting.ros.deliver["numbers"](Number(5.0))
+    setting.say(5.0)
     cut(world)
     world.run(2.0)
     assert sent_stops(world) > 3
@@ -130,13 +126,6 @@ def test_silence_timeout_is_a_parameter(world, setting):
     assert peer.take() == []
     world.run(0.2)
     assert peer.take() == [minutes(0)]
-
-
-def test_silence_without_safe_value_is_only_told(world, setting):
-    connection = setting.open(event(rate=1.0, silence_timeout=1.0))
-    world.run(2.0)
-    assert connection.is_silent
-    assert setting.ros.numbers("timeout") == []
 
 
 def test_failing_safe_value_is_counted(world, setting):
@@ -167,7 +156,7 @@ def test_after_a_halt_no_old_report_is_sent_as_if_it_were_new(world, setting, em
     """Timers of events may run before that of the silence: they judge the age themselves."""
     peer = world.probe(str(PEER))
     connection = setting.open(report("heard", freshness=1.0, empty=empty), services=CORE)
-    setting.ros.deliver["numbers"](Number(7.0))
+    setting.say(7.0)
     query = QueryTime(presence_vector=1).encode()
     create = CreateEvent(event_type=0, requested_periodic_rate=20.0, query_message=query)
     peer.send(create, OWN)
@@ -179,15 +168,13 @@ def test_after_a_halt_no_old_report_is_sent_as_if_it_were_new(world, setting, em
     world.run(0.5)
     assert set(events(peer)) == ({empty().encode()} if empty else set())
     assert connection.stopped is StopReason.SILENCE
-    setting.ros.deliver["numbers"](Number(8.0))
-    world.run(0.2)
+    setting.say(8.0, every=0.2)
     assert events(peer)[-1] == reported(8).encode()
 
 
 def test_after_a_halt_no_command_passes_that_waited_for_its_pace(world, setting):
     peer = world.probe(str(PEER))
     setting.open(command(silence_timeout=2.0, safe_value=safe, shape=Shape(max_rate=1.0)))
-    setting.ros.deliver["numbers"](Number(5.0))
-    setting.ros.deliver["numbers"](Number(6.0))
+    setting.say(5.0, 6.0)
     halt(world, 5.0)
     assert peer.take() == [minutes(5), minutes(0)]

@@ -11,7 +11,6 @@ from .bridge_support import (
     OTHER,
     OWN,
     PEER,
-    Number,
     command,
     event,
     minutes,
@@ -49,7 +48,7 @@ def test_silence_is_that_of_the_simulation(world, setting, simulation, ratio):
     peer = world.probe(str(PEER))
     setting.open(command(silence_timeout=1.0, safe_value=safe))
     simulation.run(0.1, ratio)
-    setting.ros.deliver["numbers"](Number(5.0))
+    setting.say(5.0)
     simulation.run(0.9 / ratio, ratio)
     assert peer.take() == [minutes(5)]
     simulation.run(0.2 / ratio, ratio)
@@ -60,7 +59,7 @@ def test_a_pause_is_no_silence_but_a_lost_clock_stops(world, setting, simulation
     peer = world.probe(str(PEER))
     connection = setting.open(command(silence_timeout=1.0, safe_value=safe))
     simulation.run(0.1)
-    setting.ros.deliver["numbers"](Number(5.0))
+    setting.say(5.0)
     simulation.run(20.0, 0.0)
     assert peer.take() == [minutes(5)]
     assert setting.ros.statuses[-1]["simulated time"].level == "ok"
@@ -71,9 +70,8 @@ def test_a_pause_is_no_silence_but_a_lost_clock_stops(world, setting, simulation
     assert connection.stopped is StopReason.CLOCK
     simulation.run(10.0, None)
     assert peer.take() == []
-    status = setting.ros.statuses[-1]["simulated time"]
-    assert (status.level, status.message) == ("stale", "nobody says the time on /clock")
-    setting.ros.deliver["numbers"](Number(6.0))
+    assert setting.judged("simulated time") == ("stale", "nobody says the time on /clock")
+    setting.say(6.0)
     assert peer.take() == [minutes(6)]
 
 
@@ -81,7 +79,7 @@ def test_a_lost_clock_stops_commands_that_may_be_silent_for_ever(world, setting,
     peer = world.probe(str(PEER))
     connection = setting.open(command(is_command=True, safe_value=safe))
     simulation.run(0.1)
-    setting.ros.deliver["numbers"](Number(5.0))
+    setting.say(5.0)
     peer.take()
     simulation.run(CLOCK_TIMEOUT + 0.1, None)
     assert peer.take() == [minutes(0)]
@@ -92,15 +90,14 @@ def test_a_clock_that_nobody_speaks_on_is_told(world, setting):
     setting.ros.is_simulated = True
     setting.open(command(silence_timeout=1.0, safe_value=safe))
     world.run(5.0)
-    status = setting.ros.statuses[-1]["simulated time"]
-    assert (status.level, status.message) == ("stale", "nothing was heard on /clock yet")
+    assert setting.judged("simulated time") == ("stale", "nothing was heard on /clock yet")
 
 
 def test_a_jump_back_is_counted_and_ends_nothing(world, setting, simulation):
     peer = world.probe(str(PEER))
     setting.open(command(silence_timeout=1.0, safe_value=safe))
     simulation.run(0.1)
-    setting.ros.deliver["numbers"](Number(5.0))
+    setting.say(5.0)
     simulation.time = 0.0
     simulation.run(0.8)
     assert peer.take() == [minutes(5)]
@@ -114,20 +111,19 @@ def test_reports_are_served_at_the_pace_of_the_simulation(world, setting, simula
     setting.open(report(), services=CORE)
     client = world.probe(str(OTHER))
     simulation.run(0.1)
-    setting.ros.deliver["numbers"](Number(5.0))
-    client.send(
+    setting.say(5.0)
+    client.tell(
+        OWN,
         CreateEvent(
             request_id=1,
             event_type=CreateEvent.EventType.PERIODIC_SC,
             requested_periodic_rate=10.0,
             query_message=QueryTime(presence_vector=1).encode(),
         ),
-        OWN,
     )
-    world.settle()
     client.take()
     simulation.run(4.0, ratio)
-    events = [message for message in client.take() if isinstance(message, Event)]
+    events = client.take(Event)
     assert len(events) == pytest.approx(40 * ratio, abs=1)
 
 
@@ -136,7 +132,7 @@ def test_queries_are_sent_at_the_pace_of_the_simulation(world, setting, simulati
     setting.open(query(rate=10.0))
     peer.take()
     simulation.run(4.0, 0.5)
-    queries = [message for message in peer.take() if isinstance(message, QueryEventTimeout)]
+    queries = peer.take(QueryEventTimeout)
     assert len(queries) == pytest.approx(20, abs=1)
 
 

@@ -24,7 +24,7 @@ def test_one_translation_serves_every_peer(world, setting):
 
     peers = [world.probe(str(PEER)), world.probe(str(OTHER))]
     connection = setting.open(command(translate=translate, peers=[PEER, OTHER]))
-    setting.ros.deliver["numbers"](Number(5.0))
+    setting.say(5.0)
     assert [peer.take() for peer in peers] == [[minutes(5)], [minutes(5)]]
     assert len(encoded) == 1
     assert setting.ros.made == [("subscription", "numbers")]
@@ -41,30 +41,21 @@ def test_priority_and_acknowledgement(world, setting):
 
     world.send = spy
     setting.open(command(priority=Priority.SAFETY_CRITICAL, acknowledge=True))
-    setting.ros.deliver["numbers"](Number(5.0))
+    setting.say(5.0)
     options = dict(sent)[SetTime.CODE]
     assert options == {"priority": Priority.SAFETY_CRITICAL, "acknowledge": True}
 
 
-def test_connections_of_one_topic_share_one_subscription(world, setting):
-    peers = world.probe(str(PEER)), world.probe(str(OTHER))
-    setting.open(command("a"), command("b", peers=[OTHER]))
-    assert setting.ros.made == [("subscription", "numbers")]
-    setting.ros.deliver["numbers"](Number(5.0))
-    assert [len(peer.take()) for peer in peers] == [1, 1]
-
-
 def test_command_waits_for_ready(world, setting):
     connection = setting.open(command(control=Guard.READY))
-    setting.ros.deliver["numbers"](Number(1.0))
+    setting.say(1.0)
     assert setting.drops(connection) == {"not_ready": 1}
     received = []
     tested = world.component(str(PEER), services=CORE)
     tested.handle(SetTime, lambda message, _: received.append(message), when=Guard.READY)
     tested.start()
     world.run(10.0)
-    setting.ros.deliver["numbers"](Number(2.0))
-    world.settle()
+    setting.say(2.0, every=0)
     assert received == [minutes(2)]
     assert setting.drops(connection) == {"not_ready": 1}
 
@@ -77,8 +68,7 @@ def test_controlled_is_enough_where_nobody_can_resume(world, setting):
     tested.start()
     setting.open(command(control=Guard.CONTROLLED))
     world.run(2.0)
-    setting.ros.deliver["numbers"](Number(2.0))
-    world.settle()
+    setting.say(2.0, every=0)
     assert received == [minutes(2)]
     assert world.count(Resume.CODE) == 0
 
@@ -86,19 +76,17 @@ def test_controlled_is_enough_where_nobody_can_resume(world, setting):
 def test_report_is_served_to_queries_and_events(world, setting):
     setting.open(report(), services=CORE)
     watched = []
-    client = world.component("7.1.1", services=())
-    client.start()
+    client = world.started("7.1.1", services=())
     client.subscribe(
         OWN, QueryTime(presence_vector=1), ReportTime, lambda answer, _: watched.append(answer)
     )
     probe = world.probe("8.1.1")
     assert probe.ask(QueryTime(presence_vector=1), OWN) == []  # nothing yet
     world.run(1.0)
-    setting.ros.deliver["numbers"](Number(3.0))
+    setting.say(3.0)
     (answer,) = probe.ask(QueryTime(presence_vector=1), OWN)
     assert answer.time_stamp.minutes == 3
-    setting.ros.deliver["numbers"](Number(4.0))
-    world.run(1.0)
+    setting.say(4.0, every=1.0)
     assert [watched_report.time_stamp.minutes for watched_report in watched] == [3, 4]
 
 
@@ -210,21 +198,18 @@ def test_peers_get_messages_while_they_obey(world, setting):
     other = obeying_peer(world, OTHER, received)
     connection = setting.open(command(control=Guard.READY, peers=[PEER, OTHER]))
     world.run(5.0)
-    setting.ros.deliver["numbers"](Number(1.0))
-    world.settle()
+    setting.say(1.0, every=0)
     assert received == [(OTHER, 1)]
     assert setting.drops(connection) == {}
     assert connection.statistics.withheld == {PEER: 1}
     assert ("withheld from 1.1.1", 1) in connection.close_account()
     peer = obeying_peer(world, PEER, received)
     world.run(10.0)
-    setting.ros.deliver["numbers"](Number(2.0))
-    world.settle()
+    setting.say(2.0, every=0)
     assert sorted(received[1:]) == [(PEER, 2), (OTHER, 2)]
     other.stop()
     world.run(1.0)
-    setting.ros.deliver["numbers"](Number(3.0))
-    world.settle()
+    setting.say(3.0, every=0)
     assert received[3:] == [(PEER, 3)]
     assert connection.statistics.withheld == {PEER: 1, OTHER: 1}
     assert connection.statistics.passed == 3
@@ -240,7 +225,6 @@ def test_a_translation_that_halts_the_bridge_has_the_stop_as_its_last_word(world
         return minutes(int(source.data))
 
     connection = setting.open(command(translate=translate, is_command=True, safe_value=safe))
-    for value in (5.0, 6.0, 9.0, 7.0):
-        setting.ros.deliver["numbers"](Number(value))
+    setting.say(5.0, 6.0, 9.0, 7.0)
     assert peer.take() == [minutes(0), minutes(5), minutes(6), minutes(0)]
     assert setting.drops(connection) == {"not_ready": 2}

@@ -9,7 +9,6 @@ from jausml.runtime.bridge.ends.topics import Topic
 from jausml.runtime.conversions import ConversionError
 from jausml.runtime.messages import (
     Event,
-    QueryEventTimeout,
     QueryTime,
     ReleaseControl,
     ReportTime,
@@ -27,18 +26,10 @@ from .bridge_support import (
     event,
     message_connection,
     minutes,
+    obeyed,
     peer_component,
     query,
 )
-
-
-def test_event_reaches_every_topic(world, setting):
-    peer_component(world, event_timeout=3)
-    setting.open(event(rate=10.0, topics=[Topic("a"), Topic("b")]))
-    world.run(1.0)
-    assert len(setting.ros.numbers("a")) >= 9
-    assert set(setting.ros.numbers("a")) == {3.0}
-    assert setting.ros.numbers("a") == setting.ros.numbers("b")
 
 
 def test_connections_of_one_report_share_one_event(world, setting):
@@ -63,24 +54,6 @@ def test_everything_is_made_before_the_first_message(setting):
         patch.setattr(Component, "start", start)
         setting.open(event(rate=1.0, topics=[Topic("a")]), command())
     assert made_at_start == [("publisher", "a"), ("subscription", "numbers")]
-
-
-def test_rate_is_a_parameter(world, setting):
-    peer_component(world)
-    setting.ros.parameters["timeout.rate"] = 2.0
-    connection = setting.open(event(rate=10.0))
-    world.run(2.0)
-    assert connection.declared_rate == 2.0
-    assert 3 <= len(setting.ros.numbers("timeout")) <= 6
-
-
-def test_query_asks_once_each_period(world, setting):
-    peer_component(world, event_timeout=4)
-    setting.open(query(rate=5.0))
-    world.run(2.0)
-    assert 10 <= world.count(QueryEventTimeout.CODE) <= 11
-    assert setting.ros.numbers("timeout") == [4.0] * len(setting.ros.numbers("timeout"))
-    assert len(setting.ros.numbers("timeout")) >= 10
 
 
 def test_query_of_an_absent_peer_goes_on(world, setting):
@@ -115,33 +88,22 @@ def test_commands_of_anybody_are_passed_on_in_their_order(world, setting, is_com
     sender = world.probe("5.1.1")
     for number in (10, 12, 11, 13):
         world.arrival.number = number
-        sender.send(minutes(number), OWN)
-        world.settle()
+        sender.tell(OWN, minutes(number))
     expected = [10.0, 12.0, 13.0] if is_command else [10.0, 12.0, 11.0, 13.0]
     assert setting.ros.numbers("times") == expected
     assert world.counters.drops().get("component.out_of_order", 0) == is_command
 
 
 def test_command_needs_control_and_losing_it_is_safe_at_once(world, setting):
-    connection = setting.open(
-        message_connection(when=Guard.READY, silence_timeout=30.0, safe_value=lambda: Number(-1.0)),
-        services=CORE,
-    )
+    connection = setting.open(obeyed(silence_timeout=30.0), services=CORE)
     operator = world.probe("5.1.1")
     operator.send(minutes(1), OWN)  # not obeyed: no control
-    operator.send(RequestControl(authority_code=200), OWN)
-    operator.send(Resume(), OWN)
-    operator.send(minutes(2), OWN)
-    world.settle()
+    operator.tell(OWN, RequestControl(authority_code=200), Resume(), minutes(2))
     assert setting.ros.numbers("times") == [-1.0, 2.0]
-    operator.send(ReleaseControl(), OWN)
-    world.settle()
+    operator.tell(OWN, ReleaseControl())
     assert setting.ros.numbers("times") == [-1.0, 2.0, -1.0]
     assert connection.is_silent
-    operator.send(RequestControl(authority_code=200), OWN)
-    operator.send(Resume(), OWN)
-    operator.send(minutes(3), OWN)
-    world.settle()
+    operator.tell(OWN, RequestControl(authority_code=200), Resume(), minutes(3))
     assert setting.ros.numbers("times") == [-1.0, 2.0, -1.0, 3.0]
     assert not connection.is_silent
     world.run(60.0, step=0.5)
@@ -154,39 +116,18 @@ def test_command_needs_control_and_losing_it_is_safe_at_once(world, setting):
 def test_take_over_in_ready_is_safe_at_once(world, setting, guard, timeout):
     """The bridge stays in Ready for another; the former controller's command must not stand."""
     connection = setting.open(
-        message_connection(when=guard, silence_timeout=timeout, safe_value=lambda: Number(-1.0)),
-        services=CORE,
-        control_timeout=60,
+        obeyed(when=guard, silence_timeout=timeout), services=CORE, control_timeout=60
     )
     former, rival = world.probe("5.1.1"), world.probe("6.1.1")
-    for message in (RequestControl(authority_code=127), Resume(), minutes(2)):
-        former.send(message, OWN)
-    world.settle()
-    rival.send(RequestControl(authority_code=200), OWN)
-    world.settle()
+    former.tell(OWN, RequestControl(authority_code=127), Resume(), minutes(2))
+    rival.tell(OWN, RequestControl(authority_code=200))
     assert setting.bridge.component.status is Status.READY
     assert setting.bridge.component.controller == rival.address
     assert setting.ros.numbers("times") == [-1.0, 2.0, -1.0]
     former.send(minutes(3), OWN)
-    rival.send(minutes(4), OWN)
-    world.settle()
+    rival.tell(OWN, minutes(4))
     assert setting.ros.numbers("times") == [-1.0, 2.0, -1.0, 4.0]
     assert not connection.is_silent
-
-
-def test_lapse_of_control_in_ready_is_safe_once(world, setting):
-    setting.open(
-        message_connection(when=Guard.READY, safe_value=lambda: Number(-1.0)),
-        services=CORE,
-        control_timeout=2,
-    )
-    operator = world.probe("5.1.1")
-    for message in (RequestControl(authority_code=127), Resume(), minutes(2)):
-        operator.send(message, OWN)
-    world.run(1.9)
-    assert setting.ros.numbers("times") == [-1.0, 2.0]
-    world.run(0.2)
-    assert setting.ros.numbers("times") == [-1.0, 2.0, -1.0]
 
 
 def test_guard_may_depend_on_the_message(world, setting):
@@ -198,27 +139,20 @@ def test_guard_may_depend_on_the_message(world, setting):
         return Number(5.0)
 
     connection = setting.open(
-        message_connection(
+        obeyed(
             translate=current,
             when=lambda message: Guard.CONTROLLED if message.time_stamp.minutes else Guard.READY,
-            safe_value=lambda: Number(-1.0),
         ),
         services=CORE,
     )
     operator = world.probe("5.1.1")
-    for message in (RequestControl(authority_code=200), minutes(0), minutes(7)):
-        operator.send(message, OWN)
-    world.settle()
+    operator.tell(OWN, RequestControl(authority_code=200), minutes(0), minutes(7))
     assert setting.ros.numbers("times") == [-1.0]
     assert setting.drops(connection) == {"no_counterpart": 1}
     assert setting.bridge.component.counters.drops()["component.command_refused"] == 1
-    for message in (Resume(), minutes(0), ReleaseControl()):
-        operator.send(message, OWN)
-    world.settle()
+    operator.tell(OWN, Resume(), minutes(0), ReleaseControl())
     assert setting.ros.numbers("times") == [-1.0, 5.0, -1.0]
-    operator.send(RequestControl(authority_code=200), OWN)
-    operator.send(minutes(7), OWN)
-    world.settle()
+    operator.tell(OWN, RequestControl(authority_code=200), minutes(7))
     assert connection.is_silent
     assert setting.ros.numbers("times") == [-1.0, 5.0, -1.0]
 
@@ -248,8 +182,7 @@ def test_reports_that_a_peer_sends_unasked_are_named(world, setting):
     peer = world.probe(str(PEER), strict=False)
     connection = setting.open(asking_for_time())
     peer.send(reported(5), OWN)
-    world.probe(str(OTHER), strict=False).send(reported(6), OWN)
-    world.settle()
+    world.probe(str(OTHER), strict=False).tell(OWN, reported(6))
     assert setting.ros.numbers("time") == []
     assert setting.drops(connection) == {"unasked": 1}
     # What others send is unknown, as before.
@@ -269,8 +202,7 @@ def test_a_report_that_another_connection_takes_is_not_called_unasked(world, set
         "taking", reported_number, message=ReportTime, type=Number, topics=[Topic("taken")]
     )
     setting.open(asking, taking)
-    peer.send(reported(5), OWN)
-    world.settle()
+    peer.tell(OWN, reported(5))
     assert setting.ros.numbers("taken") == [5.0]
     assert setting.drops(asking) == {}
 
@@ -278,12 +210,7 @@ def test_a_report_that_another_connection_takes_is_not_called_unasked(world, set
 def test_what_becomes_of_each_message_is_told_and_adds_up(world, setting, caplog):
     """Each way on which a command can end: none is passed over, in the last line too."""
     caplog.set_level("INFO")
-    connection = setting.open(
-        message_connection(
-            when=Guard.READY, rate_cap=5.0, safe_value=lambda: Number(-1.0), peers=[PEER, OTHER]
-        ),
-        services=CORE,
-    )
+    connection = setting.open(obeyed(rate_cap=5.0, peers=[PEER, OTHER]), services=CORE)
     robber, pilot, stranger = (world.probe(address) for address in (str(OTHER), str(PEER), "5.1.1"))
     pilot.send(RequestControl(authority_code=100), OWN)
     pilot.send(Resume(), OWN)

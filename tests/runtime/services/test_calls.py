@@ -193,8 +193,7 @@ def test_peer_that_does_not_obey(world, setting, client):
 def test_emergency_ends_commands(world, setting, client):
     served = setting.open(command(), services=CORE)
     client.call()
-    world.probe("5.1.1").send(SetEmergency(emergency_code=1), OWN)
-    world.settle()
+    world.probe("5.1.1").tell(OWN, SetEmergency(emergency_code=1))
     client.call()
     assert [good for good, _ in client.told] == [False, False]
     assert setting.drops(served) == {"ended": 1, "not_ready": 1}
@@ -205,8 +204,7 @@ def test_emergency_lets_queries_be(world, setting, client):
     world.probe(str(PEER), strict=False)
     setting.open(connection(), services=CORE)
     client.call()
-    world.probe("5.1.1").send(SetEmergency(emergency_code=1), OWN)
-    world.settle()
+    world.probe("5.1.1").tell(OWN, SetEmergency(emergency_code=1))
     answer(world, setting, ReportStatus())
     assert client.told == [(True, "")]
 

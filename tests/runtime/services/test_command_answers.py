@@ -13,7 +13,7 @@ from jausml.runtime.messages import (
     Resume,
 )
 
-from .bridge_support import CORE, OTHER, OWN, Number, message_connection, minutes
+from .bridge_support import CORE, OTHER, OWN, Number, message_connection, minutes, obeyed
 
 ALL = QueryTime(presence_vector=3)
 TOLD = CommandAnswer(QueryTime, ReportTime)
@@ -31,43 +31,33 @@ def asked(operator, query=ALL):
     return [answer.time_stamp and answer.time_stamp.minutes for answer in answers]
 
 
-def test_the_last_command_is_told(world, setting, operator):
+def test_the_last_command_is_told(setting, operator):
     setting.open(message_connection(answer=TOLD))
     assert asked(operator) == []
-    operator.send(minutes(5), OWN)
-    operator.send(minutes(7), OWN)
-    world.settle()
+    operator.tell(OWN, minutes(5), minutes(7))
     assert setting.ros.numbers("times") == [5.0, 7.0]
     assert asked(operator) == [7]
     assert asked(operator, QueryTime(presence_vector=2)) == [None]
 
 
-def test_what_is_not_passed_on_is_not_told(world, setting, operator):
+def test_what_is_not_passed_on_is_not_told(setting, operator):
     def few(message):
         small = message.time_stamp.minutes < 10
         return Number(float(message.time_stamp.minutes)) if small else None
 
     setting.open(message_connection(few, answer=TOLD))
-    operator.send(minutes(5), OWN)
-    operator.send(minutes(20), OWN)
-    world.settle()
+    operator.tell(OWN, minutes(5), minutes(20))
     assert asked(operator) == [5]
 
 
 @pytest.mark.parametrize(("answer", "nothing"), [(TOLD, []), (EMPTY, [None])])
-def test_after_the_stop_nothing_is_commanded(answer, nothing, world, setting, operator):
-    connection = message_connection(
-        when=Guard.READY, safe_value=lambda: Number(-1.0), answer=answer
-    )
+def test_after_the_stop_nothing_is_commanded(answer, nothing, setting, operator):
+    connection = obeyed(answer=answer)
     setting.open(connection, services=CORE)
     assert asked(operator) == nothing
-    operator.send(RequestControl(authority_code=200), OWN)
-    operator.send(Resume(), OWN)
-    operator.send(minutes(5), OWN)
-    world.settle()
+    operator.tell(OWN, RequestControl(authority_code=200), Resume(), minutes(5))
     assert asked(operator) == [5]
-    operator.send(ReleaseControl(), OWN)
-    world.settle()
+    operator.tell(OWN, ReleaseControl())
     assert setting.ros.numbers("times")[-1] == -1.0
     assert asked(operator) == nothing
 
@@ -79,10 +69,7 @@ def test_a_command_that_was_stopped_is_not_told_again(world, setting, operator):
         small = message.time_stamp.minutes < 10
         return Number(float(message.time_stamp.minutes)) if small else None
 
-    setting.open(
-        message_connection(few, when=Guard.READY, safe_value=lambda: Number(-1.0), answer=TOLD),
-        services=CORE,
-    )
+    setting.open(obeyed(few, answer=TOLD), services=CORE)
     following = world.probe("1.1.7", strict=False)
     for commanding, value in ((operator, 5), (following, 20)):
         commanding.send(RequestControl(authority_code=200), OWN)
@@ -94,22 +81,17 @@ def test_a_command_that_was_stopped_is_not_told_again(world, setting, operator):
         world.settle()
 
 
-def test_what_holds_is_told_on(world, setting, operator):
+def test_what_holds_is_told_on(setting, operator):
     connection = message_connection(when=Guard.READY, hold_reason="it is a goal", answer=TOLD)
     setting.open(connection, services=CORE)
-    operator.send(RequestControl(authority_code=200), OWN)
-    operator.send(Resume(), OWN)
-    operator.send(minutes(5), OWN)
-    operator.send(ReleaseControl(), OWN)
-    world.settle()
+    operator.tell(OWN, RequestControl(authority_code=200), Resume(), minutes(5), ReleaseControl())
     assert asked(operator) == [5]
 
 
-def test_a_command_of_another_kind_is_not_told(world, setting, operator):
+def test_a_command_of_another_kind_is_not_told(setting, operator):
     """As QueryVelocityCommand names the kind of command that it means."""
     setting.open(message_connection(answer=CommandAnswer(QueryTime, ReportTime, same=("NAME",))))
-    operator.send(minutes(5), OWN)
-    world.settle()
+    operator.tell(OWN, minutes(5))
     assert asked(operator) == []
 
 

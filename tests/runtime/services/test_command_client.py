@@ -3,23 +3,15 @@
 import pytest
 
 from jausml.runtime import Completion, Guard, JausComponent, Status
+from jausml.runtime import messages as core
 from jausml.runtime.base.address import BROADCAST, JausAddress
-from jausml.runtime.messages import (
-    CancelEvent,
-    CommandEvent,
-    ConfirmEventRequest,
-    CreateCommandEvent,
-    QueryHeartbeatPulse,
-    RejectEventRequest,
-    ReportHeartbeatPulse,
-    Resume,
-    SetAuthority,
-)
+
+from ..conftest import reports_of
 
 TARGET = JausAddress(1, 1, 1)
 
 
-class Drive(SetAuthority):
+class Drive(core.SetAuthority):
     """A command that takes time."""
 
     CODE = 0x1F00
@@ -53,9 +45,7 @@ class Outcome:
 
 @pytest.fixture
 def robot(world):
-    component = world.component(str(TARGET), kind=Robot)
-    component.start()
-    return component
+    return world.started(str(TARGET), kind=Robot)
 
 
 @pytest.fixture
@@ -102,7 +92,7 @@ class TestCommand:
         assert text
 
     def test_lost_end(self, world, client, outcome):
-        world.lost = lambda _source, _destination, code: code == CommandEvent.CODE
+        world.lost = lambda _source, _destination, code: code == core.CommandEvent.CODE
         client.command(TARGET, Drive(), max_duration=5, **outcome.callbacks())
         world.run(20.0, step=0.5)
         assert outcome.done == [False]
@@ -113,7 +103,7 @@ class TestCommand:
         world.settle()
         pending.cancel()
         world.settle()
-        assert world.count(CancelEvent.CODE) == 1
+        assert world.count(core.CancelEvent.CODE) == 1
         assert not robot.drives[0].active
         world.run(100.0, step=1.0)
         assert (outcome.done, outcome.refused) == ([], [])
@@ -121,7 +111,7 @@ class TestCommand:
     def test_two_commands_at_a_time(self, world, robot, client):
         first, second = Outcome(), Outcome()
         client.command(TARGET, Drive(), **first.callbacks())
-        client.command(TARGET, Resume(), **second.callbacks())
+        client.command(TARGET, core.Resume(), **second.callbacks())
         world.settle()
         assert (first.done, second.done) == ([], [True])
         robot.drives[0].succeed()
@@ -154,15 +144,9 @@ class TestCommand:
         assert "command_client.lost" not in world.counters.snapshot()
 
     def test_next_to_events_of_the_same_provider(self, world, client, outcome):
-        reports = []
-        client.subscribe(
-            TARGET,
-            QueryHeartbeatPulse(),
-            ReportHeartbeatPulse,
-            lambda report, _: reports.append(report),
-            rate=1,
-        )
-        client.command(TARGET, Resume(), **outcome.callbacks())
+        asked = core.QueryHeartbeatPulse(), core.ReportHeartbeatPulse
+        reports = reports_of(client, TARGET, *asked, rate=1)
+        client.command(TARGET, core.Resume(), **outcome.callbacks())
         world.run(5.0, step=0.5)
         assert outcome.done == [True]
         assert len(reports) >= 5
@@ -173,9 +157,9 @@ class TestCommand:
             client.command(probe.address, Drive(), **end.callbacks())
         first, second = probe.take()
         for event_id, result in ((8, 0), (9, 1)):
-            probe.send(CommandEvent(event_id=event_id, command_result=result), client)
+            probe.send(core.CommandEvent(event_id=event_id, command_result=result), client)
         for event_id, request in ((8, first), (9, second)):
-            confirm = ConfirmEventRequest(request_id=request.request_id, event_id=event_id)
+            confirm = core.ConfirmEventRequest(request_id=request.request_id, event_id=event_id)
             probe.send(confirm, client)
         world.settle()
         assert [end.done for end in ends] == [[True], [False]]
@@ -185,38 +169,28 @@ class TestCommand:
         probe = world.probe("5.1.1")
         before = client.command(probe.address, Drive())
         (request,) = probe.take()
-        probe.send(CommandEvent(event_id=9, command_result=0), client)
-        world.settle()
+        probe.tell(client, core.CommandEvent(event_id=9, command_result=0))
         if ends_by == "cancel":
             before.cancel()
         elif ends_by == "confirmation":
-            confirm = ConfirmEventRequest(request_id=request.request_id, event_id=8)
+            confirm = core.ConfirmEventRequest(request_id=request.request_id, event_id=8)
             probe.send(confirm, client)
         else:
-            probe.send(RejectEventRequest(request_id=request.request_id), client)
+            probe.send(core.RejectEventRequest(request_id=request.request_id), client)
         world.settle()
         assert world.counters.snapshot()["command_client.unknown_event"] == 1
         probe.take()
         client.command(probe.address, Drive(), **outcome.callbacks())
         (request,) = probe.take()
-        probe.send(ConfirmEventRequest(request_id=request.request_id, event_id=9), client)
-        world.settle()
+        probe.tell(client, core.ConfirmEventRequest(request_id=request.request_id, event_id=9))
         assert outcome.done == []
 
     def test_reject_without_code_and_text(self, world, client, outcome):
         probe = world.probe("5.1.1")
         client.command(probe.address, Drive(), **outcome.callbacks())
         (request,) = probe.take()
-        probe.send(RejectEventRequest(request_id=request.request_id), client)
-        world.settle()
+        probe.tell(client, core.RejectEventRequest(request_id=request.request_id))
         assert outcome.refused == [(None, "")]
-
-
-def test_no_answer(world, client, outcome):
-    client.command(TARGET, Resume(), timeout=2.0, **outcome.callbacks())
-    world.run(3.0, step=0.5)
-    assert outcome.refused == [(None, "no answer")]
-    assert world.count(CreateCommandEvent.CODE) == 1
 
 
 @pytest.mark.parametrize("ends_by", ["cancel", "no answer", "confirmation", "rejection"])
@@ -228,14 +202,16 @@ def test_a_command_without_an_answer_is_not_executed_later(world, client, outcom
     if ends_by == "cancel":
         pending.cancel()
     elif ends_by == "confirmation":
-        world.send(TARGET, client.address, ConfirmEventRequest(request_id, 5, 0.0).encode())
+        world.send(TARGET, client.address, core.ConfirmEventRequest(request_id, 5, 0.0).encode())
         world.settle()
         pending.cancel()
     elif ends_by == "rejection":
-        world.send(TARGET, client.address, RejectEventRequest(request_id, 1).encode())
+        world.send(TARGET, client.address, core.RejectEventRequest(request_id, 1).encode())
     world.run(60.0, step=0.5)
-    start = CreateCommandEvent.CODE.to_bytes(2, "little") + bytes([request_id])
+    start = core.CreateCommandEvent.CODE.to_bytes(2, "little") + bytes([request_id])
     is_withdrawn = ends_by in {"cancel", "no answer"}
+    assert world.count(core.CreateCommandEvent.CODE) == 1
+    assert ((None, "no answer") in outcome.refused) is (ends_by == "no answer")
     assert world.withdrawn == [(client.address, TARGET, start)] * is_withdrawn
 
 
@@ -249,7 +225,7 @@ def test_cancel_after_the_end_does_no_harm_to_the_next_command(world, robot, cli
     world.settle()
     first.cancel()
     world.settle()
-    assert world.count(CancelEvent.CODE) == 0
+    assert world.count(core.CancelEvent.CODE) == 0
     assert robot.drives[1].active
     robot.drives[1].succeed()
     world.settle()
@@ -261,7 +237,7 @@ def test_a_command_that_is_cancelled_before_its_confirmation_is_cancelled_at_the
     world, robot, client, outcome
 ):
     cancelled = []
-    robot.on_message(CancelEvent, lambda message, _: cancelled.append(message.event_id))
+    robot.on_message(core.CancelEvent, lambda message, _: cancelled.append(message.event_id))
     pending = client.command(TARGET, Drive(1), **outcome.callbacks())
     pending.cancel()
     world.run(1.0, step=0.1)
@@ -284,22 +260,21 @@ def test_command_that_follows_a_cancelled_one_is_told_its_own_end(world, robot, 
 
 def test_command_before_the_start(world, robot, outcome):
     late = world.component("2.1.1", services=())
-    late.command(robot.address, Resume(), **outcome.callbacks())
+    late.command(robot.address, core.Resume(), **outcome.callbacks())
     world.settle()
-    assert world.count(CreateCommandEvent.CODE) == 0
+    assert world.count(core.CreateCommandEvent.CODE) == 0
     late.start()
     world.settle()
     assert outcome.refused[0][0] == 3
 
 
 def test_end_that_nobody_awaits_is_counted(world, client):
-    world.probe("5.1.1").send(CommandEvent(event_id=9, command_result=0), client)
-    world.settle()
+    world.probe("5.1.1").tell(client, core.CommandEvent(event_id=9, command_result=0))
     assert world.counters.snapshot()["command_client.unknown_event"] == 1
 
 
 def test_stop_awaits_nothing_more(world, client, outcome):
-    client.command(TARGET, Resume(), **outcome.callbacks())
+    client.command(TARGET, core.Resume(), **outcome.callbacks())
     client.stop()
     world.run(10.0, step=1.0)
     assert (outcome.done, outcome.refused) == ([], [])
@@ -308,19 +283,19 @@ def test_stop_awaits_nothing_more(world, client, outcome):
 @pytest.mark.parametrize("duration", [-1, 1 << 32])
 def test_impossible_durations(client, duration):
     with pytest.raises(ValueError, match="outside"):
-        client.command(TARGET, Resume(), max_duration=duration)
+        client.command(TARGET, core.Resume(), max_duration=duration)
 
 
 def test_wildcards_are_refused(client):
     with pytest.raises(ValueError, match="one component"):
-        client.command(BROADCAST, Resume())
+        client.command(BROADCAST, core.Resume())
 
 
 def test_too_many_commands(client):
     for _ in range(31):
-        client.command(TARGET, Resume())
+        client.command(TARGET, core.Resume())
     with pytest.raises(ValueError, match="31 commands"):
-        client.command(TARGET, Resume())
+        client.command(TARGET, core.Resume())
 
 
 def test_emergency_is_set_and_cleared_with_the_highest_priority(world, robot, client):

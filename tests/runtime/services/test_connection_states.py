@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from jausml.runtime import ComponentSettings, Guard
+from jausml.runtime import messages as core
 from jausml.runtime.base.counters import LOGGER
 from jausml.runtime.bridge.bridge import Bridge
 from jausml.runtime.bridge.connections.events_to_ros import EventToTopics
@@ -24,17 +25,6 @@ from jausml.runtime.bridge.reports.states import (
     StopReason,
     judge,
 )
-from jausml.runtime.messages import (
-    QueryEventTimeout,
-    ReleaseControl,
-    ReportEventTimeout,
-    ReportTime,
-    RequestControl,
-    Resume,
-    SetEmergency,
-    SetTime,
-    Standby,
-)
 
 from .bridge_support import (
     CORE,
@@ -45,6 +35,7 @@ from .bridge_support import (
     command,
     message_connection,
     minutes,
+    obeyed,
     report,
     safe,
     values,
@@ -84,11 +75,8 @@ CELLS = [
         (Facts(lacking="searching a", stopped=StopReason.SILENCE), "waiting", "searching a"),
         (Facts(stopped=StopReason.SILENCE), "silent", "the source is silent"),
         (Facts(stopped=StopReason.SILENCE, is_heard=False), "waiting", "no message yet"),
-        (
-            Facts(stopped=StopReason.STANDBY),
-            "waiting",
-            "no message since the stop: the bridge stands by",
-        ),
+        (Facts(stopped=StopReason.STANDBY), "waiting",
+            "no message since the stop: the bridge stands by"),
         (Facts(stopped=StopReason.INACTIVE, is_heard=False), "waiting", "no message yet"),
         (Facts(stopped=StopReason.INACTIVE, is_heard=False, forbidden="e"), "refused", "e"),
         (Facts(stopped=StopReason.CLOCK), "silent", "nobody says the time on /clock"),
@@ -100,7 +88,7 @@ CELLS = [
         (Facts(fault="qos", stopped=StopReason.START), "degraded", "qos"),
         (Facts(error="values", fault="qos"), "failed", "values"),
     ],
-)
+)  # fmt: skip
 def test_what_facts_mean(facts, phase, reason):
     assert judge(facts) == (ConnectionPhase(phase), reason)
 
@@ -168,22 +156,20 @@ def connection_of(kind, scene):
         return Number(message.time_stamp.minutes / scene.number)
 
     def time_of_number(source):
-        return ReportTime(time_stamp=ReportTime.TimeStamp(minutes=int(1 / source.data)))
+        return core.ReportTime(time_stamp=core.ReportTime.TimeStamp(minutes=int(1 / source.data)))
 
     def order(source):
         return minutes(int(1 / source.data))
 
     asked = {"type": Number, "topics": [Topic("c")], "peers": [PEER], "silence_timeout": 1.0}
-    asked |= {"query": QueryEventTimeout(), "message": ReportEventTimeout, "rate": 10.0}
+    asked |= {"query": core.QueryEventTimeout(), "message": core.ReportEventTimeout, "rate": 10.0}
     stops = {"silence_timeout": 1.0, "is_command": True}
     made = {
         "event": lambda: EventToTopics("c", number, **asked),
         "query": lambda: QueryToTopics("c", number, **asked),
         "message": lambda: message_connection(number_of_time, silence_timeout=1.0),
         "report": lambda: report("c", time_of_number, freshness=1.0),
-        "command to ROS": lambda: message_connection(
-            number_of_time, when=Guard.READY, safe_value=lambda: Number(-1.0), **stops
-        ),
+        "command to ROS": lambda: obeyed(number_of_time, **stops),
         "command to JAUS": lambda: command(
             "c", control=Guard.READY, safe_value=safe, translate=order, **stops
         ),
@@ -208,18 +194,18 @@ class Scene:
 
     def arrive(self):
         self.peer = self.world.component(str(PEER), services=CORE)
-        self.peer.handle(SetTime, lambda *_: None, when=Guard.READY)
+        self.peer.handle(core.SetTime, lambda *_: None, when=Guard.READY)
         self.peer.start()
 
     def renew(self):
         """Keeps control, as operators do."""
         if self.keeps_control:
-            self.operator.send(RequestControl(authority_code=100), OWN)
+            self.operator.send(core.RequestControl(authority_code=100), OWN)
 
     def take_control(self, who, authority):
-        who.send(RequestControl(authority_code=authority), OWN)
+        who.send(core.RequestControl(authority_code=authority), OWN)
         self.world.settle()
-        who.send(Resume(), OWN)
+        who.send(core.Resume(), OWN)
         self.world.settle()
 
     def pass_time(self, seconds, *, feeds=True):
@@ -269,25 +255,25 @@ class Scene:
 
     def emergency(self):
         self.come()
-        self.operator.send(SetEmergency(), OWN)
+        self.operator.send(core.SetEmergency(), OWN)
         self.pass_time(2.0)
 
     def stand_by(self):
         self.come()
-        self.operator.send(Standby(), OWN)
+        self.operator.send(core.Standby(), OWN)
         self.pass_time(2.0)
 
     def release(self):
         self.come()
         self.keeps_control = False
-        self.operator.send(ReleaseControl(), OWN)
+        self.operator.send(core.ReleaseControl(), OWN)
         self.pass_time(2.0)
 
     def take_over(self):
         self.come()
         self.keeps_control = False
         other = self.world.probe(str(OTHER), strict=False)
-        other.send(RequestControl(authority_code=200), OWN)
+        other.send(core.RequestControl(authority_code=200), OWN)
         self.pass_time(2.0)
 
     def lose_peer(self):

@@ -30,9 +30,7 @@ SEEKING, CONTROLLED, READY, REFUSED = ControlState
 
 
 def target(world, **settings):
-    component = world.component(str(TARGET), **settings)
-    component.start()
-    return component
+    return world.started(str(TARGET), **settings)
 
 
 def kill(world, component):
@@ -81,8 +79,7 @@ def test_control_is_kept(world, client, timeout):
 
 
 def test_control_is_renewed_four_times_in_the_timeout(world):
-    patient = world.component("2.1.1", services=(), watch_interval=100.0)
-    patient.start()
+    patient = world.started("2.1.1", services=(), watch_interval=100.0)
     target(world, control_timeout=10)
     patient.control(TARGET, authority=127)
     world.run(1.0)
@@ -288,8 +285,7 @@ def test_a_target_that_grants_and_takes_away_is_not_flooded(world, client):
 
 @pytest.mark.parametrize("end", ["emergency", "failure", "shutdown"])
 def test_a_component_that_must_not_work_controls_nobody(world, end):
-    commander = world.component("2.1.1", kind=JausComponent)
-    commander.start()
+    commander = world.started("2.1.1", kind=JausComponent)
     tested = target(world)
     states = []
     session = commander.control(TARGET, authority=127, on_change=states.append)
@@ -316,16 +312,14 @@ def test_a_component_that_must_not_work_controls_nobody(world, end):
 
 @pytest.mark.parametrize("hook", ["on_ready", "on_not_ready"])
 def test_a_component_that_fails_in_a_hook_controls_nobody(world, hook):
-    commander = world.component("2.1.1", kind=JausComponent, control_timeout=0)
-    commander.start()
+    commander = world.started("2.1.1", kind=JausComponent, control_timeout=0)
     setattr(commander, hook, lambda: commander.fail("a brake is stuck"))
     tested = target(world)
     session = commander.control(TARGET, authority=127)
     world.run(1.0)
     assert session.state is READY
     operator = world.probe("3.1.1", strict=False)
-    for message in (RequestControl(authority_code=127), Resume(), Standby()):
-        operator.ask(message, commander)
+    operator.tell(commander, RequestControl(authority_code=127), Resume(), Standby())
     world.run(3.0)
     assert commander.status is Status.FAILURE
     assert tested.controller is None
@@ -333,8 +327,7 @@ def test_a_component_that_fails_in_a_hook_controls_nobody(world, hook):
 
 
 def test_a_session_of_a_component_in_emergency_waits(world):
-    commander = world.component("2.1.1")
-    commander.start()
+    commander = world.started("2.1.1")
     tested = target(world)
     guard = world.probe("3.1.1")
     guard.ask(SetEmergency(emergency_code=1), commander)
@@ -406,12 +399,12 @@ def test_words_of_strangers_are_ignored(world, client):
     session = client.control(TARGET, authority=127)
     world.settle()
     stranger = world.probe("3.1.1")
-    for message in (
+    stranger.tell(
+        client,
         RejectControl(response_code=0),
         ConfirmControl(response_code=2),
         ReportStatus(status=2, reserved=0),
-    ):
-        stranger.ask(message, client)
+    )
     assert session.state is READY
 
 
@@ -497,8 +490,7 @@ def test_whatever_happens_control_comes_back_and_nobody_is_flooded(world, seed):
     chance = random.Random(seed)
     share = chance.choice([0.0, 0.2, 0.5])
     world.lost = lambda *_: chance.random() < share
-    client = world.component("2.1.1")
-    client.start()
+    client = world.started("2.1.1")
     tested = target(world, control_timeout=chance.choice([0, 1, 2, 10]))
     rival = world.probe("3.1.1", strict=False)
     session = client.control(TARGET, authority=127)
@@ -506,13 +498,10 @@ def test_whatever_happens_control_comes_back_and_nobody_is_flooded(world, seed):
         kind = chance.randrange(9)
         if kind < 6:
             message = (
-                RequestControl(authority_code=200),
-                ReleaseControl(),
-                Standby(),
+                RequestControl(authority_code=200), ReleaseControl(), Standby(),
+                SetEmergency(emergency_code=1), ClearEmergency(emergency_code=1),
                 SetEmergency(emergency_code=1),
-                ClearEmergency(emergency_code=1),
-                SetEmergency(emergency_code=1),
-            )[kind]
+            )[kind]  # fmt: skip
             rival.send(message, client if kind == 5 else tested)
         elif kind == 6:
             kill(world, tested)
@@ -549,10 +538,9 @@ def test_who_acts_on_repetitions_too_is_known_for_it(world, client):
     probe = world.probe(str(TARGET))
     client.control(TARGET, authority=127)
     world.run(0.1)
-    requests = [message for message in probe.take() if isinstance(message, RequestControl)]
+    requests = probe.take(RequestControl)
     for _ in range(len(requests) + 1):
         assert world.quirks.of(TARGET) == ()
-        probe.send(ConfirmControl(response_code=0), client)
-        world.settle()
+        probe.tell(client, ConfirmControl(response_code=0))
     (quirk,) = world.quirks.of(TARGET)
     assert quirk == (Quirk.NO_DUPLICATE_FILTER, "answers 2, requests 1")

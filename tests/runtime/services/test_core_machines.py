@@ -16,21 +16,10 @@ from jausml.language.importers.jsidl import import_jsidl
 from jausml.language.metamodel.classes import jaus
 from jausml.language.semantics.jaus.core_services import newest_services
 from jausml.language.semantics.jaus.inherited_machines import core_machine, states_of
-from jausml.runtime import Completion, JausComponent, Scope, ServiceIdentity, Status, messages
+from jausml.runtime import Completion, JausComponent, Scope, ServiceIdentity, Status
+from jausml.runtime import messages as core
 from jausml.runtime.clients.discovery_client import query_service_lists, query_services
 from jausml.runtime.component.modelled import CORE_STATES
-from jausml.runtime.messages import (
-    CancelEvent,
-    CreateCommandEvent,
-    CreateEvent,
-    QueryIdentification,
-    QueryStatus,
-    RequestControl,
-    SetAuthority,
-    SetEmergency,
-    Shutdown,
-    UpdateEvent,
-)
 from jausml.runtime.services.discovery import register_services
 
 from .conftest import World
@@ -155,7 +144,7 @@ class Robot(JausComponent):
         return self.under_way[-1]
 
 
-class SlowCommand(SetAuthority):
+class SlowCommand(core.SetAuthority):
     """A command of the user that takes time."""
 
     CODE = 0x1F00
@@ -169,11 +158,11 @@ def fails(stage):
 INIT = f"{READY}.NotControlled.NotAvailable.Init"
 STANDBY = "NotControlled.Available.Standby"
 FAILURE = "NotControlled.NotAvailable.Failure"
-EMERGENCY = ("bystander", SetEmergency())
+EMERGENCY = ("bystander", core.SetEmergency())
 SITUATIONS = {
     (Status.STANDBY, False): (),
     (Status.FAILURE, False): (fails,),
-    (Status.SHUTDOWN, False): (*ready(), ("client", Shutdown())),
+    (Status.SHUTDOWN, False): (*ready(), ("client", core.Shutdown())),
     (Status.EMERGENCY, False): (EMERGENCY,),
     (Status.STANDBY, True): controlled(),
     (Status.READY, True): ready(),
@@ -182,23 +171,25 @@ SITUATIONS = {
 """What leads to each innermost state but Init, which a component passes through at its start."""
 
 
-STATUS = QueryStatus().encode()
+STATUS = core.QueryStatus().encode()
 
 
 def create(query=STATUS, rate=0.0):
-    return CreateEvent(
+    return core.CreateEvent(
         request_id=7, event_type=0 if rate else 1, requested_periodic_rate=rate, query_message=query
     )
 
 
 def update(event, query=STATUS):
-    return UpdateEvent(
+    return core.UpdateEvent(
         request_id=8, event_type=1, requested_periodic_rate=0.0, event_id=event, query_message=query
     )
 
 
 def command(payload):
-    return CreateCommandEvent(request_id=5, maximum_allowed_duration=1, command_message=payload)
+    return core.CreateCommandEvent(
+        request_id=5, maximum_allowed_duration=1, command_message=payload
+    )
 
 
 SLOW = SlowCommand(authority_code=1).encode()
@@ -231,19 +222,19 @@ def asked(trigger, says):
     if not says.get("isCurrentAuthorityLess", True):
         authority = 40
     made = {
-        "RequestControl": lambda: RequestControl(authority_code=authority),
-        "SetAuthority": lambda: SetAuthority(authority_code=40),
+        "RequestControl": lambda: core.RequestControl(authority_code=authority),
+        "SetAuthority": lambda: core.SetAuthority(authority_code=40),
         "CreateEvent": lambda: create(query),
         "UpdateEvent": lambda: update(0 if exists else 99, query),
-        "CancelEvent": lambda: CancelEvent(request_id=9, event_id=0 if exists else 99),
+        "CancelEvent": lambda: core.CancelEvent(request_id=9, event_id=0 if exists else 99),
         "CreateCommandEvent": lambda: command(SLOW if supported else UNKNOWN),
-        "QueryIdentification": lambda: QueryIdentification(query_type=4),
+        "QueryIdentification": lambda: core.QueryIdentification(query_type=4),
         "QueryServices": query_services,
         "QueryServiceList": query_service_lists,
         "RegisterServices": lambda: register_services((ServiceIdentity("urn:x:Y", 1, 0),)),
-        "QueryConfiguration": lambda: messages.QueryConfiguration(query_type=2),
+        "QueryConfiguration": lambda: core.QueryConfiguration(query_type=2),
     }
-    return made.get(trigger, getattr(messages, trigger, None))()
+    return made.get(trigger, getattr(core, trigger, None))()
 
 
 def sender(each, leaf, says):

@@ -26,6 +26,7 @@ from jausml.runtime.messages import (
     SetAuthority,
 )
 
+from ..conftest import wait_until
 from .state_tables import CORE_NAMES, V1_1, core_services
 
 pytestmark = pytest.mark.ports
@@ -80,7 +81,7 @@ def operator(station):
     component.stop()
 
 
-def test_list_command_time_and_emergency(robot, operator, wait_until):
+def test_list_command_time_and_emergency(robot, operator):
     session = operator.control(ROBOT, authority=100)
     wait_until(lambda: session.state is ControlState.READY)
 
@@ -113,7 +114,7 @@ def test_list_command_time_and_emergency(robot, operator, wait_until):
 
 
 @pytest.mark.parametrize("rate", [200.0, 1000.0])
-def test_events_are_as_fast_as_they_are_asked_for(robot, operator, wait_until, rate):
+def test_events_are_as_fast_as_they_are_asked_for(robot, operator, rate):
     """A provider that gave 100 Hz at most would have 10 ms between two reports."""
     times = []
     operator.subscribe(

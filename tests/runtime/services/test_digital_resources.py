@@ -23,17 +23,11 @@ SERVICES = (*CORE_SERVICES, ServiceIdentity(DIGITAL_RESOURCE_DISCOVERY, 1, 1))
 
 
 def registry(world, *urls, address="100.1.1"):
-    component = world.component(
-        address, services=SERVICES, digital_resources=urls, register_services=True
-    )
-    component.start()
-    return component
+    return world.started(address, services=SERVICES, digital_resources=urls, register_services=True)
 
 
 def camera(world, *urls, address="100.1.5"):
-    component = world.component(address, digital_resources=urls)
-    component.start()
-    return component
+    return world.started(address, digital_resources=urls)
 
 
 def urls_of(client, component):
@@ -70,10 +64,13 @@ def test_what_is_registered_is_confirmed_reported_and_removed(world, client):
 
 def test_a_resource_that_moves_takes_its_own_place(world, client):
     vehicle = registry(world)
-    client.ask(registration(FRONT, owner="100.1.5", number=1), vehicle)
-    client.ask(registration(REAR, owner="100.1.5", number=1), vehicle)
-    client.ask(registration(FRONT), vehicle)
-    client.ask(registration(FRONT), vehicle)
+    client.tell(
+        vehicle,
+        registration(FRONT, owner="100.1.5", number=1),
+        registration(REAR, owner="100.1.5", number=1),
+        registration(FRONT),
+        registration(FRONT),
+    )
     assert urls_of(client, vehicle) == [REAR, FRONT]
 
 

@@ -3,12 +3,11 @@
 import pytest
 
 from jausml.runtime import Scope, ServiceIdentity
-from jausml.runtime.base.address import BROADCAST, JausAddress
+from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.quirks import Quirk
 from jausml.runtime.clients.discovery_client import MAX_FOUND, query_service_lists, query_services
 from jausml.runtime.messages import (
     QueryIdentification,
-    QueryServiceList,
     QueryServices,
     QuerySubsystemList,
     RegisterServices,
@@ -16,6 +15,8 @@ from jausml.runtime.messages import (
     ReportServices,
 )
 from jausml.runtime.services.discovery import register_services, report_services
+
+from .state_tables import query_service_list, query_services_of
 
 SENSOR = ServiceIdentity("urn:jaus:jss:mobility:VelocityStateSensor", 1, 0)
 DISCOVERY = ServiceIdentity("urn:jaus:jss:core:Discovery", 1, 1)
@@ -28,21 +29,7 @@ def client(world):
 
 
 def server(world, scope=Scope.SUBSYSTEM, address="1.1.1", **named):
-    component = world.component(address, services=(DISCOVERY,), discovery_scope=scope, **named)
-    component.start()
-    return component
-
-
-def query_pairs(*pairs):
-    return QueryServices(
-        node_list=[
-            QueryServices.NodeSeq(
-                node_rec=QueryServices.NodeRec(node_id=node),
-                component_list=[QueryServices.ComponentRec(component_id=component)],
-            )
-            for node, component in pairs
-        ]
-    )
+    return world.started(address, services=(DISCOVERY,), discovery_scope=scope, **named)
 
 
 def found(report):
@@ -104,45 +91,34 @@ class TestRegistration:
         return probe
 
     @pytest.mark.parametrize(
-        ("node", "component", "expected"),
+        ("asked", "expected"),
         [
-            (2, 3, {(2, 3)}),
-            (2, 255, {(2, 3)}),
-            (255, 1, {(1, 1)}),
-            (1, 255, {(1, 1)}),
-            (2, 9, set()),
-            (77, 255, set()),
+            ([(2, 3)], {(2, 3)}),
+            ([(2, 255)], {(2, 3)}),
+            ([(255, 1)], {(1, 1)}),
+            ([(1, 255)], {(1, 1)}),
+            ([(2, 9)], set()),
+            ([(77, 255)], set()),
+            ([(2, 3), (1, 1), (5, 5)], {(1, 1), (2, 3)}),
         ],
     )
-    def test_wildcards_and_unknown_ids(self, tested, client, node, component, expected):
-        (report,) = client.ask(query_pairs((node, component)), tested)
+    def test_wildcards_unknown_ids_and_several(self, tested, client, asked, expected):
+        (report,) = client.ask(query_services_of(*asked), tested)
         assert set(found(report)) == expected
-
-    def test_several_components(self, tested, client):
-        (report,) = client.ask(query_pairs((2, 3), (1, 1), (5, 5)), tested)
-        assert set(found(report)) == {(1, 1), (2, 3)}
 
     def test_node_scope_takes_its_node_only(self, world, client):
         narrow = server(world, Scope.NODE, "2.1.1")
         world.probe("2.1.2").ask(register_services([SENSOR]), narrow)
         world.probe("2.2.2").ask(register_services([SENSOR]), narrow)
-        (report,) = client.ask(query_pairs((255, 255)), narrow)
+        (report,) = client.ask(query_services_of((255, 255)), narrow)
         assert set(found(report)) == {(1, 1), (1, 2)}
 
     def test_looking_for_the_server_renews_the_registration(self, world, tested, member, client):
         world.run(200.0, step=10.0)
         member.ask(QueryIdentification(query_type=SUBSYSTEM), tested)
         world.run(200.0, step=10.0)
-        (report,) = client.ask(query_pairs((255, 255)), tested)
+        (report,) = client.ask(query_services_of((255, 255)), tested)
         assert set(found(report)) == {(1, 1), (2, 3)}
-
-    def test_registrations_are_bounded(self, world, tested):
-        for number in range(1100):
-            payload = register_services([]).encode()
-            source = JausAddress(1, 2 + number // 200, 1 + number % 200)
-            world.send(source, tested.address, payload)
-        world.settle()
-        assert world.counters.snapshot()["discovery.too_many_registrations"] == 76
 
     @pytest.mark.parametrize("address", [(2, 255, 255), (1, 7, 255), (1, 2, 7)])
     def test_service_list_of_the_unknown(self, tested, client, address):
@@ -159,26 +135,6 @@ class TestRegistration:
         assert node.node_rec.node_id == 2
 
 
-def query_service_list(subsystem, node, component, search=None):
-    return QueryServiceList(
-        subsystem_list=[
-            QueryServiceList.SubsystemSeq(
-                subsystem_rec=QueryServiceList.SubsystemRec(subsystem_id=subsystem),
-                node_list=[
-                    QueryServiceList.NodeSeq(
-                        node_rec=QueryServiceList.NodeRec(node_id=node),
-                        component_list=[
-                            QueryServiceList.ComponentRec(
-                                component_id=component, search_filter=search
-                            )
-                        ],
-                    )
-                ],
-            )
-        ]
-    )
-
-
 def test_component_registers_with_its_subsystem(world, client):
     tested = server(world)
     member = world.component("1.5.6", services=(SENSOR,), register_services=True)
@@ -186,25 +142,23 @@ def test_component_registers_with_its_subsystem(world, client):
     member.start()
     stranger.start()
     world.settle()
-    (report,) = client.ask(query_pairs((255, 255)), tested)
+    (report,) = client.ask(query_services_of((255, 255)), tested)
     assert set(found(report)) == {(1, 1), (5, 6)}
 
 
 def test_component_registers_with_a_server_that_comes_later_or_again(world, client):
-    member = world.component("1.5.6", services=(SENSOR,), register_services=True)
-    member.start()
+    world.started("1.5.6", services=(SENSOR,), register_services=True)
     world.run(60.0, step=1.0)
     for _ in range(2):
         tested = server(world)
         world.run(16.0, step=1.0)
-        (report,) = client.ask(query_pairs((5, 6)), tested)
+        (report,) = client.ask(query_services_of((5, 6)), tested)
         assert set(found(report)) == {(5, 6)}
         tested.stop()
 
 
 def test_component_registers_with_its_own_subsystem_only(world, client):
-    member = world.component("1.5.6", services=(SENSOR,), register_services=True)
-    member.start()
+    member = world.started("1.5.6", services=(SENSOR,), register_services=True)
     report = ReportIdentification(query_type=SUBSYSTEM, type_=20001, identification="ocu")
     assert client.ask(report, member) == []
     neighbour = world.probe("1.1.1")
@@ -213,8 +167,7 @@ def test_component_registers_with_its_own_subsystem_only(world, client):
 
 
 def test_registering_costs_little(world):
-    member = world.component("1.5.6", services=(SENSOR,), register_services=True)
-    member.start()
+    member = world.started("1.5.6", services=(SENSOR,), register_services=True)
     world.run(600.0, step=1.0)
     assert world.count(QueryIdentification.CODE) == pytest.approx(42, abs=2)
     member.stop()
@@ -231,43 +184,31 @@ def test_search(world):
     searcher.start()
     world.run(40.0, step=1.0)
     assert [(hit.address, hit.services) for hit in hits] == [(JausAddress(1, 2, 3), (SENSOR,))]
-    lone = world.component("8.1.1", services=(DISCOVERY, SENSOR))
-    lone.start()
+    world.started("8.1.1", services=(DISCOVERY, SENSOR))
     world.run(16.0, step=1.0)
     assert [hit.address for hit in hits[1:]] == [JausAddress(8, 1, 1)]
 
 
 def test_who_knows_no_wildcards_is_asked_by_name(world):
     """JAUS++ answers a query with wildcards by a report without components."""
-    searcher = world.component("2.1.1", services=())
-    searcher.start()
+    searcher = world.started("2.1.1", services=())
     hits = []
     searcher.discover(SENSOR.urn, hits.append)
     other = world.probe("152.1.1", strict=False)
     world.settle()
-    other.send(ReportServices(node_list=[]), searcher)
-    world.settle()
-    named = [message for message in other.take() if isinstance(message, QueryServices)][-1]
+    other.tell(searcher, ReportServices(node_list=[]))
+    named = other.take(QueryServices)[-1]
     (node,) = named.node_list
     assert node.node_rec.node_id == 1
     assert [asked_component.component_id for asked_component in node.component_list] == [1]
-    other.send(ReportServices(node_list=[]), searcher)
-    world.settle()
-    assert not [message for message in other.take() if isinstance(message, QueryServices)]
+    other.tell(searcher, ReportServices(node_list=[]))
+    assert not other.take(QueryServices)
 
     catalog = {JausAddress(152, 1, 1): (SENSOR,)}
-    other.send(report_services(named, catalog, 152), searcher)
-    world.settle()
+    other.tell(searcher, report_services(named, catalog, 152))
     assert [hit.address for hit in hits] == [JausAddress(152, 1, 1)]
     (quirk,) = searcher.transport.quirks.of(JausAddress(152, 1, 1))
     assert quirk.quirk is Quirk.NO_WILDCARDS
-
-
-def test_search_asks_everyone(world):
-    searcher = world.component("7.1.1")
-    searcher.start()
-    searcher.discover(SENSOR.urn, lambda _hit: None)
-    assert (searcher.address, BROADCAST, QueryServices.CODE) in world.log
 
 
 def identify(world, tested, *addresses):
@@ -308,7 +249,7 @@ def test_stale_registrations_make_room(world, client):
     world.run(20.0, step=5.0)
     world.send(JausAddress(1, 9, 9), tested.address, payload)
     world.settle()
-    (report,) = client.ask(query_pairs((255, 255)), tested)
+    (report,) = client.ask(query_services_of((255, 255)), tested)
     assert set(found(report)) == {(1, 1), (9, 9)}
 
 
@@ -323,8 +264,7 @@ def test_list_of_more_subsystems_than_a_report_holds(world, client):
 
 
 def test_search_is_not_filled_by_inventions(world):
-    seeker = world.component("2.1.1", services=())
-    seeker.start()
+    seeker = world.started("2.1.1", services=())
     told = []
     seeker.discover(SENSOR.urn, told.append)
     for subsystem in range(100, 110):

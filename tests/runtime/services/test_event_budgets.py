@@ -5,30 +5,21 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from jausml.runtime import ComponentSettings
+from jausml.runtime import messages as core
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.budgets import Held, fair_rates, who_gives_way
-from jausml.runtime.messages import (
-    CancelEvent,
-    ConfirmEventRequest,
-    CreateEvent,
-    Event,
-    QueryStatus,
-    QueryTimeout,
-    RejectEventRequest,
-    RequestControl,
-)
 
 ROBOT = JausAddress(1, 1, 1)
 RATES = st.floats(0.1, 1092.0)
 PLACES = st.tuples(*[st.integers(0, 3)] * 3).map(lambda place: (place[0], place[:2], place))
 
 
-def create(rate=20.0, query=QueryStatus):
-    return CreateEvent(1, CreateEvent.EventType.PERIODIC_SC, rate, query().encode())
+def create(rate=20.0, query=core.QueryStatus):
+    return core.CreateEvent(1, core.CreateEvent.EventType.PERIODIC_SC, rate, query().encode())
 
 
 def reports(probe):
-    return sum(isinstance(message, Event) for message in probe.take())
+    return sum(isinstance(message, core.Event) for message in probe.take())
 
 
 def kinds(answers):
@@ -54,35 +45,34 @@ class TestShares:
         assert shares["honest"] == pytest.approx(rate)
 
 
-class TestSlots:
-    ASKER = Held(None, ("a", "a1", "a11"))
+ASKER = Held(None, ("a", "a1", "a11"))
 
-    def test_the_largest_host_gives_the_newest(self):
-        held = [Held(n, ("b", "b1", "b11")) for n in range(3)] + [Held(9, ("c", "c1", "c11"))]
-        assert who_gives_way(held, self.ASKER) == 2
 
-    def test_nobody_gives_when_the_asker_has_as_many(self):
-        held = [Held(1, ("b", "b1", "b11")), Held(2, self.ASKER.place)]
-        assert who_gives_way(held, self.ASKER) is None
+def three(*place, **claim):
+    return [Held(n, place, **claim) for n in range(3)]
 
-    def test_within_a_host_the_largest_endpoint_gives(self):
-        held = [Held(n, ("a", "a2", "x")) for n in range(3)] + [Held(9, ("b", "b1", "x"))]
-        assert who_gives_way(held, self.ASKER) == 2
 
-    def test_what_is_not_proved_goes_before_what_is(self):
-        held = [Held(n, ("b", "b1", "b11")) for n in range(3)]
-        held.append(Held(9, ("c", "c1", "c11"), is_proved=False))
-        assert who_gives_way(held, self.ASKER) == 9
+SLOTS = {
+    "the largest host gives the newest": (
+        [*three("b", "b1", "b11"), Held(9, ("c", "c1", "c11"))], ASKER, 2),
+    "nobody gives when the asker has as many": (
+        [Held(1, ("b", "b1", "b11")), Held(2, ASKER.place)], ASKER, None),
+    "within a host the largest endpoint gives": (
+        [*three("a", "a2", "x"), Held(9, ("b", "b1", "x"))], ASKER, 2),
+    "what is not proved goes before what is": (
+        [*three("b", "b1", "b11"), Held(9, ("c", "c1", "c11"), is_proved=False)], ASKER, 9),
+    "one without proof takes nothing from those who have one": (
+        three("b", "b1", "b11"), Held(None, ASKER.place, is_proved=False), None),
+    "what is kept gives to nobody": (three("b", "b1", "b11", is_kept=True), ASKER, None),
+    "who is kept gets in any case": (
+        [*three("b", "b1", "b11", is_kept=True), Held(9, ASKER.place)],
+        Held(None, ASKER.place, is_kept=True), 9),
+}  # fmt: skip
 
-    def test_one_without_proof_takes_nothing_from_those_who_have_one(self):
-        held = [Held(n, ("b", "b1", "b11")) for n in range(3)]
-        assert who_gives_way(held, Held(None, self.ASKER.place, is_proved=False)) is None
 
-    def test_what_is_kept_gives_to_nobody_and_gets_in_any_case(self):
-        kept = [Held(n, ("b", "b1", "b11"), is_kept=True) for n in range(3)]
-        assert who_gives_way(kept, self.ASKER) is None
-        asker = Held(None, self.ASKER.place, is_kept=True)
-        assert who_gives_way([*kept, Held(9, self.ASKER.place)], asker) == 9
+@pytest.mark.parametrize(("held", "asker", "expected"), SLOTS.values(), ids=SLOTS)
+def test_who_gives_a_slot(held, asker, expected):
+    assert who_gives_way(held, asker) == expected
 
 
 class TestService:
@@ -90,7 +80,7 @@ class TestService:
         tested, client = world.component("1.1.1"), world.probe("3.1.1")
         tested.start()
         world.unproved.add(client.address)
-        assert ConfirmEventRequest in kinds(client.ask(create(100.0), tested))
+        assert core.ConfirmEventRequest in kinds(client.ask(create(100.0), tested))
         world.run(4.9)
         assert 3 <= reports(client) <= 6
         world.run(1.0)
@@ -106,9 +96,9 @@ class TestService:
         (confirmed,) = (
             message
             for message in client.ask(create(), tested)
-            if isinstance(message, ConfirmEventRequest)
+            if isinstance(message, core.ConfirmEventRequest)
         )
-        client.ask(CancelEvent(request_id=2, event_id=confirmed.event_id), tested)
+        client.ask(core.CancelEvent(request_id=2, event_id=confirmed.event_id), tested)
         world.run(10.0)
         assert "events.never_proved" not in world.counters.snapshot()
 
@@ -125,31 +115,28 @@ class TestService:
         assert 195 <= reports(client) <= 205
 
     def test_a_full_service_serves_a_host_that_has_nothing(self, world):
-        tested = world.component("1.1.1", max_events=4)
-        tested.start()
+        tested = world.started("1.1.1", max_events=4)
         greedy = [world.probe(f"9.1.{n}") for n in range(1, 5)]
         for probe in greedy:
-            assert ConfirmEventRequest in kinds(probe.ask(create(), tested))
+            assert core.ConfirmEventRequest in kinds(probe.ask(create(), tested))
         honest = world.probe("3.1.1")
-        assert ConfirmEventRequest in kinds(honest.ask(create(), tested))
-        assert ConfirmEventRequest in kinds(greedy[-1].take())
+        assert core.ConfirmEventRequest in kinds(honest.ask(create(), tested))
+        assert core.ConfirmEventRequest in kinds(greedy[-1].take())
         # It has more than its share, and so gets no further one.
-        assert kinds(greedy[-1].ask(create(), tested)) == {RejectEventRequest}
+        assert kinds(greedy[-1].ask(create(), tested)) == {core.RejectEventRequest}
         assert world.counters.snapshot()["events.gave_way"] == 1
 
     def test_the_controller_gets_a_slot_in_any_case(self, world):
-        tested = world.component("1.1.1", max_events=2)
-        tested.start()
+        tested = world.started("1.1.1", max_events=2)
         operator, other = world.probe("3.1.1"), world.probe("3.1.2")
-        operator.ask(RequestControl(authority_code=9), tested)
+        operator.ask(core.RequestControl(authority_code=9), tested)
         assert world.is_kept(operator.address)
-        for query in (QueryStatus, QueryTimeout):
+        for query in (core.QueryStatus, core.QueryTimeout):
             other.ask(create(query=query), tested)
-        assert ConfirmEventRequest in kinds(operator.ask(create(), tested))
+        assert core.ConfirmEventRequest in kinds(operator.ask(create(), tested))
 
     def test_rates_above_the_budget_are_cut_where_most_is_asked_for(self, world):
-        tested = world.component("1.1.1", event_rate_budget=100.0)
-        tested.start()
+        tested = world.started("1.1.1", event_rate_budget=100.0)
         greedy = [world.probe(f"9.1.{n}") for n in range(1, 4)]
         honest = world.probe("3.1.1")
         for probe in greedy:
@@ -164,8 +151,7 @@ class TestService:
         assert world.counters.snapshot()["events.rate_cut"] == 1
 
     def test_events_that_are_made_again_and_again_get_no_more(self, world):
-        tested = world.component("1.1.1", event_rate_budget=100.0)
-        tested.start()
+        tested = world.started("1.1.1", event_rate_budget=100.0)
         greedy = [world.probe(f"9.1.{n}") for n in range(1, 21)]
         for probe in greedy:
             probe.ask(create(1000.0), tested)

@@ -2,22 +2,8 @@
 
 import pytest
 
+from jausml.runtime import messages as core
 from jausml.runtime.base.address import JausAddress
-from jausml.runtime.messages import (
-    ConfirmEventRequest,
-    CreateEvent,
-    Event,
-    QueryControl,
-    QueryStatus,
-    QueryTime,
-    RejectEventRequest,
-    ReportControl,
-    ReportHeartbeatPulse,
-    ReportStatus,
-    ReportTime,
-    RequestControl,
-    UpdateEvent,
-)
 
 from .event_support import PROVIDER, Inbox, kill, provider, pulses, statuses
 
@@ -67,7 +53,7 @@ class TestRecovery:
         statuses(client, Inbox())
         world.run(5.0)
         late = Inbox()
-        client.subscribe(PROVIDER, QueryControl(), ReportControl, late)
+        client.subscribe(PROVIDER, core.QueryControl(), core.ReportControl, late)
         world.run(1.0)
         kill(world, first)
         provider(world)
@@ -106,7 +92,7 @@ class TestRecovery:
         kill(world, first)
         inbox.clear()
         second = provider(world)
-        second.send(ReportHeartbeatPulse(), client.address)
+        second.send(core.ReportHeartbeatPulse(), client.address)
         world.run(1.0)
         assert inbox
         assert subscription.active
@@ -120,12 +106,12 @@ class TestRecovery:
         tested.fail("a change")
         world.run(1.0)
         assert len(inbox) == 2
-        assert world.count(UpdateEvent.CODE) == 0
+        assert world.count(core.UpdateEvent.CODE) == 0
 
     def test_ids_that_a_restarted_provider_gives_to_other_queries(self, world, client):
         first = provider(world)
         control, status = Inbox(), Inbox()
-        client.subscribe(PROVIDER, QueryControl(), ReportControl, control)
+        client.subscribe(PROVIDER, core.QueryControl(), core.ReportControl, control)
         world.run(0.5)
         statuses(client, status, rate=10)
         world.run(1.0)
@@ -133,7 +119,7 @@ class TestRecovery:
         second = provider(world)
         world.run(5.0)
         control.clear()
-        world.probe("5.1.1").ask(RequestControl(authority_code=1), second)
+        world.probe("5.1.1").ask(core.RequestControl(authority_code=1), second)
         assert [report.subsystem_id for report in control] == [5]
         status.clear()
         world.run(1.0)
@@ -144,14 +130,11 @@ class TestRecovery:
     def second(self, world):
         """A client that begins anew, to which an event goes that it knows nothing of."""
         provider(world)
-        first = world.component("2.1.1", services=())
-        first.start()
+        first = world.started("2.1.1", services=())
         pulses(first, Inbox(), rate=10)
         world.run(1.0)
         kill(world, first)
-        second = world.component("2.1.1", services=())
-        second.start()
-        return second
+        return world.started("2.1.1", services=())
 
     def test_events_from_before_our_own_restart(self, world, second):
         inbox = Inbox()
@@ -159,7 +142,7 @@ class TestRecovery:
         world.log.clear()
         world.run(1.0)
         assert len(inbox) == pytest.approx(11, abs=1)
-        assert world.count(Event.CODE) == pytest.approx(11, abs=1)
+        assert world.count(core.Event.CODE) == pytest.approx(11, abs=1)
 
     @pytest.mark.usefixtures("second")
     def test_events_that_nobody_wants_are_cancelled(self, world):
@@ -170,21 +153,21 @@ class TestRecovery:
 
     def test_provider_that_confirms_and_does_not_report(self, world, client):
         tested = provider(world)
-        tested.provide(QueryTime, ReportTime, lambda *_: None)
-        client.subscribe(PROVIDER, QueryTime(), ReportTime, Inbox(), rate=10)
+        tested.provide(core.QueryTime, core.ReportTime, lambda *_: None)
+        client.subscribe(PROVIDER, core.QueryTime(), core.ReportTime, Inbox(), rate=10)
         world.run(300.0, step=0.1)
-        assert world.count(CreateEvent.CODE) < 25
+        assert world.count(core.CreateEvent.CODE) < 25
 
 
 class TestRefusal:
     def test_is_counted_and_tried_again_slowly(self, world, client):
         tested = provider(world)
         inbox = Inbox()
-        client.subscribe(PROVIDER, QueryTime(), ReportTime, inbox)
+        client.subscribe(PROVIDER, core.QueryTime(), core.ReportTime, inbox)
         world.run(31.0)
-        assert world.count(RejectEventRequest.CODE) == pytest.approx(7, abs=1)
+        assert world.count(core.RejectEventRequest.CODE) == pytest.approx(7, abs=1)
         assert world.counters.snapshot()["event_client.refused"] >= 6
-        tested.provide(QueryTime, ReportTime, lambda *_: ReportTime())
+        tested.provide(core.QueryTime, core.ReportTime, lambda *_: core.ReportTime())
         world.run(5.1)
         assert len(inbox) == 1
 
@@ -195,7 +178,9 @@ class TestRefusal:
 
     def test_of_wildcards(self, client):
         with pytest.raises(ValueError, match="does not name one component"):
-            client.subscribe(JausAddress(1, 1, 255), QueryStatus(), ReportStatus, Inbox(), rate=1)
+            client.subscribe(
+                JausAddress(1, 1, 255), core.QueryStatus(), core.ReportStatus, Inbox(), rate=1
+            )
 
 
 class TestSilence:
@@ -249,14 +234,16 @@ class TestSequence:
     def send(self, probe, client, numbers):
         (create,) = probe.take()
         probe.send(
-            ConfirmEventRequest(
+            core.ConfirmEventRequest(
                 request_id=create.request_id, event_id=4, confirmed_periodic_rate=0.0
             ),
             client,
         )
-        report = ReportStatus(status=1, reserved=0).encode()
+        report = core.ReportStatus(status=1, reserved=0).encode()
         for number in numbers:
-            probe.send(Event(event_id=4, sequence_number=number, report_message=report), client)
+            probe.send(
+                core.Event(event_id=4, sequence_number=number, report_message=report), client
+            )
         probe.take()
 
     @pytest.mark.parametrize(
@@ -278,7 +265,7 @@ class TestSequence:
 
     def test_other_report_is_counted(self, world, client, probe):
         inbox = Inbox()
-        client.subscribe(PROVIDER, QueryControl(), ReportControl, inbox)
+        client.subscribe(PROVIDER, core.QueryControl(), core.ReportControl, inbox)
         self.send(probe, client, [0])
         assert inbox == []
         assert world.counters.snapshot()["event_client.bad_report"] == 1
@@ -286,9 +273,9 @@ class TestSequence:
     def test_who_answers_twice_is_not_asked_without_a_pause(self, world, client, probe):
         statuses(client, Inbox())
         for _ in range(100):
-            requests = [asked for asked in probe.take() if isinstance(asked, CreateEvent)]
+            requests = probe.take(core.CreateEvent)
             for request in (*requests, *requests):
-                probe.send(ConfirmEventRequest(request.request_id, 4, 0.0), client)
-        assert world.count(CreateEvent.CODE) == 1
+                probe.send(core.ConfirmEventRequest(request.request_id, 4, 0.0), client)
+        assert world.count(core.CreateEvent.CODE) == 1
         world.run(1.1)
-        assert world.count(CreateEvent.CODE) == 2
+        assert world.count(core.CreateEvent.CODE) == 2

@@ -4,20 +4,8 @@ from itertools import pairwise
 
 import pytest
 
+from jausml.runtime import messages as core
 from jausml.runtime.base.quirks import Quirk
-from jausml.runtime.messages import (
-    CancelEvent,
-    ConfirmEventRequest,
-    CreateEvent,
-    Event,
-    QueryEventTimeout,
-    QueryStatus,
-    QueryTime,
-    RejectEventRequest,
-    ReportStatus,
-    ReportTime,
-    UpdateEvent,
-)
 
 from .event_support import PROVIDER, Inbox, kill, provider, pulses, statuses
 
@@ -29,17 +17,6 @@ def test_every_rate_of_the_standard_is_given(world, client, rate):
     pulses(client, inbox, rate=rate)
     world.run(100 / rate, step=0.1 / rate)
     assert len(inbox) == pytest.approx(101, abs=2)
-
-
-def test_every_change_reports_the_present_value_first(world, client):
-    tested = provider(world)
-    inbox = Inbox()
-    statuses(client, inbox)
-    world.settle()
-    assert [report.status for report in inbox] == [2]
-    tested.fail("broken")
-    world.settle()
-    assert [report.status for report in inbox] == [2, 4]
 
 
 def test_subscription_before_the_start(world):
@@ -66,7 +43,7 @@ def test_provider_that_comes_later(world, client):
     subscription = statuses(client, inbox)
     world.run(30.0)
     assert not subscription.active
-    assert world.count(CreateEvent.CODE) == pytest.approx(18, abs=2)
+    assert world.count(core.CreateEvent.CODE) == pytest.approx(18, abs=2)
     provider(world)
     world.run(5.1)
     assert subscription.active
@@ -78,7 +55,7 @@ def test_lost_confirmation_keeps_one_event(world, client):
     confirmations = []
 
     def lost(_source, _destination, code):
-        if code == ConfirmEventRequest.CODE:
+        if code == core.ConfirmEventRequest.CODE:
             confirmations.append(code)
             return len(confirmations) == 1
         return False
@@ -90,13 +67,13 @@ def test_lost_confirmation_keeps_one_event(world, client):
     assert subscription.active
     world.log.clear()
     world.run(2.0)
-    assert world.count(Event.CODE) == pytest.approx(10, abs=1)
-    assert world.count(CancelEvent.CODE) == 0
+    assert world.count(core.Event.CODE) == pytest.approx(10, abs=1)
+    assert world.count(core.CancelEvent.CODE) == 0
 
 
 def test_events_hurry_the_confirmation(world, client):
     provider(world)
-    world.lost = lambda *message: message[2] == ConfirmEventRequest.CODE
+    world.lost = lambda *message: message[2] == core.ConfirmEventRequest.CODE
     subscription = pulses(client, Inbox(), rate=5)
     world.run(20.0)
     assert not subscription.active
@@ -134,7 +111,7 @@ class TestSharing:
         for heard in times:
             heard.clear()
         world.run(10.0, step=0.002)
-        assert world.count(Event.CODE) == pytest.approx(10 * max(rates), abs=2)
+        assert world.count(core.Event.CODE) == pytest.approx(10 * max(rates), abs=2)
         for rate, heard in zip(rates, times, strict=True):
             assert len(heard) == pytest.approx(10 * rate, abs=1.5)
             gaps = [b - a for a, b in pairwise(heard)]
@@ -166,7 +143,7 @@ class TestSharing:
         share.cancel()
         world.log.clear()
         world.run(5.0)
-        assert world.count(QueryStatus.CODE) == world.count(ReportStatus.CODE) == 0
+        assert world.count(core.QueryStatus.CODE) == world.count(core.ReportStatus.CODE) == 0
         assert len(changes) == 1
 
     def test_nothing_old_comes_at_a_rate_from_a_provider_that_is_gone(self, world, client):
@@ -213,23 +190,23 @@ class TestSharing:
         world.settle()
         shares[0].cancel()
         world.settle()
-        assert world.count(CancelEvent.CODE) == 0
+        assert world.count(core.CancelEvent.CODE) == 0
         shares[1].cancel()
         shares[1].cancel()
         world.settle()
-        assert world.count(CancelEvent.CODE) == 1
+        assert world.count(core.CancelEvent.CODE) == 1
         world.log.clear()
         world.run(5.0)
         assert world.log == []
 
     def test_other_queries_are_other_events(self, world, client):
         tested = provider(world)
-        tested.provide(QueryTime, ReportTime, lambda *_: ReportTime())
+        tested.provide(core.QueryTime, core.ReportTime, lambda *_: core.ReportTime())
         inboxes = []
         for fields in (1, 2):
             inboxes.append(Inbox())
-            query = QueryTime(presence_vector=fields)
-            client.subscribe(PROVIDER, query, ReportTime, inboxes[-1], rate=10)
+            query = core.QueryTime(presence_vector=fields)
+            client.subscribe(PROVIDER, query, core.ReportTime, inboxes[-1], rate=10)
         world.run(1.0)
         assert all(len(inbox) == pytest.approx(11, abs=1) for inbox in inboxes)
 
@@ -252,32 +229,32 @@ class TestRenewal:
         provider(world, event_timeout=2)
         pulses(client, Inbox(), rate=1)
         world.run(1.0, step=0.1)
-        assert world.count(QueryEventTimeout.CODE) == 1
+        assert world.count(core.QueryEventTimeout.CODE) == 1
         world.log.clear()
         world.run(601.0, step=0.1)
-        assert world.count(CreateEvent.CODE) == 10
+        assert world.count(core.CreateEvent.CODE) == 10
 
     def test_peer_without_timeout_messages(self, world, client):
         provider(world, event_timeout=1)
-        world.lost = lambda *message: message[2] == QueryEventTimeout.CODE
+        world.lost = lambda *message: message[2] == core.QueryEventTimeout.CODE
         inbox = Inbox()
         pulses(client, inbox, rate=1)
         world.run(301.0, step=0.1)
-        assert world.count(CreateEvent.CODE) == 11
+        assert world.count(core.CreateEvent.CODE) == 11
         assert len(inbox) == pytest.approx(302, abs=1)
 
     def test_timeout_of_zero_needs_none(self, world, client):
         provider(world, event_timeout=0)
         pulses(client, Inbox(), rate=1)
         world.run(301.0, step=0.1)
-        assert world.count(CreateEvent.CODE) == 1
+        assert world.count(core.CreateEvent.CODE) == 1
 
     def test_every_change_is_checked_more_often(self, world, client):
         provider(world, event_timeout=0)
         inbox = Inbox()
         statuses(client, inbox)
         world.run(101.0, step=0.1)
-        assert world.count(CreateEvent.CODE) == 11
+        assert world.count(core.CreateEvent.CODE) == 11
         assert len(inbox) == 1, "the report that answers a renewal is no change"
 
     def test_no_peer_is_asked_by_what_it_need_not_know(self, world, client):
@@ -286,17 +263,17 @@ class TestRenewal:
         pulses(client, Inbox(), rate=1)
         statuses(client, Inbox())
         world.run(301.0, step=0.1)
-        assert world.count(UpdateEvent.CODE) == 0
+        assert world.count(core.UpdateEvent.CODE) == 0
 
     def test_a_peer_that_has_just_confirmed_is_left_alone(self, world, client):
         provider(world)
         subscription = statuses(client, Inbox())
         world.settle()
         subscription._stream.verify()
-        assert world.count(CreateEvent.CODE) == 1
+        assert world.count(core.CreateEvent.CODE) == 1
         world.run(1.1)
         subscription._stream.verify()
-        assert world.count(CreateEvent.CODE) == 2
+        assert world.count(core.CreateEvent.CODE) == 2
 
     def test_one_lost_renewal_does_no_harm(self, world, client):
         provider(world)
@@ -305,7 +282,7 @@ class TestRenewal:
         updates = []
 
         def lost(_source, _destination, code):
-            if code == CreateEvent.CODE:
+            if code == core.CreateEvent.CODE:
                 updates.append(code)
                 return len(updates) == 1
             return False
@@ -318,7 +295,7 @@ class TestRenewal:
         provider(world)
         subscription = statuses(client, Inbox())
         world.settle()
-        world.lost = lambda *message: message[2] == CreateEvent.CODE
+        world.lost = lambda *message: message[2] == core.CreateEvent.CODE
         world.run(65.0, step=0.1)
         world.lost = lambda *_: False
         world.run(15.0, step=0.1)
@@ -332,7 +309,7 @@ def test_stop_cancels_events(world, client):
     world.settle()
     client.stop()
     world.settle()
-    assert world.count(CancelEvent.CODE) == 2
+    assert world.count(core.CancelEvent.CODE) == 2
     world.log.clear()
     world.run(100.0, step=0.5)
     assert world.log == []
@@ -374,8 +351,8 @@ def test_subscription_that_follows_a_cancelled_one_is_confirmed_at_once(world, c
     world.settle()
     assert second.active
     assert len(heard) == 1
-    assert world.count(UpdateEvent.CODE) == 0
-    assert world.count(RejectEventRequest.CODE) == 0
+    assert world.count(core.UpdateEvent.CODE) == 0
+    assert world.count(core.RejectEventRequest.CODE) == 0
 
 
 class Doubling:
@@ -389,23 +366,22 @@ class Doubling:
         """Answers, and reports ten times a second, for some time."""
         for _ in range(round(10 * seconds)):
             for message in self.probe.take():
-                if isinstance(message, CreateEvent):
+                if isinstance(message, core.CreateEvent):
                     self.events[self.made] = 0
-                    confirmation = ConfirmEventRequest(message.request_id, self.made, 0.0)
+                    confirmation = core.ConfirmEventRequest(message.request_id, self.made, 0.0)
                     self.probe.send(confirmation, client)
                     self.made += 1
-                elif isinstance(message, CancelEvent):
+                elif isinstance(message, core.CancelEvent):
                     self.events.pop(message.event_id, None)
             for event_id, number in self.events.items():
-                report = ReportStatus(status=1).encode()
-                self.probe.send(Event(event_id, number, report), client)
+                report = core.ReportStatus(status=1).encode()
+                self.probe.send(core.Event(event_id, number, report), client)
                 self.events[event_id] = number + 1 & 0xFF
             self.world.run(0.1)
 
 
 def test_who_makes_another_event_of_each_request_is_not_taken_for_restarted(world):
-    client = world.component("2.1.1", services=(), retry_min=0.5, check_interval=3.0)
-    client.start()
+    client = world.started("2.1.1", services=(), retry_min=0.5, check_interval=3.0)
     provider = Doubling(world)
     inbox = Inbox()
     statuses(client, inbox)
@@ -425,5 +401,5 @@ def test_a_confirmation_is_as_good_as_an_acknowledgement(world, client):
     subscription = statuses(client, Inbox())
     world.settle()
     assert subscription.active
-    start = CreateEvent.CODE.to_bytes(2, "little") + b"\0"
+    start = core.CreateEvent.CODE.to_bytes(2, "little") + b"\0"
     assert (client.address, PROVIDER, start) in world.answers

@@ -3,33 +3,18 @@
 import pytest
 
 from jausml.runtime import JausComponent
-from jausml.runtime.messages import (
-    ConfirmEventRequest,
-    CreateEvent,
-    Event,
-    QueryAuthority,
-    QueryHeartbeatPulse,
-    QueryStatus,
-    QueryTime,
-    RejectEventRequest,
-    ReportAuthority,
-    ReportStatus,
-    ReportTime,
-    UpdateEvent,
-)
+from jausml.runtime import messages as core
 
 from .state_tables import V1_1, core_services
 
 PERIODIC, EVERY_CHANGE = 0, 1
-STATUS = QueryStatus().encode()
-PULSE = QueryHeartbeatPulse().encode()
+STATUS = core.QueryStatus().encode()
+PULSE = core.QueryHeartbeatPulse().encode()
 
 
 @pytest.fixture
 def server(world):
-    component = world.component("1.1.1", event_timeout=1, event_rate_min=1, event_rate_max=50)
-    component.start()
-    return component
+    return world.started("1.1.1", event_timeout=1, event_rate_min=1, event_rate_max=50)
 
 
 @pytest.fixture
@@ -43,7 +28,7 @@ def other(world):
 
 
 def create(query, *, rate=None, request_id=7):
-    return CreateEvent(
+    return core.CreateEvent(
         request_id=request_id,
         event_type=EVERY_CHANGE if rate is None else PERIODIC,
         requested_periodic_rate=rate or 0.0,
@@ -52,7 +37,7 @@ def create(query, *, rate=None, request_id=7):
 
 
 def update(event_id, query, *, rate=None, request_id=8):
-    return UpdateEvent(
+    return core.UpdateEvent(
         request_id=request_id,
         event_type=EVERY_CHANGE if rate is None else PERIODIC,
         requested_periodic_rate=rate or 0.0,
@@ -64,13 +49,13 @@ def update(event_id, query, *, rate=None, request_id=8):
 def created(client, server, query, *, rate=None):
     """Creates an event and returns its id."""
     confirm = client.ask(create(query, rate=rate), server)[0]
-    assert isinstance(confirm, ConfirmEventRequest)
+    assert isinstance(confirm, core.ConfirmEventRequest)
     return confirm.event_id
 
 
 def code_of(messages):
     assert len(messages) == 1
-    assert isinstance(messages[0], RejectEventRequest)
+    assert isinstance(messages[0], core.RejectEventRequest)
     return messages[0].response_code
 
 
@@ -100,9 +85,9 @@ class TestReject:
 class TestUpdate:
     def test_changes_the_query(self, server, client):
         event_id = created(client, server, STATUS)
-        query = QueryAuthority().encode()
+        query = core.QueryAuthority().encode()
         _, event = client.ask(update(event_id, query), server)
-        assert event.report_message == ReportAuthority(authority_code=0).encode()
+        assert event.report_message == core.ReportAuthority(authority_code=0).encode()
 
     def test_renewals_of_a_periodic_event_keep_its_beat(self, world, server, client):
         event_id = created(client, server, PULSE, rate=1)
@@ -110,33 +95,35 @@ class TestUpdate:
         for _ in range(10):
             world.run(0.5)
             client.send(update(event_id, PULSE, rate=1), server)
-        events = [message for message in client.take() if isinstance(message, Event)]
+        events = client.take(core.Event)
         assert len(events) == pytest.approx(5, abs=1)
 
 
 class TestDelivery:
     def test_no_report_now(self, world, server, client):
-        server.provide(QueryTime, ReportTime, lambda *_: None)
-        answer = client.ask(create(QueryTime(presence_vector=1).encode(), rate=10), server)
-        assert [type(response) for response in answer] == [ConfirmEventRequest]
+        server.provide(core.QueryTime, core.ReportTime, lambda *_: None)
+        answer = client.ask(create(core.QueryTime(presence_vector=1).encode(), rate=10), server)
+        assert [type(response) for response in answer] == [core.ConfirmEventRequest]
         world.run(1.0)
         assert client.take() == []
-        assert client.ask(QueryTime(presence_vector=1), server) == []
+        assert client.ask(core.QueryTime(presence_vector=1), server) == []
 
     def test_provider_that_raises(self, world, server, client):
         def broken(_query, _sender):
             raise RuntimeError("user code")
 
-        server.provide(QueryTime, ReportTime, broken)
-        created(client, server, QueryTime(presence_vector=1).encode(), rate=10)
+        server.provide(core.QueryTime, core.ReportTime, broken)
+        created(client, server, core.QueryTime(presence_vector=1).encode(), rate=10)
         world.run(1.0)
         assert world.counters.snapshot()["component.handler_failed"] >= 10
-        assert client.ask(QueryStatus(), server) == [ReportStatus(status=2, reserved=0)]
+        assert client.ask(core.QueryStatus(), server) == [core.ReportStatus(status=2, reserved=0)]
 
     def test_provider_learns_query_and_client(self, server, client):
         asked = []
-        server.provide(QueryTime, ReportTime, lambda query, sender: asked.append((query, sender)))
-        query = QueryTime(presence_vector=2)
+        server.provide(
+            core.QueryTime, core.ReportTime, lambda query, sender: asked.append((query, sender))
+        )
+        query = core.QueryTime(presence_vector=2)
         client.ask(create(query.encode()), server)
         assert asked == [(query, client.address)]
 
@@ -172,11 +159,11 @@ class TestDelivery:
         client.take()
         server.stop()
         (event,) = client.take()
-        assert event.report_message == ReportStatus(status=3, reserved=0).encode()
+        assert event.report_message == core.ReportStatus(status=3, reserved=0).encode()
 
 
 def _stamp(value):
-    stamp = ReportTime.TimeStamp
+    stamp = core.ReportTime.TimeStamp
     return stamp(milliseconds=value % 1000, seconds=value // 1000, minutes=0, hour=0, day=1)
 
 
@@ -190,11 +177,11 @@ def test_provider_that_stops_the_component_is_the_last_to_be_asked(world):
     component = world.component("1.1.1", kind=Unwilling, services=services)
     client = world.probe("2.1.1")
     component.start()
-    create = CreateEvent(
+    create = core.CreateEvent(
         request_id=1,
         event_type=PERIODIC,
         requested_periodic_rate=1.0,
-        query_message=QueryTime(presence_vector=3).encode(),
+        query_message=core.QueryTime(presence_vector=3).encode(),
     )
     heard = client.ask(create, component)
-    assert [type(message) for message in heard] == [ConfirmEventRequest]
+    assert [type(message) for message in heard] == [core.ConfirmEventRequest]

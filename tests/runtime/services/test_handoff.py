@@ -18,6 +18,7 @@ from jausml.runtime.clients.control_session import ControlClient
 from jausml.runtime.messages import ConfirmHandoffRequest, RequestReleaseControl
 from jausml.runtime.virtual import Link, VirtualWorld
 
+from ..conftest import wait_until
 from .bridge_support import Ros
 from .state_tables import CORE_NAMES, V1_1, core_services
 
@@ -230,7 +231,7 @@ def test_an_answer_without_a_meaning_is_counted(world):
 
 
 @pytest.mark.ports
-def test_over_real_sockets(station, wait_until):
+def test_over_real_sockets(station):
     made = Scene(station().transport, [station().transport for _ in range(2)])
     wait_until(lambda: made.first.is_ready)
     made.second.ask()

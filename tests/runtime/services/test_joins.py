@@ -45,41 +45,34 @@ def test_freshness_ends_when_it_says(world, setting):
     setting.open(pose(angle_join()))
     setting.ros.deliver["angles"](Angle(7.0))
     world.run(0.49)
-    setting.ros.deliver["numbers"](Number(1.0))
+    setting.say(1.0)
     assert present(setting) == (1, 7)
     world.run(0.02)
-    setting.ros.deliver["numbers"](Number(2.0))
+    setting.say(2.0)
     assert present(setting) == (2, 0)
     setting.ros.deliver["angles"](Angle(8.0))
-    setting.ros.deliver["numbers"](Number(3.0))
+    setting.say(3.0)
     assert present(setting) == (3, 8)
 
 
 def test_what_came_before_the_bridge_was_closed_is_not_fresh(world, setting):
-    setting.open(pose(angle_join()))
+    connection = setting.open(pose(angle_join()))
     setting.ros.deliver["angles"](Angle(7.0))
     setting.bridge.close()
     setting.ros.made.clear()
     setting.bridge.open(setting.ros, world)
-    setting.ros.deliver["numbers"](Number(1.0))
+    setting.say(1.0)
     assert present(setting) == (1, 0)
-
-
-def test_nothing_yet_is_nothing_fresh(setting):
-    connection = setting.open(pose(angle_join()))
-    setting.ros.deliver["numbers"](Number(5.0))
-    assert present(setting) == (5, 0)
     assert setting.drops(connection) == {}
 
 
-def test_what_needs_a_fresh_message_is_dropped_and_counted(world, setting):
+def test_what_needs_a_fresh_message_is_dropped_and_counted(setting):
     connection = setting.open(pose(angle_join(drop=True)))
-    setting.ros.deliver["numbers"](Number(1.0))
+    setting.say(1.0)
     assert setting.bridge.shared_messages.report(QueryTime, ReportTime).value is None
     setting.ros.deliver["angles"](Angle(9.0))
-    setting.ros.deliver["numbers"](Number(2.0))
-    world.run(0.6)
-    setting.ros.deliver["numbers"](Number(3.0))
+    setting.say(2.0, every=0.6)
+    setting.say(3.0)
     assert present(setting) == (2, 9)
     assert setting.drops(connection) == {"stale_join_angle": 2}
     counters = setting.bridge.component.counters.drops()
@@ -100,13 +93,11 @@ def test_a_message_that_lacks_its_join_does_not_end_silence(world, setting):
         safe_value=SetTime,
     )
     setting.open(connection)
-    for _ in range(15):
-        setting.ros.deliver["numbers"](Number(1.0))
-        world.run(0.1)
+    setting.say(*[1.0] * 15, every=0.1)
     assert connection.is_silent
     assert connection.statistics.safe_values == 1
     setting.ros.deliver["angles"](Angle())
-    setting.ros.deliver["numbers"](Number(1.0))
+    setting.say(1.0)
     assert not connection.is_silent
 
 
@@ -128,7 +119,7 @@ def test_several_joins_and_topics(setting):
     setting.open(report("pose", translate, joins=joins))
     setting.ros.deliver["a"](Angle(1.0))
     setting.ros.deliver["b"](Angle(2.0))
-    setting.ros.deliver["numbers"](Number(4.0))
+    setting.say(4.0)
     assert found == [(4.0, {"front": 2.0, "rear": None})]
 
 
@@ -141,7 +132,7 @@ def test_connections_share_the_subscription_of_a_joined_topic(setting):
 
     setting.open(connection("one"), connection("two"))
     setting.ros.deliver["angles"](Angle(6.0))
-    setting.ros.deliver["numbers"](Number())
+    setting.say(0)
     assert found == [("one", 6.0), ("two", 6.0)]
     assert len(setting.ros.made) == 2
 
@@ -152,10 +143,8 @@ def test_diagnostics_show_the_age_of_joined_topics(world, setting):
     status = setting.ros.statuses[-1]["pose"]
     assert values(status)["join angle age (s)"] == "never"
     assert status.message == "no message yet"
-    setting.ros.deliver["numbers"](Number())
-    world.run(1.0)
-    status = setting.ros.statuses[-1]["pose"]
-    assert (status.level, status.message) == ("warning", "nothing fresh from angle")
+    setting.say(0, every=1.0)
+    assert setting.judged("pose") == ("warning", "nothing fresh from angle")
     world.run(0.75)
     setting.ros.deliver["angles"](Angle())
     world.run(0.25)

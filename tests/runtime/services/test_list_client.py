@@ -56,17 +56,14 @@ class Outcome:
 
 @pytest.fixture
 def robot(world):
-    component = world.component(
+    return world.started(
         str(TARGET), kind=Robot, services=SERVICES, max_list_elements=600, control_timeout=0
     )
-    component.start()
-    return component
 
 
 @pytest.fixture
 def client(world, robot):
-    component = world.component("2.1.1", services=())
-    component.start()
+    component = world.started("2.1.1", services=())
     component.control(TARGET, authority=100)
     world.settle()
     assert robot.status is Status.READY
@@ -177,8 +174,7 @@ def test_read_of_an_element_that_vanishes(world, client, outcome):
 
 def test_late_report_of_another_element_is_not_mixed_up(world, outcome):
     probe = world.probe("5.1.1", strict=False)
-    reader = world.component("2.1.1", services=())
-    reader.start()
+    reader = world.started("2.1.1", services=())
     reader.read_list(probe.address, outcome.lists.append)
     source = world.component("6.1.1", kind=Robot, services=SERVICES)
     source.elements.set(elements(1))
@@ -187,8 +183,7 @@ def test_late_report_of_another_element_is_not_mixed_up(world, outcome):
     (report,) = probe.ask(QueryElement(element_uid=1), source)
     probe.send(order, reader)
     stale = ReportElement(element_uid=77, element_data=report.element_data)
-    probe.ask(stale, reader)
-    probe.ask(report, reader)
+    probe.tell(reader, stale, report)
     assert outcome.lists == [tuple(elements(1))]
 
 

@@ -148,10 +148,9 @@ def setting(world):
 
 def opened(world, setting, *, control_timeout=0, services=(), names=("follow",), **options):
     """A bridge that has a vehicle drive along a list; the vehicle."""
-    vehicle = world.component(
+    vehicle = world.started(
         str(PEER), kind=Vehicle, services=SERVICES, control_timeout=control_timeout
     )
-    vehicle.start()
     common = {"action": ACTION, "driver": DRIVER, "peers": [PEER], "speed": 1.0, **options}
     connections = [ActionToList(name, number_to_time, **common) for name in names]
     setting.open(*connections, services=services)
@@ -167,6 +166,13 @@ def begun(world, setting, vehicle, *numbers):
     return goal
 
 
+@pytest.fixture
+def driving(world, setting):
+    """A vehicle and the goal that it follows."""
+    vehicle = opened(world, setting)
+    return vehicle, begun(world, setting, vehicle)
+
+
 def away(world, *codes):
     """Loses all that goes to the vehicle, or some of it; returns what ends that."""
     before = world.lost
@@ -178,9 +184,8 @@ def deletions(world):
     return world.count(DeleteElement.CODE)
 
 
-def test_a_goal_that_is_canceled_while_the_radio_is_away_stops_the_vehicle(world, setting):
-    vehicle = opened(world, setting)
-    goal = begun(world, setting, vehicle)
+def test_a_goal_that_is_canceled_while_the_radio_is_away_stops_the_vehicle(world, setting, driving):
+    vehicle, goal = driving
     restore = away(world)
     setting.ros.taker.cancel(goal)
     world.run(2.0)
@@ -196,9 +201,8 @@ def test_a_goal_that_is_canceled_while_the_radio_is_away_stops_the_vehicle(world
     assert deletions(world) == before
 
 
-def test_a_vehicle_that_was_silent_for_a_while_is_stopped(world, setting):
-    vehicle = opened(world, setting)
-    goal = begun(world, setting, vehicle)
+def test_a_vehicle_that_was_silent_for_a_while_is_stopped(world, driving):
+    vehicle, goal = driving
     restore = away(world)
     world.run(3.8)
     assert goal.ends == [(Outcome.ABORTED, f"{PEER} is silent")]
@@ -208,9 +212,8 @@ def test_a_vehicle_that_was_silent_for_a_while_is_stopped(world, setting):
 
 
 @pytest.mark.parametrize("code", [ExecuteList.CODE, DeleteElement.CODE])
-def test_half_a_stop_is_no_stop(world, setting, code):
-    vehicle = opened(world, setting)
-    goal = begun(world, setting, vehicle)
+def test_half_a_stop_is_no_stop(world, setting, driving, code):
+    vehicle, goal = driving
     restore = away(world, code)
     setting.ros.taker.cancel(goal)
     world.run(2.0)
@@ -219,9 +222,8 @@ def test_half_a_stop_is_no_stop(world, setting, code):
     assert (vehicle.speed, list(vehicle.elements)) == (0.0, [])
 
 
-def test_a_vehicle_that_obeys_again_does_not_go_on(world, setting):
-    vehicle = opened(world, setting)
-    goal = begun(world, setting, vehicle)
+def test_a_vehicle_that_obeys_again_does_not_go_on(world, driving):
+    vehicle, goal = driving
     restore = away(world)
     world.run(30.0)  # the bridge takes control for lost; the vehicle does not mind
     assert goal.ends
@@ -231,9 +233,8 @@ def test_a_vehicle_that_obeys_again_does_not_go_on(world, setting):
     assert not vehicle.drives
 
 
-def test_a_list_that_another_should_have_replaced_is_stopped(world, setting):
-    vehicle = opened(world, setting)
-    first = begun(world, setting, vehicle)
+def test_a_list_that_another_should_have_replaced_is_stopped(world, setting, driving):
+    vehicle, first = driving
     restore = away(world, SetElement.CODE, DeleteElement.CODE)
     second = setting.ros.send(3.0)
     world.run(2.5)
@@ -243,9 +244,8 @@ def test_a_list_that_another_should_have_replaced_is_stopped(world, setting):
     assert not vehicle.drives
 
 
-def test_a_stop_is_not_sent_after_the_next_goal(world, setting):
-    vehicle = opened(world, setting)
-    goal = begun(world, setting, vehicle)
+def test_a_stop_is_not_sent_after_the_next_goal(world, setting, driving):
+    vehicle, goal = driving
     restore = away(world)
     setting.ros.taker.cancel(goal)
     world.run(1.2)
@@ -259,9 +259,8 @@ def test_a_stop_is_not_sent_after_the_next_goal(world, setting):
     assert deletions(world) == stops
 
 
-def test_a_stop_that_arrived_is_not_repeated(world, setting):
-    vehicle = opened(world, setting)
-    goal = begun(world, setting, vehicle)
+def test_a_stop_that_arrived_is_not_repeated(world, setting, driving):
+    vehicle, goal = driving
     before = deletions(world)
     setting.ros.taker.cancel(goal)
     world.run(10.0)
@@ -271,9 +270,8 @@ def test_a_stop_that_arrived_is_not_repeated(world, setting):
     assert world.count(ConfirmElementRequest.CODE) > before
 
 
-def test_a_stop_is_not_repeated_when_the_bridge_has_ended(world, setting):
-    vehicle = opened(world, setting)
-    goal = begun(world, setting, vehicle)
+def test_a_stop_is_not_repeated_when_the_bridge_has_ended(world, setting, driving):
+    _, goal = driving
     away(world)
     setting.ros.taker.cancel(goal)
     world.run(2.5)
@@ -283,9 +281,8 @@ def test_a_stop_is_not_repeated_when_the_bridge_has_ended(world, setting):
     assert deletions(world) == before
 
 
-def test_a_list_that_was_driven_to_its_end_is_not_stopped(world, setting):
-    vehicle = opened(world, setting)
-    goal = begun(world, setting, vehicle)
+def test_a_list_that_was_driven_to_its_end_is_not_stopped(world, driving):
+    vehicle, goal = driving
     vehicle.active = list(vehicle.elements)[-1].uid
     world.run(1.5)
     vehicle.active = 0
@@ -312,10 +309,9 @@ def test_a_goal_of_another_action_takes_the_place_of_one_at_the_same_peer(world,
     assert following.ends == [(Outcome.SUCCEEDED, "")]
 
 
-def test_a_question_about_a_list_that_is_done_stops_no_other(world, setting):
+def test_a_question_about_a_list_that_is_done_stops_no_other(world, setting, driving):
     """Its last repetition is lost, and the next list is set before that is known."""
-    vehicle = opened(world, setting)
-    goal = begun(world, setting, vehicle)
+    vehicle, goal = driving
     restore = away(world, QueryActiveElement.CODE)
     world.run(1.35)
     for uid in (list(vehicle.elements)[-1].uid, 0):
@@ -363,8 +359,7 @@ class TestBetweenAcceptanceAndBeginning:
 
     def test_a_goal_is_not_begun_when_the_vehicle_obeys_no_more(self, world, setting, vehicle):
         rival = world.probe("8.1.1", strict=False)
-        rival.send(RequestControl(authority_code=255), PEER)
-        world.settle()
+        rival.tell(PEER, RequestControl(authority_code=255))
         goal = setting.ros.begin()
         assert [outcome for outcome, _ in goal.ends] == [Outcome.ABORTED]
         world.run(1.0)

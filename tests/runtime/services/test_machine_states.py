@@ -67,9 +67,7 @@ def client(world):
 
 
 def started(world, kind=Door, services=SERVICES):
-    component = world.component("1.1.1", kind=kind, services=services)
-    component.start()
-    return component
+    return world.started("1.1.1", kind=kind, services=services)
 
 
 def told(client, component):
@@ -128,9 +126,7 @@ def test_a_component_without_machines_has_an_empty_report(world, client):
 
 
 def world_component(world):
-    component = world.component("1.1.1", services=SERVICES)
-    component.start()
-    return component
+    return world.started("1.1.1", services=SERVICES)
 
 
 def test_an_event_tells_each_change(world, client):
@@ -139,7 +135,7 @@ def test_an_event_tells_each_change(world, client):
     client.ask(create, door)
     door.raise_event("Turn")
     door.raise_event("Turn")
-    events = [message for message in client.take() if isinstance(message, Event)]
+    events = client.take(Event)
     states = [
         ReportMachineStates.decode(event.report_message).machine_list[0].machine_rec.state
         for event in events

@@ -95,9 +95,7 @@ class Worker(ModelledComponent):
 
 @pytest.fixture
 def worker(world):
-    component = world.component("1.1.1", kind=Worker, control_timeout=5)
-    component.start()
-    return component
+    return world.started("1.1.1", kind=Worker, control_timeout=5)
 
 
 @pytest.fixture
@@ -107,8 +105,7 @@ def client(world):
 
 @pytest.fixture
 def ready(worker, client):
-    client.ask(RequestControl(authority_code=100), worker)
-    client.ask(Resume(), worker)
+    client.tell(worker, RequestControl(authority_code=100), Resume())
     assert worker.state == f"{WORK}.Idle"
     assert worker.take() == ["begin"]
     return worker
@@ -122,14 +119,8 @@ def test_core_states_are_those_of_the_model():
     assert set(CORE_STATES.values()) == set(core_machine(None).leaves)
 
 
-def test_starts_where_the_core_is(world):
-    worker = world.component("1.1.1", kind=Worker)
-    assert worker.state == ""
-    worker.start()
+def test_starts_where_the_core_is_and_follows_control_and_readiness(worker, client):
     assert worker.state == "Receiving.Ready.NotControlled.Available.Standby"
-
-
-def test_follows_control_and_readiness(worker, client):
     client.ask(RequestControl(authority_code=100), worker)
     assert worker.state == "Receiving.Ready.Controlled.Available.Standby"
     client.ask(Resume(), worker)
@@ -204,8 +195,7 @@ def test_reset_starts_the_machine_again(ready, client):
 def test_queries_are_answered_where_a_transition_says_so(world, worker, client):
     assert client.ask(QueryTime(), worker) == []
     assert count(world, "component.no_transition") == 1
-    client.ask(RequestControl(authority_code=100), worker)
-    client.ask(Resume(), worker)
+    client.tell(worker, RequestControl(authority_code=100), Resume())
     assert client.ask(QueryTime(), worker) == [SENT]
 
 
@@ -214,11 +204,10 @@ def test_events_carry_what_the_transition_of_the_state_reports(world, worker, cl
     request = CreateEvent(event_type=0, requested_periodic_rate=10.0, query_message=query)
     client.ask(request, worker)
     world.run(0.5)
-    assert not [message for message in client.take() if isinstance(message, Event)]
-    client.ask(RequestControl(authority_code=100), worker)
-    client.ask(Resume(), worker)
+    assert not client.take(Event)
+    client.tell(worker, RequestControl(authority_code=100), Resume())
     world.run(0.5)
-    events = [message for message in client.take() if isinstance(message, Event)]
+    events = client.take(Event)
     assert 3 <= len(events) <= 7
     assert all(event.report_message == SENT.encode() for event in events)
 
@@ -269,20 +258,16 @@ class Free(ModelledComponent):
 
 
 def test_a_machine_of_its_own_takes_commands_as_a_handler_would(world, client):
-    free = world.component("1.1.1", kind=Free)
-    free.start()
+    free = world.started("1.1.1", kind=Free)
     client.ask(SetTime(), free)
     assert free.machine.state == "Off"
     assert count(world, "component.command_refused") == 1
-    client.ask(RequestControl(authority_code=100), free)
-    client.ask(Resume(), free)
-    client.ask(SetTime(), free)
+    client.tell(free, RequestControl(authority_code=100), Resume(), SetTime())
     assert free.machine.state == "On"
 
 
 def test_a_message_without_a_receiver_is_counted(world):
-    free = world.component("1.1.1", kind=Free)
-    free.start()
+    free = world.started("1.1.1", kind=Free)
     free.machine.raise_event("Tell")
     free._jaus_take(SetTime(), free.address)
     free.machine.raise_event("Tell")
@@ -290,12 +275,8 @@ def test_a_message_without_a_receiver_is_counted(world):
 
 
 def test_a_machine_of_its_own_starts_again_at_reset(world, client):
-    free = world.component("1.1.1", kind=Free)
-    free.start()
-    client.ask(RequestControl(authority_code=100), free)
-    client.ask(Resume(), free)
-    client.ask(SetTime(), free)
-    client.ask(Reset(), free)
+    free = world.started("1.1.1", kind=Free)
+    client.tell(free, RequestControl(authority_code=100), Resume(), SetTime(), Reset())
     assert free.machine.state == "Off"
 
 
@@ -318,8 +299,7 @@ class Twice(ModelledComponent):
 
 
 def test_services_that_take_the_same_query_answer_it_once(world, client):
-    twice = world.component("1.1.1", kind=Twice)
-    twice.start()
+    twice = world.started("1.1.1", kind=Twice)
     for count_of_queries in (1, 2):
         assert client.ask(QueryTime(), twice) == [SENT]
         assert twice.taken == 2 * count_of_queries
@@ -358,8 +338,7 @@ class Spooler(ModelledComponent):
 
 @pytest.fixture
 def spooler(world, client):
-    component = world.component("1.1.1", kind=Spooler, control_timeout=5)
-    component.start()
+    component = world.started("1.1.1", kind=Spooler, control_timeout=5)
     assert component.machine.state == "Receiving.Ready.NotControlled.Available"
     client.ask(RequestControl(authority_code=100), component)
     assert component.machine.state == f"{AVAILABLE}.Waiting"

@@ -61,8 +61,7 @@ def test_an_event_is_not_sent_and_goes_on_afterwards(world, rate):
 
 
 def test_send_lets_the_error_out_and_nothing_is_sent(world):
-    component = world.component("1.1.1")
-    component.start()
+    component = world.started("1.1.1")
     world.settle()
     sent = len(world.log)
     message = SetTime(time_stamp=SetTime.TimeStamp(minutes=77))

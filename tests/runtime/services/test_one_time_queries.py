@@ -9,9 +9,7 @@ TARGET = JausAddress(1, 1, 1)
 
 
 def target(world, **settings):
-    component = world.component(str(TARGET), **settings)
-    component.start()
-    return component
+    return world.started(str(TARGET), **settings)
 
 
 class TestQuery:

@@ -40,8 +40,7 @@ class TestListening:
         component.on_payload(ReportTime, payloads)
         component.on_message(ReportTime, messages)
         component.start()
-        world.probe("2.1.1").send(NOON, component)
-        world.settle()
+        world.probe("2.1.1").tell(component, NOON)
         assert payloads == [(NOON.encode(), "2.1.1")]
         assert messages == [(NOON, "2.1.1")]
 
@@ -50,8 +49,7 @@ class TestListening:
         for callback in (refuse, fail, taken):
             component.on_payload(ReportTime, callback)
         component.start()
-        world.probe("2.1.1").send(NOON, component)
-        world.settle()
+        world.probe("2.1.1").tell(component, NOON)
         assert world.counters.drops() == {"component.bad_message": 1, "component.handler_failed": 1}
         assert len(taken) == 1
 
@@ -62,8 +60,7 @@ class TestHandling:
         taken = Taken()
         component.handle_payload(SetTime, taken, when=when)
         component.start()
-        world.probe("2.1.1").send(SetTime(), component)
-        world.settle()
+        world.probe("2.1.1").tell(component, SetTime())
         assert not taken
         assert world.counters.snapshot()["component.command_refused"] == 1
 
@@ -101,8 +98,7 @@ class TestHandling:
         event = CreateCommandEvent(
             request_id=1, maximum_allowed_duration=1, command_message=command
         )
-        probe.send(event, component)
-        world.settle()
+        probe.tell(component, event)
         assert taken == [(command, "2.1.1")]
 
 
@@ -131,8 +127,7 @@ class TestReports:
         part = ReportTime(date_stamp=NOON.date_stamp).encode()
         component.provide(QueryTime, ReportTime, lambda _query, _sender: part)
         component.start()
-        client = world.component("2.1.1")
-        client.start()
+        client = world.started("2.1.1")
         taken = Taken()
         for wanted in (3, 2, 1):
             client.subscribe(component.address, QueryTime(wanted), ReportTime, taken, payloads=True)
@@ -143,8 +138,7 @@ class TestReports:
     def test_bytes_of_another_message_are_counted(self, world, component):
         component.provide(QueryTime, ReportTime, lambda _query, _sender: b"\x02\x40\x00")
         component.start()
-        client = world.component("2.1.1")
-        client.start()
+        client = world.started("2.1.1")
         taken = Taken()
         client.subscribe(component.address, QueryTime(3), ReportTime, taken, payloads=True)
         world.run(0.1)
@@ -182,9 +176,7 @@ class TestClients:
     def client(self, world: Any, component: Any) -> Any:
         component.provide(QueryTime, ReportTime, lambda _query, _sender: NOON)
         component.start()
-        client = world.component("2.1.1")
-        client.start()
-        return client
+        return world.started("2.1.1")
 
     @pytest.mark.parametrize("payloads", [False, True])
     def test_a_subscription_shares_its_event(self, world, component, client, payloads):

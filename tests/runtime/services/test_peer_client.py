@@ -18,9 +18,7 @@ OWN = "100.1.9"
 
 def provider(world, address, *urns):
     services = (*CORE_SERVICES, *(ServiceIdentity(urn, 1, 0) for urn in urns or (SENSOR,)))
-    component = world.component(address, services=services, register_services=True)
-    component.start()
-    return component
+    return world.started(address, services=services, register_services=True)
 
 
 def kill(world, component):
@@ -30,13 +28,14 @@ def kill(world, component):
 
 
 class Searcher:
-    """A component that searches, and each set of peers that it was told."""
+    """A component that searches for a time, and each set of peers that it was told."""
 
-    def __init__(self, world, search, address=OWN):
+    def __init__(self, world, search, address=OWN, *, seconds=2):
         self.component = world.component(address)
         self.told = []
         self.component.find_peers(search, lambda peers: self.told.append(tuple(map(str, peers))))
         self.component.start()
+        world.run(seconds)
 
     @property
     def peers(self):
@@ -51,7 +50,6 @@ def test_the_nearest_is_taken_of_those_that_answer_at_the_start(world):
     for address in ("7.1.1", "100.2.1", "100.1.7", "100.1.3"):
         provider(world, address)
     searcher = Searcher(world, search())
-    world.run(2)
     assert searcher.told == [("100.1.3",)]
 
 
@@ -59,10 +57,8 @@ def test_one_node_then_one_subsystem_then_the_lowest_address(world):
     for address in ("300.1.1", "200.1.1"):
         provider(world, address)
     searcher = Searcher(world, search())
-    world.run(2)
     assert searcher.peers == ("200.1.1",)
     second = Searcher(world, search(), "300.7.7")
-    world.run(2)
     assert second.peers == ("300.1.1",)
 
 
@@ -81,7 +77,6 @@ def test_all_within_a_place(world, where, expected):
     for address in ("100.1.1", "100.2.1", "200.1.1", "200.2.1"):
         provider(world, address)
     searcher = Searcher(world, search(choice=PeerChoice.ALL, **where))
-    world.run(2)
     assert searcher.peers == expected
 
 
@@ -89,7 +84,6 @@ def test_every_named_service_must_be_provided(world):
     provider(world, "100.1.1")
     provider(world, "100.1.2", SENSOR, DRIVER)
     searcher = Searcher(world, search(SENSOR, DRIVER, choice=PeerChoice.ALL))
-    world.run(2)
     assert searcher.peers == ("100.1.2",)
 
 
@@ -103,8 +97,7 @@ def test_who_searches_does_not_find_itself(world):
 
 
 def test_a_newcomer_is_found_when_it_speaks_not_at_the_next_look_around(world):
-    searcher = Searcher(world, search())
-    world.run(60)
+    searcher = Searcher(world, search(), seconds=60)
     assert searcher.told == []
     provider(world, "200.1.1")
     world.run(2 * peer_search.COLLECTING_TIME)
@@ -112,10 +105,8 @@ def test_a_newcomer_is_found_when_it_speaks_not_at_the_next_look_around(world):
 
 
 def test_a_silent_newcomer_is_found_within_the_slowest_search(world):
-    searcher = Searcher(world, search())
-    world.run(60)
-    component = world.component("200.1.1", services=(*CORE_SERVICES, ServiceIdentity(SENSOR, 1, 0)))
-    component.start()
+    searcher = Searcher(world, search(), seconds=60)
+    world.started("200.1.1", services=(*CORE_SERVICES, ServiceIdentity(SENSOR, 1, 0)))
     world.run(peer_search.SLOWEST_SEARCH + 2)
     assert searcher.peers == ("200.1.1",)
 
@@ -124,7 +115,6 @@ def test_a_peer_that_is_gone_is_replaced_by_another_one(world):
     first = provider(world, "100.1.1")
     provider(world, "200.1.1")
     searcher = Searcher(world, search())
-    world.run(2)
     kill(world, first)
     world.run(10)
     assert searcher.told == [("100.1.1",), (), ("200.1.1",)]
@@ -133,7 +123,6 @@ def test_a_peer_that_is_gone_is_replaced_by_another_one(world):
 def test_one_lost_check_is_no_loss(world):
     provider(world, "100.1.1")
     searcher = Searcher(world, search())
-    world.run(2)
     world.lost = lambda *what: what[2] == QueryHeartbeatPulse.CODE
     world.run(peer_search.CHECK_INTERVAL * (peer_search.MISSED_CHECKS - 1.5))
     world.lost = lambda *_: False
@@ -144,7 +133,6 @@ def test_one_lost_check_is_no_loss(world):
 def test_a_nearer_one_that_comes_later_changes_nothing(world):
     provider(world, "200.1.1")
     searcher = Searcher(world, search())
-    world.run(2)
     provider(world, "100.1.1")
     world.run(30)
     assert searcher.told == [("200.1.1",)]
@@ -153,7 +141,6 @@ def test_a_nearer_one_that_comes_later_changes_nothing(world):
 def test_all_takes_those_that_come_later_and_drops_those_that_go(world):
     first = provider(world, "100.1.1")
     searcher = Searcher(world, search(choice=PeerChoice.ALL))
-    world.run(2)
     provider(world, "200.1.1")
     world.run(2)
     kill(world, first)
@@ -163,8 +150,7 @@ def test_all_takes_those_that_come_later_and_drops_those_that_go(world):
 
 def test_who_has_lost_a_peer_looks_around_at_once(world):
     first = provider(world, "100.1.1")
-    searcher = Searcher(world, search(choice=PeerChoice.ALL))
-    world.run(peer_search.STEADY_SEARCH)
+    searcher = Searcher(world, search(choice=PeerChoice.ALL), seconds=peer_search.STEADY_SEARCH)
     kill(world, first)
     for _ in range(2 * peer_search.MISSED_CHECKS):
         if searcher.peers:
@@ -176,8 +162,7 @@ def test_who_has_lost_a_peer_looks_around_at_once(world):
 
 def test_the_first_that_answers_is_taken(world):
     provider(world, "200.1.1")
-    searcher = Searcher(world, search(choice=PeerChoice.FIRST))
-    world.run(0.1)
+    searcher = Searcher(world, search(choice=PeerChoice.FIRST), seconds=0.1)
     provider(world, "100.1.1")
     world.run(5)
     assert searcher.told == [("200.1.1",)]
@@ -185,7 +170,7 @@ def test_the_first_that_answers_is_taken(world):
 
 def test_a_dead_component_that_a_server_still_lists_is_not_taken(world):
     registry = world.probe("200.1.1", strict=False)
-    searcher = Searcher(world, search())
+    searcher = Searcher(world, search(), seconds=0)
     dead = {JausAddress.parse("200.1.7"): (ServiceIdentity(SENSOR, 1, 0),)}
     everything = query_services()
     for _ in range(5):
@@ -196,7 +181,7 @@ def test_a_dead_component_that_a_server_still_lists_is_not_taken(world):
 
 def test_inventions_of_a_peer_do_not_fill_the_memory(world):
     liar = world.probe("200.1.1", strict=False)
-    searcher = Searcher(world, search())
+    searcher = Searcher(world, search(), seconds=0)
     world.lost = lambda *what: what[2] == QueryHeartbeatPulse.CODE
     everything = query_services()
     for node in range(1, 6):
@@ -212,7 +197,7 @@ def test_inventions_of_a_peer_do_not_fill_the_memory(world):
 
 def test_connections_with_one_search_share_the_work(world):
     provider(world, "100.1.1")
-    searcher = Searcher(world, search())
+    searcher = Searcher(world, search(), seconds=0)
     also = []
     searcher.component.find_peers(search(), also.append)
     world.run(2)
@@ -227,8 +212,7 @@ def test_connections_with_one_search_share_the_work(world):
 
 def test_a_satisfied_search_asks_nobody(world):
     provider(world, "100.1.1")
-    Searcher(world, search())
-    world.run(5)
+    Searcher(world, search(), seconds=5)
     asked = world.count(QueryServiceList.CODE)
     world.run(100)
     assert world.count(QueryServiceList.CODE) == asked
@@ -237,7 +221,6 @@ def test_a_satisfied_search_asks_nobody(world):
 def test_nothing_happens_after_the_stop(world):
     provider(world, "100.1.1")
     searcher = Searcher(world, search())
-    world.run(2)
     searcher.component.stop()
     sent = len(world.log)
     world.run(10)

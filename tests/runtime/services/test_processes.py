@@ -20,6 +20,7 @@ from jausml.runtime.messages import (
     Shutdown,
 )
 
+from ..conftest import reports_of, wait_until
 from .state_tables import V1_1, core_services
 
 pytestmark = pytest.mark.ports
@@ -66,13 +67,10 @@ class TestOneProcess:
         for jaus_component in made:
             jaus_component.stop()
 
-    def test_control_and_events(self, pair, wait_until):
+    def test_control_and_events(self, pair):
         robot, operator = pair
-        statuses = []
         session = operator.control(ROBOT, authority=100)
-        operator.subscribe(
-            ROBOT, QueryStatus(), ReportStatus, lambda report, _sender: statuses.append(report)
-        )
+        statuses = reports_of(operator, ROBOT, QueryStatus(), ReportStatus)
         wait_until(lambda: session.state is ControlState.READY)
         assert robot.controller == OPERATOR
         wait_until(lambda: statuses and statuses[-1].status == Status.READY)
@@ -80,7 +78,7 @@ class TestOneProcess:
         wait_until(lambda: statuses[-1].status == Status.STANDBY)
         assert robot.controller is None
 
-    def test_discovery_of_each_other(self, pair, wait_until):
+    def test_discovery_of_each_other(self, pair):
         found = []
         pair[1].discover(DISCOVERY, found.append)
         wait_until(lambda: found)
@@ -94,16 +92,11 @@ class TestOneProcess:
 
 
 class TestTwoProcesses:
-    def test_commands_reports_and_discovery(self, robot, operator, wait_until):
+    def test_commands_reports_and_discovery(self, robot, operator):
         tested = robot()
-        times, found = [], []
+        found = []
         session = operator.control(ROBOT, authority=100)
-        operator.subscribe(
-            ROBOT,
-            QueryTime(presence_vector=1),
-            ReportTime,
-            lambda report, _sender: times.append(report.time_stamp),
-        )
+        times = reports_of(operator, ROBOT, QueryTime(presence_vector=1), ReportTime)
         tested.expect("ready")
         operator.discover("urn:jaus:jss:core:Management", found.append)
         wait_until(lambda: session.state is ControlState.READY)
@@ -111,24 +104,18 @@ class TestTwoProcesses:
         wait_until(lambda: times)
         operator.send(SetTime(time_stamp=stamp), ROBOT)
         tested.expect(f"time 13 of {OPERATOR}")
-        wait_until(lambda: times[-1] is not None and times[-1].hour == 13)
+        wait_until(lambda: times[-1].time_stamp is not None and times[-1].time_stamp.hour == 13)
         wait_until(lambda: found)
         assert found[0].address == ROBOT
 
     @pytest.mark.slow
-    def test_recovery_of_a_killed_robot(self, robot, operator, wait_until):
+    def test_recovery_of_a_killed_robot(self, robot, operator):
         first = robot()
-        pulses, silences = [], []
+        silences = []
         session = operator.control(ROBOT, authority=100)
-        operator.subscribe(
-            ROBOT,
-            QueryHeartbeatPulse(),
-            ReportHeartbeatPulse,
-            lambda report, _sender: pulses.append(report),
-            rate=20,
-            silence_timeout=0.5,
-            on_silence=lambda: silences.append(1),
-        )
+        options = {"rate": 20, "silence_timeout": 0.5, "on_silence": lambda: silences.append(1)}
+        asked = QueryHeartbeatPulse(), ReportHeartbeatPulse
+        pulses = reports_of(operator, ROBOT, *asked, **options)
         wait_until(lambda: session.state is ControlState.READY and len(pulses) > 5)
         silences.clear()
         first.kill()
@@ -140,7 +127,7 @@ class TestTwoProcesses:
         assert len(silences) == 1
 
     @pytest.mark.slow
-    def test_three_processes_on_one_port(self, robot, operator, wait_until):
+    def test_three_processes_on_one_port(self, robot, operator):
         addresses = [JausAddress(3, 1, number) for number in (1, 2)]
         for address in addresses:
             robot("--jaus-id", str(address), "--discovery-scope", "component")
@@ -148,7 +135,7 @@ class TestTwoProcesses:
         wait_until(lambda: all(session.state is ControlState.READY for session in sessions), 20.0)
 
     @pytest.mark.slow
-    def test_members_register_with_the_subsystem(self, robot, operator, wait_until):
+    def test_members_register_with_the_subsystem(self, robot, operator):
         robot("--jaus-id", "4.1.1").expect("initialize")
         robot("--jaus-id", "4.1.2", "--discovery-scope", "component").expect("initialize")
         found = []
@@ -158,13 +145,10 @@ class TestTwoProcesses:
 
 class TestEnd:
     @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
-    def test_by_signal(self, robot, operator, wait_until, number):
+    def test_by_signal(self, robot, operator, number):
         tested = robot()
-        statuses = []
         session = operator.control(ROBOT, authority=100)
-        operator.subscribe(
-            ROBOT, QueryStatus(), ReportStatus, lambda report, _sender: statuses.append(report)
-        )
+        statuses = reports_of(operator, ROBOT, QueryStatus(), ReportStatus)
         wait_until(lambda: session.state is ControlState.READY and statuses)
         assert tested.end(number) == 0
         tested.expect("not ready")
@@ -173,7 +157,7 @@ class TestEnd:
         wait_until(lambda: statuses[-1].status == Status.SHUTDOWN)
         wait_until(lambda: session.state is ControlState.SEEKING)
 
-    def test_by_jaus_shutdown(self, robot, operator, wait_until):
+    def test_by_jaus_shutdown(self, robot, operator):
         tested = robot()
         session = operator.control(ROBOT, authority=100)
         wait_until(lambda: session.state is ControlState.READY)

@@ -62,12 +62,6 @@ def test_never_more_passes_than_the_rate_and_a_second(hertz, bursts):
     assert len(gate.passed) <= hertz * (gate.now + 1) + 1
 
 
-def test_each_source_has_its_own_allowance():
-    gate = Gate(10.0)
-    gate.send(10_000, "flood")
-    assert gate.send(10, "other") == 10
-
-
 def test_many_names_are_worth_no_more_than_one(monkeypatch):
     monkeypatch.setattr(shaping, "_MAX_SOURCES", 3)
     gate = Gate(10.0)
@@ -85,8 +79,7 @@ def test_a_flood_of_one_source_passes_at_its_cap(world, setting):
     flood, other = world.probe("5.1.1"), world.probe(str(PEER))
     for number in range(50):
         flood.send(minutes(number), OWN)
-    other.send(minutes(59), OWN)
-    world.settle()
+    other.tell(OWN, minutes(59))
     assert setting.ros.numbers("times") == [0.0, 1.0, 2.0, 3.0, 4.0, 59.0]
     assert setting.drops(connection) == {OVER_RATE: 45}
 

@@ -58,8 +58,7 @@ def test_joined_report_of_a_component_that_is_searched_for(world, setting, is_as
     )
     world.run(2.0)
     assert published(setting) == []
-    found = world.component(str(PEER), event_timeout=3, control_timeout=7)
-    found.start()
+    found = world.started(str(PEER), event_timeout=3, control_timeout=7)
     world.run(20.0)
     assert set(published(setting)) == {703.0}
     assert dict(made.describe_peers())["search"] == f"bound to {found.address}"
@@ -115,13 +114,11 @@ def test_reports_that_are_sent_unasked_count_from_their_sender_alone(world, sett
             joins=[join(query=None, peers=[OTHER], drop=True)],
         )
     )
-    world.probe("5.1.1").send(ReportTimeout(timeout=9), OWN)
-    world.settle()
+    world.probe("5.1.1").tell(OWN, ReportTimeout(timeout=9))
     assert setting.drops(made) == {"unexpected_source": 1}
     assert made.stale_joins() == ["control"]
     world.probe(str(OTHER)).send(ReportTimeout(timeout=8), OWN)
-    world.probe(str(PEER)).send(minutes(3), OWN)
-    world.settle()
+    world.probe(str(PEER)).tell(OWN, minutes(3))
     assert setting.ros.numbers("times") == [803.0]
 
 

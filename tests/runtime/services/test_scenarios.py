@@ -48,15 +48,11 @@ class Robot(JausComponent):
 
 @pytest.fixture
 def robot(world):
-    component = world.component(str(ROBOT), kind=Robot, control_timeout=4, default_authority=5)
-    component.start()
-    return component
+    return world.started(str(ROBOT), kind=Robot, control_timeout=4, default_authority=5)
 
 
 def operator(world, address):
-    component = world.component(str(address), services=())
-    component.start()
-    return component
+    return world.started(str(address), services=())
 
 
 def counted(world, name):

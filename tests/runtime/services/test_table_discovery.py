@@ -5,33 +5,32 @@ from itertools import pairwise
 import pytest
 
 from jausml.runtime import Scope, ServiceIdentity
+from jausml.runtime import messages as core
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.clients.discovery_client import query_service_lists, query_services
-from jausml.runtime.messages import (
-    QueryConfiguration,
-    QueryIdentification,
-    QueryServiceList,
-    QueryServices,
-    QuerySubsystemList,
-    RegisterServices,
-    ReportConfiguration,
-    ReportIdentification,
-    ReportServiceList,
-    ReportServices,
-    ReportSubsystemList,
-)
 from jausml.runtime.services.discovery import (
     register_services,
     report_service_list,
     report_services,
 )
 
-from .state_tables import CORE_NAMES, V1_0, V1_1, Row, after, core_services, play, rows
+from .state_tables import (
+    CORE_NAMES,
+    V1_0,
+    V1_1,
+    Row,
+    after,
+    core_services,
+    play,
+    query_service_list,
+    query_services_of,
+    rows,
+)
 
 SENSOR = ServiceIdentity("urn:jaus:jss:mobility:VelocityStateSensor", 1, 0)
 SYSTEM, SUBSYSTEM, NODE, COMPONENT = Scope
 OWN, MEMBER = JausAddress(1, 1, 1), JausAddress(1, 5, 6)
-LOOK = QueryIdentification(query_type=SUBSYSTEM)
+LOOK = core.QueryIdentification(query_type=SUBSYSTEM)
 
 
 def row(name, *given, when, scope=SUBSYSTEM, **expected):
@@ -40,11 +39,11 @@ def row(name, *given, when, scope=SUBSYSTEM, **expected):
 
 
 def asks(query_type):
-    return ("client", QueryIdentification(query_type=query_type))
+    return ("client", core.QueryIdentification(query_type=query_type))
 
 
 def identified(query_type, kind, name):
-    answer = ReportIdentification(query_type=query_type, type_=kind, identification=name)
+    answer = core.ReportIdentification(query_type=query_type, type_=kind, identification=name)
     return {"client": [answer]}
 
 
@@ -58,12 +57,12 @@ def registers(address, *services):
 
 
 def configuration(*pairs):
-    return ReportConfiguration(
+    return core.ReportConfiguration(
         node_list=[
-            ReportConfiguration.NodeSeq(
-                node_rec=ReportConfiguration.NodeRec(node_id=node),
+            core.ReportConfiguration.NodeSeq(
+                node_rec=core.ReportConfiguration.NodeRec(node_id=node),
                 component_list=[
-                    ReportConfiguration.ComponentRec(component_id=component, instance_id=0)
+                    core.ReportConfiguration.ComponentRec(component_id=component, instance_id=0)
                 ],
             )
             for node, component in pairs
@@ -72,23 +71,12 @@ def configuration(*pairs):
 
 
 def subsystems(*addresses):
-    return ReportSubsystemList(
+    return core.ReportSubsystemList(
         subsystem_list=[
-            ReportSubsystemList.SubsystemRec(
+            core.ReportSubsystemList.SubsystemRec(
                 subsystem_id=address.subsystem, node_id=address.node, component_id=address.component
             )
             for address in addresses
-        ]
-    )
-
-
-def services_of(node, component):
-    return QueryServices(
-        node_list=[
-            QueryServices.NodeSeq(
-                node_rec=QueryServices.NodeRec(node_id=node),
-                component_list=[QueryServices.ComponentRec(component_id=component)],
-            )
         ]
     )
 
@@ -102,7 +90,7 @@ def services(catalog, query=None):
 
 
 JOINED = registers(MEMBER, SENSOR)
-OCU = ("client", ReportIdentification(query_type=SUBSYSTEM, type_=20001, identification="ocu"))
+OCU = ("client", core.ReportIdentification(query_type=SUBSYSTEM, type_=20001, identification="ocu"))
 
 IDENTIFICATION = tuple(
     row(
@@ -123,125 +111,50 @@ IDENTIFICATION = tuple(
 )
 
 CATALOG = (
-    row(
-        "QueryConfiguration subsystem: nodes and components",
-        JOINED,
-        when=("client", QueryConfiguration(query_type=SUBSYSTEM), configuration((1, 1), (5, 6))),
-    ),
-    row(
-        "QueryConfiguration node: those of the own node",
-        JOINED,
-        when=("client", QueryConfiguration(query_type=NODE), configuration((1, 1))),
-    ),
-    row(
-        "QueryConfiguration subsystem, scope NODE: silence",
-        when=("client", QueryConfiguration(query_type=SUBSYSTEM)),
-        scope=NODE,
-    ),
-    row(
-        "QueryConfiguration node, scope COMPONENT: silence",
-        when=("client", QueryConfiguration(query_type=NODE)),
-        scope=COMPONENT,
-    ),
-    row("QuerySubsystemList: the own one", when=("client", QuerySubsystemList(), subsystems(OWN))),
-    row(
-        "QuerySubsystemList: those that identified themselves",
-        OCU,
-        when=("client", QuerySubsystemList(), subsystems(JausAddress(2, 1, 1), OWN)),
-    ),
-    row(
-        "QuerySubsystemList: not those that were not heard of lately",
-        OCU,
-        after(301.0),
-        when=("client", QuerySubsystemList(), subsystems(OWN)),
-    ),
-    row(
-        "QuerySubsystemList, scope NODE: silence", when=("client", QuerySubsystemList()), scope=NODE
-    ),
-    row(
-        "QueryServices 255/255: all",
-        JOINED,
-        when=("client", query_services(), services({OWN: own(), MEMBER: (SENSOR,)})),
-    ),
-    row(
-        "QueryServices, v1.0: the same",
-        JOINED,
+    row("QueryConfiguration subsystem: nodes and components", JOINED, when=("client",
+        core.QueryConfiguration(query_type=SUBSYSTEM), configuration((1, 1), (5, 6)))),
+    row("QueryConfiguration node: those of the own node", JOINED,
+        when=("client", core.QueryConfiguration(query_type=NODE), configuration((1, 1)))),
+    row("QueryConfiguration subsystem, scope NODE: silence",
+        when=("client", core.QueryConfiguration(query_type=SUBSYSTEM)), scope=NODE),
+    row("QueryConfiguration node, scope COMPONENT: silence",
+        when=("client", core.QueryConfiguration(query_type=NODE)), scope=COMPONENT),
+    row("QuerySubsystemList: the own one",
+        when=("client", core.QuerySubsystemList(), subsystems(OWN))),
+    row("QuerySubsystemList: those that identified themselves", OCU,
+        when=("client", core.QuerySubsystemList(), subsystems(JausAddress(2, 1, 1), OWN))),
+    row("QuerySubsystemList: not those that were not heard of lately", OCU, after(301.0),
+        when=("client", core.QuerySubsystemList(), subsystems(OWN))),
+    row("QuerySubsystemList, scope NODE: silence", when=("client", core.QuerySubsystemList()),
+        scope=NODE),
+    row("QueryServices 255/255: all", JOINED,
+        when=("client", query_services(), services({OWN: own(), MEMBER: (SENSOR,)}))),
+    row("QueryServices, v1.0: the same", JOINED,
         when=("client", query_services(), services({OWN: own(V1_0), MEMBER: (SENSOR,)})),
-        version=V1_0,
-    ),
-    row(
-        "QueryServices of one component: it alone",
-        JOINED,
-        when=("client", services_of(5, 6), services({MEMBER: (SENSOR,)})),
-    ),
-    row(
-        "QueryServices of an unknown node: an empty list",
-        JOINED,
-        when=("client", services_of(9, 255), ReportServices()),
-    ),
-    row(
-        "QueryServiceList 65535/255/255: all",
-        JOINED,
-        when=(
-            "client",
-            query_service_lists(),
-            report_service_list(query_service_lists(), {OWN: own(), MEMBER: (SENSOR,)}),
-        ),
-    ),
-    row(
-        "QueryServiceList of an unknown subsystem: an empty list",
-        when=(
-            "client",
-            QueryServiceList(
-                subsystem_list=[
-                    QueryServiceList.SubsystemSeq(
-                        subsystem_rec=QueryServiceList.SubsystemRec(subsystem_id=77),
-                        node_list=query_service_lists().subsystem_list[0].node_list,
-                    )
-                ]
-            ),
-            ReportServiceList(),
-        ),
-    ),
-    row(
-        "QueryServiceList, v1.0: unknown, ignored",
-        when=("client", query_service_lists()),
-        version=V1_0,
-        counted="component.unknown_message",
-    ),
-    row(
-        "RegisterServices again: replaces",
-        registers(MEMBER, *own()),
-        JOINED,
-        when=("client", services_of(5, 6), services({MEMBER: (SENSOR,)})),
-    ),
-    row(
-        "RegisterServices of another subsystem: ignored",
-        when=("client", register_services([SENSOR])),
-        counted="discovery.registration_ignored",
-    ),
-    row(
-        "RegisterServices, scope COMPONENT: ignored",
-        when=JOINED,
-        scope=COMPONENT,
-        counted="discovery.registration_ignored",
-    ),
-    row(
-        "RegisterServices, not heard of lately: forgotten",
-        JOINED,
-        after(301.0),
-        when=("client", services_of(5, 6), ReportServices()),
-    ),
-)
+        version=V1_0),
+    row("QueryServices of one component: it alone", JOINED,
+        when=("client", query_services_of((5, 6)), services({MEMBER: (SENSOR,)}))),
+    row("QueryServices of an unknown node: an empty list", JOINED,
+        when=("client", query_services_of((9, 255)), core.ReportServices())),
+    row("QueryServiceList 65535/255/255: all", JOINED, when=("client", query_service_lists(),
+        report_service_list(query_service_lists(), {OWN: own(), MEMBER: (SENSOR,)}))),
+    row("QueryServiceList of an unknown subsystem: an empty list",
+        when=("client", query_service_list(77), core.ReportServiceList())),
+    row("QueryServiceList, v1.0: unknown, ignored", when=("client", query_service_lists()),
+        version=V1_0, counted="component.unknown_message"),
+    row("RegisterServices again: replaces", registers(MEMBER, *own()), JOINED,
+        when=("client", query_services_of((5, 6)), services({MEMBER: (SENSOR,)}))),
+    row("RegisterServices of another subsystem: ignored",
+        when=("client", register_services([SENSOR])), counted="discovery.registration_ignored"),
+    row("RegisterServices, scope COMPONENT: ignored", when=JOINED, scope=COMPONENT,
+        counted="discovery.registration_ignored"),
+    row("RegisterServices, not heard of lately: forgotten", JOINED, after(301.0),
+        when=("client", query_services_of((5, 6)), core.ReportServices())),
+)  # fmt: skip
 
 
-@rows(*IDENTIFICATION)
-def test_identification(world, row):
-    play(world, row)
-
-
-@rows(*CATALOG)
-def test_catalog(world, row):
+@rows(*IDENTIFICATION, *CATALOG)
+def test_row(world, row):
     play(world, row)
 
 
@@ -249,12 +162,10 @@ def test_catalog(world, row):
 
 
 def member(world, **settings):
-    component = world.component(str(MEMBER), services=(SENSOR,), **settings)
-    component.start()
-    return component
+    return world.started(str(MEMBER), services=(SENSOR,), **settings)
 
 
-def asked_at(world, address, query=QueryIdentification):
+def asked_at(world, address, query=core.QueryIdentification):
     """Returns the times at which a component asks everyone, for 10 minutes."""
     times = []
     start = world.time
@@ -267,26 +178,21 @@ def asked_at(world, address, query=QueryIdentification):
 
 
 @pytest.mark.parametrize(
-    ("settings", "first", "later"),
-    [
-        pytest.param({"register_services": True}, [5, 10, 25], 15, id="component: 5 s, then 15 s"),
-        pytest.param({"discovery_scope": SUBSYSTEM}, [5, 10, 25], 15, id="server: 5 s, then 15 s"),
-    ],
+    "settings", [{"register_services": True}, {"discovery_scope": SUBSYSTEM}], ids=str
 )
-def test_looking_around(world, settings, first, later):
+def test_components_and_servers_look_around_after_5_seconds_and_each_15(world, settings):
     """Everyone is asked eagerly at first, and at least every 5 minutes as the IOP demands."""
-    component = world.component("1.1.1", services=own(), **settings)
-    component.start()
-    assert (OWN, BROADCAST, QueryIdentification.CODE) in world.log
+    world.started("1.1.1", services=own(), **settings)
+    assert (OWN, BROADCAST, core.QueryIdentification.CODE) in world.log
     times = asked_at(world, OWN)
-    assert times[:3] == first
-    assert {after - before for before, after in pairwise(times[2:])} == {later}
+    assert times[:3] == [5, 10, 25]
+    assert {after - before for before, after in pairwise(times[2:])} == {15}
 
 
 def test_operator_control_unit_looks_for_the_system_too(world):
     probe = world.probe("1.1.1")
     member(world, register_services=True, component_type=20001)
-    assert probe.take() == [LOOK, QueryIdentification(query_type=SYSTEM)]
+    assert probe.take() == [LOOK, core.QueryIdentification(query_type=SYSTEM)]
 
 
 def test_component_that_shall_not_register_is_silent(world):
@@ -301,7 +207,8 @@ def test_registration_with_the_server_of_the_subsystem(world):
     component = member(world, register_services=True)
     assert component.discovery_server is None
     (registration,) = server.ask(
-        ReportIdentification(query_type=SUBSYSTEM, type_=10001, identification="robot"), component
+        core.ReportIdentification(query_type=SUBSYSTEM, type_=10001, identification="robot"),
+        component,
     )
     assert registration == register_services([SENSOR])
     assert component.discovery_server == server.address
@@ -312,7 +219,8 @@ def test_lost_server_is_noticed_and_looked_for_eagerly(world):
     component = member(world, register_services=True, discovery_timeout=60.0)
     world.run(30.0, step=1.0)
     server.ask(
-        ReportIdentification(query_type=SUBSYSTEM, type_=10001, identification="robot"), component
+        core.ReportIdentification(query_type=SUBSYSTEM, type_=10001, identification="robot"),
+        component,
     )
     world.run(60.0, step=1.0)
     assert component.discovery_server == server.address
@@ -325,8 +233,7 @@ def test_lost_server_is_noticed_and_looked_for_eagerly(world):
 def test_registration_with_another_server_after_the_loss(world):
     component = member(world, register_services=True)
     for address in ("1.1.1", "1.2.1"):
-        server = world.component(address, services=own(), discovery_scope=SUBSYSTEM)
-        server.start()
+        server = world.started(address, services=own(), discovery_scope=SUBSYSTEM)
         world.run(20.0, step=1.0)
         assert component.discovery_server == server.address
         server.stop()
@@ -344,7 +251,7 @@ def test_servers_find_each_other(world):
     world.run(16.0, step=1.0)
     probe = world.probe("9.1.1")
     for server in (first, second):
-        (report,) = probe.ask(QuerySubsystemList(), server)
+        (report,) = probe.ask(core.QuerySubsystemList(), server)
         assert {subsystem.subsystem_id for subsystem in report.subsystem_list} == {1, 2}
 
 
@@ -352,12 +259,12 @@ def test_servers_find_each_other(world):
     ("query", "answer"),
     [
         pytest.param(
-            QueryServices.CODE,
+            core.QueryServices.CODE,
             report_services(query_services(), {MEMBER: (SENSOR,)}, 1),
             id="v1.0: ReportServices",
         ),
         pytest.param(
-            QueryServiceList.CODE,
+            core.QueryServiceList.CODE,
             report_service_list(query_service_lists(), {MEMBER: (SENSOR,)}),
             id="v1.1: ReportServiceList",
         ),
@@ -365,15 +272,9 @@ def test_servers_find_each_other(world):
 )
 def test_search_understands_servers_of_both_versions(world, query, answer):
     server = world.probe("1.1.1")
-    searcher = world.component("7.1.1", services=())
-    searcher.start()
+    searcher = world.started("7.1.1", services=())
     hits = []
     searcher.discover(SENSOR.urn, hits.append)
     assert query in {message.CODE for message in server.take()}
     server.ask(answer, searcher)
     assert [(hit.address, hit.services) for hit in hits] == [(MEMBER, (SENSOR,))]
-
-
-def test_a_registration_is_read_as_it_was_made():
-    message = RegisterServices.decode(register_services([SENSOR]).encode())
-    assert message == register_services([SENSOR])

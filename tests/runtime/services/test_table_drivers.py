@@ -105,28 +105,18 @@ SITUATIONS = {
 
 COMMANDS = {
     "driver, Set: Ready": (SetWrenchEffort(), {"Ready", "Ready, unavailable"}),
-    "driver, waypoint: Controlled": (
-        SetGlobalWaypoint(),
-        {"Standby", "Ready", "Ready, unavailable"},
-    ),
+    "driver, waypoint: Controlled": (SetGlobalWaypoint(),
+        {"Standby", "Ready", "Ready, unavailable"}),
     "sensor, Set...Pose: Controlled": (SetLocalPose(), {"Standby", "Ready", "Ready, unavailable"}),
-    "VelocityStateDriver, current command: Ready": (
-        SetVelocityCommand(CURRENT),
-        {"Ready", "Ready, unavailable"},
-    ),
-    "VelocityStateDriver, maximum: Controlled": (
-        SetVelocityCommand(MAXIMUM),
-        {"Standby", "Ready", "Ready, unavailable"},
-    ),
-    "VelocityStateDriver, minimum: Controlled": (
-        SetVelocityCommand(MINIMUM),
-        {"Standby", "Ready", "Ready, unavailable"},
-    ),
-    "VelocityStateDriver, default: Controlled": (
-        SetVelocityCommand(DEFAULT),
-        {"Standby", "Ready", "Ready, unavailable"},
-    ),
-}
+    "VelocityStateDriver, current command: Ready": (SetVelocityCommand(CURRENT),
+        {"Ready", "Ready, unavailable"}),
+    "VelocityStateDriver, maximum: Controlled": (SetVelocityCommand(MAXIMUM),
+        {"Standby", "Ready", "Ready, unavailable"}),
+    "VelocityStateDriver, minimum: Controlled": (SetVelocityCommand(MINIMUM),
+        {"Standby", "Ready", "Ready, unavailable"}),
+    "VelocityStateDriver, default: Controlled": (SetVelocityCommand(DEFAULT),
+        {"Standby", "Ready", "Ready, unavailable"}),
+}  # fmt: skip
 
 
 @rows(
@@ -177,8 +167,7 @@ def test_guard_that_raises_refuses_and_is_counted(world):
 
     component.handle(SetWrenchEffort, lambda *_: pytest.fail("obeyed"), when=guard)
     component.start()
-    world.probe("2.1.1").send(SetWrenchEffort(), component)
-    world.settle()
+    world.probe("2.1.1").tell(component, SetWrenchEffort())
     assert world.counters.snapshot()["component.handler_failed"] == 1
 
 

@@ -93,11 +93,9 @@ def test_any_messages(world, message_classes, data):
         world.run(0.1, step=0.1)
     counts = world.counters.snapshot()
     assert not any(counts.get(name) for name in FAILURES)
-    (answer,) = [
-        message
-        for message in probes[1].ask(QueryStatus(), tested)
-        if isinstance(message, ReportStatus)
-    ]
+    probes[1].take()
+    probes[1].send(QueryStatus(), tested)
+    (answer,) = probes[1].take(ReportStatus)
     assert answer.status == tested.status
     tested.stop()
     world.run(0.1, step=0.1)
@@ -105,8 +103,7 @@ def test_any_messages(world, message_classes, data):
 
 @pytest.mark.parametrize("command", [b"", b"\x0c", b"\x0c\x04"], ids=["none", "half", "code"])
 def test_a_command_event_without_a_command_is_rejected(world, command):
-    tested = world.component("1.1.1", services=SERVICES)
-    tested.start()
+    tested = world.started("1.1.1", services=SERVICES)
     client = world.probe("3.1.1")
     client.take()
     client.send_bytes(command_event(7, 0, command), tested)

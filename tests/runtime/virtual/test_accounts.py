@@ -20,14 +20,11 @@ def between(transport, own, peer):
 @pytest.mark.parametrize(
     "way",
     [
-        Link(loss=0.3),
-        Link(loss=0.3, burst=5),
-        Link(duplicate=0.3, loss=0.1),
-        Link(jitter=0.06, loss=0.1),
-        Link(reorder=0.2, loss=0.1, duplicate=0.1),
+        Link(loss=0.3), Link(loss=0.3, burst=5), Link(duplicate=0.3, loss=0.1),
+        Link(jitter=0.06, loss=0.1), Link(reorder=0.2, loss=0.1, duplicate=0.1),
     ],
     ids=str,
-)
+)  # fmt: skip
 def test_each_of_three_receivers_knows_what_it_lost(world, way):
     """Gaps of numbers that count for all would tell each what the others got."""
     sender = world.transport()

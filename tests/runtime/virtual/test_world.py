@@ -34,10 +34,6 @@ class TestTime:
         world.run_for(1.0)
         assert times == [0.25, 2.5]
 
-    def test_hours_pass_at_once(self, world):
-        world.run_for(3600.0)
-        assert world.now() == 3600.0
-
     def test_a_condition_ends_the_run_at_its_time(self, world):
         done = []
         world.call_at(0.75, lambda: done.append(1))
