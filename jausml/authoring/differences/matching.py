@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections import Counter, defaultdict
 from collections.abc import Callable, Hashable, Iterator, Sequence
 from itertools import zip_longest
@@ -202,9 +203,5 @@ def _unread(model: Model, folder: Path) -> list[str]:
 
 
 def _name(document: Document, folder: Path) -> str:
-    """Returns the path of a file from a folder; outside of it, from the one that has both."""
-    path, root = document.path, folder.resolve()
-    if path.is_relative_to(root):
-        return path.relative_to(root).as_posix()
-    common = next((parent for parent in root.parents if path.is_relative_to(parent)), path.parent)
-    return f"../{path.relative_to(common).as_posix()}"
+    """Returns the path of a file from a folder."""
+    return Path(os.path.relpath(document.path, folder.resolve())).as_posix()
