@@ -20,7 +20,7 @@ from jausml.generation.contract.syntax import SourceProblem, absolute, tree_of
 from jausml.generation.contract.types import Types
 from jausml.generation.contract.uses import misfits
 from jausml.generation.manifest import Manifest, find_python, inspect
-from jausml.language.model.inputs import read_input
+from jausml.language.model.files import read_input
 
 
 def drift(

@@ -20,7 +20,7 @@ from jausml.generation.artifact import (
     path_problem,
     text_digest,
 )
-from jausml.language.model.inputs import open_input, read_input
+from jausml.language.model.files import open_input, read_input
 
 # Unlike pathlib, os.path says no where nothing may be looked at.
 # ruff: noqa: PTH110, PTH113, PTH114

@@ -12,7 +12,7 @@ from enum import Enum
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from jausml.language.model.inputs import read_input
+from jausml.language.model.files import read_input
 
 FLAGS = ("-std=c++17", "-O2", "-ffp-contract=off", "-fPIC", "-fvisibility=hidden", "-shared")
 """How a core is compiled. Without contractions, sums of products have the bits of Python's."""

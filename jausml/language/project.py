@@ -17,7 +17,7 @@ from typing import TypeVar
 
 from jausml.language.metamodel import load_jaus_metamodel
 from jausml.language.metamodel.classes.ecore import EObject
-from jausml.language.model.inputs import read_input
+from jausml.language.model.files import read_input
 from jausml.language.model.library import (
     SUFFIXES,
     XMI,

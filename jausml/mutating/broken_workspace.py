@@ -14,7 +14,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from jausml.generation.artifact import without_header
-from jausml.language.model.inputs import read_input
+from jausml.language.model.files import read_input
 
 FOLDER = "JAUSML_WORKSPACE"
 """Environment variable that names the folder of the packages to a command."""

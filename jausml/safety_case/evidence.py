@@ -16,7 +16,7 @@ from lxml import etree
 from jausml.generation.artifact import text_digest
 from jausml.generation.rendering import render
 from jausml.generation.target import system_of
-from jausml.language.model.inputs import read_input
+from jausml.language.model.files import read_input
 from jausml.language.model.model import Model
 from jausml.language.semantics.paths.scopes import carriers_of
 from jausml_generators.bridge.target import TARGET

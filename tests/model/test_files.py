@@ -6,7 +6,7 @@ import pytest
 from reader_support import XMLNS, ZOO_METAMODELS, zoo
 
 from jausml.language.model import Location, read_models
-from jausml.language.model.inputs import LIMIT
+from jausml.language.model.files import LIMIT
 from jausml.language.model.xmi import parsing
 from jausml.language.text.notation import NOTATIONS
 

@@ -7,7 +7,7 @@ import pytest
 from for_each import for_each
 from reader_support import XMLNS, zoo
 
-from jausml.language.model import READER_RULES, Severity, inputs
+from jausml.language.model import READER_RULES, Severity, conflicts
 
 LION = '<animals xsi:type="zoo:Lion" name="L" legs="4"/>'
 CAGE = f'<cages id="c1">{LION}</cages>'
@@ -153,6 +153,6 @@ def test_ids_in_the_sources_are_known():
 def test_conflicts_without_end_are_counted_once_through():
     """A hostile file: each mark is counted from the one before it, and few are named."""
     marks = b"<<<<<<< a\n=======\n>>>>>>> b\n"
-    said, first = inputs.unmerged(b"text\n" + marks * 200_000)
+    said, first = conflicts.unmerged(b"text\n" + marks * 200_000)
     assert first == 2
     assert said.endswith("stands in lines 2-4, 5-7, 8-10, 11-13, 14-16, and 199995 more")

@@ -18,14 +18,9 @@ from jausml.language.metamodel import load_metamodels
 from jausml.language.metamodel.filling import link, new_object, set_value
 from jausml.language.model import library_root, read_models
 from jausml.language.model.comparison import compare
+from jausml.language.model.files import replace_file
 from jausml.language.model.model import Model
-from jausml.language.model.xmi.writer import (
-    UnwritableError,
-    java_double,
-    replace_file,
-    to_xmi,
-    write_model,
-)
+from jausml.language.model.xmi.writer import UnwritableError, java_double, to_xmi, write_model
 
 ROOT = Path(__file__).resolve().parents[2]
 RESAVED = ROOT / "tests" / "emf" / "resaved"

@@ -21,7 +21,7 @@ from jausml.authoring.editing.splices import unified_diff
 from jausml.authoring.editing.working_copy import WorkingCopy
 from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model import refs
-from jausml.language.model.inputs import read_input
+from jausml.language.model.files import read_input
 from jausml.language.model.model import Model
 from jausml.language.model.project import find_project_root, is_model_file, model_files
 from jausml.language.model.reading.reader import ReadResult, read_models

@@ -18,13 +18,12 @@ from jausml.authoring.editing.commands import EditError
 from jausml.authoring.editing.records import Freshness, Stored
 from jausml.language.model.diagnostics import Diagnostic, Severity
 from jausml.language.model.documents import Document
-from jausml.language.model.inputs import read_input
+from jausml.language.model.files import read_input, replace_file
 from jausml.language.model.library import library_root
 from jausml.language.model.model import Model
 from jausml.language.model.reading.reader import ReadResult, read_models
 from jausml.language.model.refs import LIBRARY, file_of
 from jausml.language.model.xmi.parsing import parse as parse_xmi
-from jausml.language.model.xmi.writer import replace_file
 from jausml.language.project import Index, Models, library
 from jausml.language.text.notation import NOTATIONS, SUFFIX, decode
 

@@ -13,7 +13,7 @@ from typing import TypeVar
 from jausml.authoring.editor.names import Names, names_of
 from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model.diagnostics import Diagnostic, Severity
-from jausml.language.model.inputs import read_input
+from jausml.language.model.files import read_input
 from jausml.language.model.library import LIBRARY_URI, library_root, module_of
 from jausml.language.model.model import Model
 from jausml.language.model.names import qualified_name

@@ -22,7 +22,7 @@ from jausml.language.metamodel import ClassTable, Metamodels
 from jausml.language.model import refs
 from jausml.language.model.comparison import compare
 from jausml.language.model.diagnostics import Diagnostic, Location, Severity
-from jausml.language.model.inputs import read_input
+from jausml.language.model.files import read_input
 from jausml.language.model.library import XMI
 from jausml.language.model.model import Model
 from jausml.language.model.project import model_files

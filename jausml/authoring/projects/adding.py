@@ -20,8 +20,9 @@ from jausml.authoring.proposals.system_parts import new_bridge, new_connections
 from jausml.authoring.proposals.topics import Crossing, TopicEnd
 from jausml.language.importers.jsidl import ImportResult
 from jausml.language.metamodel.classes import bridge, jaus, system
+from jausml.language.model.files import replace_file
 from jausml.language.model.names import name_of
-from jausml.language.model.xmi.writer import replace_file, to_xmi
+from jausml.language.model.xmi.writer import to_xmi
 from jausml.language.project import Index, library
 from jausml.language.semantics.names import is_identifier, snake_case, taken
 

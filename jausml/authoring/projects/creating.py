@@ -16,9 +16,8 @@ from jausml.authoring.projects.eclipse_xmi import METAMODELS, with_schema_locati
 from jausml.authoring.projects.errors import ProjectError
 from jausml.authoring.projects.starting import EMPTY, EXAMPLE, starting_point, text_to_begin_with
 from jausml.authoring.projects.texts import empty_text, empty_xmi, example_xmi, text_of
-from jausml.language.model.inputs import read_input
+from jausml.language.model.files import read_input, replace_file
 from jausml.language.model.library import XMI, library_paths, place_in_library
-from jausml.language.model.xmi.writer import replace_file
 from jausml.language.semantics.names import DEVICES
 
 _NAME = re.compile(r"[a-z][a-z0-9]*(?:_[a-z0-9]+)*")

@@ -14,9 +14,9 @@ from jausml.authoring.projects.errors import ProjectError
 from jausml.authoring.projects.texts import empty_services, empty_xmi, text_of
 from jausml.authoring.proposals.elements import Scope
 from jausml.language.metamodel.classes import jaus, system
+from jausml.language.model.files import replace_file
 from jausml.language.model.library import SUFFIXES
 from jausml.language.model.project import InputError, project_folder
-from jausml.language.model.xmi.writer import replace_file
 from jausml.language.project import index_around
 from jausml.language.semantics.names import system_name
 from jausml.language.text.notation import SUFFIX

@@ -138,7 +138,7 @@ def _case(report: Report, evidence: Sequence[Evidence]) -> SafetyCase:
 
 
 def _former(folder: Path) -> Former:
-    from jausml.language.model.inputs import read_input
+    from jausml.language.model.files import read_input
     from jausml.safety_case.comparing import CaseError, former_case
 
     path = folder / _PLAIN
@@ -166,7 +166,7 @@ def _drawn(case: SafetyCase) -> dict[str, str]:
 
 def _write(case: SafetyCase, folder: Path) -> None:
     """Writes a case; a document that somebody has filled in stays."""
-    from jausml.language.model.inputs import read_input
+    from jausml.language.model.files import read_input
     from jausml.safety_case.argument import to_plain
     from jausml.safety_case.page import is_untouched
 

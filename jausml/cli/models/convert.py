@@ -257,7 +257,7 @@ def format_(files: tuple[str, ...], check: bool, diff: bool, quiet: bool) -> Non
 def _read(name: str) -> str:
     """Returns the text of a file as it is, line ends and byte order mark included."""
     from jausml.language.model.diagnostics import Location
-    from jausml.language.model.inputs import read_input
+    from jausml.language.model.files import read_input
     from jausml.language.text.notation import SUFFIX, decode
 
     if not name.endswith(SUFFIX):
@@ -303,7 +303,7 @@ def _patch(name: str, old: str, new: str) -> str:
 
 
 def _write(name: str, text: str) -> None:
-    from jausml.language.model.xmi.writer import replace_file
+    from jausml.language.model.files import replace_file
 
     with writing(name):
         replace_file(Path(name), text.encode("utf-8"))

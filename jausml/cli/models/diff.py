@@ -266,7 +266,7 @@ def _state(state_argument: str, file: str | None, reading: Reading, stack: ExitS
 
 def _read_as(path: Path, state_argument: str, reading: Reading) -> ReadResult:
     """Reads a file under another name; one that does not exist is a model without elements."""
-    from jausml.language.model.inputs import read_input
+    from jausml.language.model.files import read_input
     from jausml.language.model.reading.reader import read_models
     from jausml.language.text.notation import NOTATIONS
 

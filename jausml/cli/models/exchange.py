@@ -253,7 +253,7 @@ def _sources(words: tuple[str, ...], installation: Installation) -> list[Package
 def _at(path: str, installation: Installation) -> list[PackageSource]:
     from jausml.language.importers.ros import package_sources
     from jausml.language.importers.ros.definitions import SUFFIXES
-    from jausml.language.model.inputs import open_input
+    from jausml.language.model.files import open_input
     from jausml.language.model.values import suggest
 
     shown = click.format_filename(path)

@@ -39,7 +39,7 @@ def command(base: str, ours: str, theirs: str, file: str | None, output: str | N
     """
     from jausml.authoring.merging.merging import UnmergeableError, merged
     from jausml.authoring.merging.planning import AS_LINES
-    from jausml.language.model.inputs import read_input
+    from jausml.language.model.files import read_input
     from jausml.language.model.project import find_project_root
     from jausml.language.text.notation import SUFFIX
     from jausml.language.validation.formats.text import lines_of

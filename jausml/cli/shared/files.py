@@ -93,7 +93,7 @@ def write_report(
     if output is None:
         click.echo(rendered, nl=False)
         return
-    from jausml.language.model.xmi.writer import replace_file
+    from jausml.language.model.files import replace_file
 
     _check_inputs(output, inputs)
     if isinstance(rendered, str):
@@ -131,8 +131,7 @@ def document(roots: Sequence[EObject], model: Model, output: str) -> bytes:
 
 def write_document(output: str, data: bytes, inputs: Iterable[str], *, force: bool) -> str:
     """Writes a document unless that would harm; returns what became of the file."""
-    from jausml.language.model.inputs import read_input
-    from jausml.language.model.xmi.writer import replace_file
+    from jausml.language.model.files import read_input, replace_file
 
     check_output(output, inputs)
     path = Path(output)

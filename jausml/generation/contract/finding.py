@@ -18,7 +18,7 @@ from jausml.generation.contract.symbols import Module
 from jausml.generation.contract.syntax import last_name
 from jausml.generation.writer import replace_file
 from jausml.language.model.diagnostics import Diagnostic, Location, RuleInfo, Severity
-from jausml.language.model.inputs import read_input
+from jausml.language.model.files import read_input
 
 
 class FindingKind(Enum):

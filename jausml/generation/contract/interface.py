@@ -8,7 +8,7 @@ from pathlib import Path, PurePosixPath
 from jausml.generation.artifact import Artifact, Kind
 from jausml.generation.contract.symbols import UNKNOWN, Modules, Unknown
 from jausml.generation.manifest import Manifest
-from jausml.language.model.inputs import read_input
+from jausml.language.model.files import read_input
 
 _FEWEST_PARTS = 3  # package folder, package, module
 

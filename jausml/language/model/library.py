@@ -11,7 +11,7 @@ from functools import cache
 from importlib.resources import files
 from pathlib import Path
 
-from jausml.language.model.inputs import read_input
+from jausml.language.model.files import read_input
 
 LIBRARY_URI = "http://www.jausml.org/library/"
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from difflib import get_close_matches
 from pathlib import Path
 
-from jausml.language.model.inputs import leads_out, open_input
+from jausml.language.model.files import leads_out, open_input
 from jausml.language.model.library import SUFFIXES, library_root, shipped_as
 
 # Unlike pathlib, os.path says no where nothing may be looked at.

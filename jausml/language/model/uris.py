@@ -16,7 +16,7 @@ from urllib.parse import unquote, urlsplit
 
 from jausml.language.model.diagnostics import ReadFault
 from jausml.language.model.documents import Document
-from jausml.language.model.inputs import open_input
+from jausml.language.model.files import open_input
 from jausml.language.model.library import (
     LIBRARY_URI,
     XMI,

@@ -18,7 +18,7 @@ from jausml.language.interfaces.idl import SUFFIX as IDL
 from jausml.language.interfaces.idl import parse_interface
 from jausml.language.metamodel.classes import ros
 from jausml.language.metamodel.classes.ecore import EObject
-from jausml.language.model.inputs import read_text
+from jausml.language.model.files import read_text
 from jausml.language.model.names import around
 
 InterfaceType: TypeAlias = "ros.MessageType | ros.ServiceType | ros.ActionType"

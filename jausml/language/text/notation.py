@@ -6,7 +6,7 @@ import codecs
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel import FeatureKind
-from jausml.language.model import inputs
+from jausml.language.model import conflicts
 from jausml.language.model.diagnostics import RuleInfo, Severity
 from jausml.language.model.notation import Fault, Notation
 from jausml.language.text.keywords import keyword_of
@@ -179,9 +179,9 @@ class Ros2Jaus:
         if fault is not None:
             return TextDocument(SyntaxTree(), [fault], path, metamodels)
         parsed = (self._parse or parsed_text)(text)
-        conflict, first = inputs.unmerged(data) if parsed.faults else ("", 0)
+        conflict, first = conflicts.unmerged(data) if parsed.faults else ("", 0)
         if conflict:
-            fault = Fault(inputs.UNMERGED, conflict, inputs.UNMERGED_HINT, first)
+            fault = Fault(conflicts.UNMERGED, conflict, conflicts.UNMERGED_HINT, first)
             return TextDocument(SyntaxTree(), [fault], path, metamodels)
         faults = [
             Fault(

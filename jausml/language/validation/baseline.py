@@ -15,7 +15,7 @@ from pathlib import Path, PurePath
 from typing import TypeAlias
 
 from jausml.language.model.diagnostics import Diagnostic
-from jausml.language.model.inputs import read_input
+from jausml.language.model.files import read_input
 from jausml.language.validation.rule import Ground, Report, SetAside
 
 SCHEMA = 1

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path, PurePath
 
 from jausml import installing
-from jausml.language.model.inputs import open_input, read_text
+from jausml.language.model.files import open_input, read_text
 from jausml.live.recording.mcap_files import CDR, WHOLE, RecordingError, TimeSpan
 from jausml.live.recording.mcap_reading import (
     UNDEFINED,

@@ -15,7 +15,7 @@ from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, BinaryIO
 
-from jausml.language.model.inputs import open_input
+from jausml.language.model.files import open_input
 from jausml.live.recording.mcap_files import LIBRARY, NANO, WHOLE, RecordingError, TimeSpan
 from jausml.live.recording.mcap_records import FOOTER, HEAD, MAGIC, Opcode, heads, records_of_chunk
 from jausml.live.recording.unpacking import MOST_UNPACKED, DamageError

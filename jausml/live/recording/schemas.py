@@ -14,7 +14,7 @@ from jausml.language import wire
 from jausml.language.interfaces import Installation, parse_definition
 from jausml.language.interfaces.definitions import is_type_name
 from jausml.language.metamodel.classes import ros
-from jausml.language.model.inputs import read_text
+from jausml.language.model.files import read_text
 from jausml.language.semantics.ros_types import package_of
 from jausml.live.messages import MessageEntry
 

@@ -37,7 +37,7 @@ from jausml.language.metamodel import load_metamodels
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model.diagnostics import Diagnostic, Location, Severity
 from jausml.language.model.documents import Document
-from jausml.language.model.inputs import read_input
+from jausml.language.model.files import read_input
 from jausml.language.model.model import Model
 from jausml.language.model.reading.problems import NodePlace
 from jausml.language.model.values import show

@@ -17,7 +17,7 @@ from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.metamodel.filling import assign, make
 from jausml.language.model.diagnostics import RuleInfo, Severity
 from jausml.language.model.documents import Document
-from jausml.language.model.inputs import read_input
+from jausml.language.model.files import read_input
 from jausml.language.model.model import Model
 from jausml.language.model.xmi.parsing import Node, parse
 from jausml.language.semantics.ros_types import InterfaceType

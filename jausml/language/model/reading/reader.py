@@ -12,7 +12,7 @@ from jausml.language.metamodel import FeatureTable, Metamodels, load_metamodels
 from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model.diagnostics import Diagnostic, Location, ReadFault, Severity
 from jausml.language.model.documents import Document
-from jausml.language.model.inputs import bounded, read_input
+from jausml.language.model.files import bounded, read_input
 from jausml.language.model.model import Model, without_collector
 from jausml.language.model.names import NameFinder
 from jausml.language.model.notation import Explanation, Fault, Notation, Written

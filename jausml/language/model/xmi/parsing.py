@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 from xml.parsers import expat
 
-from jausml.language.model import inputs
+from jausml.language.model import conflicts
 from jausml.language.model.diagnostics import ReadFault
 
 MAX_DEPTH = 200
@@ -225,9 +225,9 @@ def _accident(data: bytes) -> ReadFault | None:
 def _explain(error: expat.ExpatError, data: bytes) -> ReadFault:
     line, column = max(error.lineno, 1), error.offset + 1
     # Markers of a merge give all kinds of errors of XML; which one does not help.
-    conflict, first = inputs.unmerged(data)
+    conflict, first = conflicts.unmerged(data)
     if conflict:
-        return ReadFault(inputs.UNMERGED, conflict, inputs.UNMERGED_HINT, first)
+        return ReadFault(conflicts.UNMERGED, conflict, conflicts.UNMERGED_HINT, first)
     reason = expat.ErrorString(error.code) or str(error)
     rule, hint = "JML004", ""
     if error.code in _ENCODING_ERRORS:

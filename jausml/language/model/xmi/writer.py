@@ -8,11 +8,9 @@ differences: attributes in the order of the metamodel, values that equal their d
 
 from __future__ import annotations
 
-import contextlib
 import math
 import os
 import re
-import shutil
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -29,6 +27,7 @@ from jausml.language.metamodel import (
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.metamodel.filling import count, is_set
+from jausml.language.model.files import replace_file
 from jausml.language.model.library import LIBRARY_URI, library_root
 from jausml.language.model.model import Model
 from jausml.language.model.names import name_of
@@ -56,34 +55,6 @@ def to_xmi(roots: Sequence[EObject], model: Model, path: str | os.PathLike[str])
 def write_model(roots: Sequence[EObject], model: Model, path: str | os.PathLike[str]) -> None:
     """Writes root elements to a file, which is either old or new at any moment."""
     replace_file(Path(path), to_xmi(roots, model, path).encode("utf-8"))
-
-
-def replace_file(path: Path, data: bytes) -> None:
-    """Writes a file so that it is either old or new at any moment.
-
-    Args:
-        path: The file; a symbolic link is followed. A file that is there keeps its permissions.
-
-    Raises:
-        OSError: The file cannot be written; it is left as it was.
-    """
-    # Replacing the link itself would leave the file that it leads to as it was.
-    real = Path(os.path.realpath(path))
-    # In the same folder, since a rename across file systems is no single step.
-    temporary = real.with_name(f".{real.name}.{os.getpid()}.jausml-tmp")
-    try:
-        temporary.write_bytes(data)
-        if real.exists():
-            shutil.copymode(real, temporary)
-        temporary.replace(real)
-    # An interrupt must not leave the temporary file behind either.
-    except BaseException as error:
-        with contextlib.suppress(OSError):
-            temporary.unlink(missing_ok=True)
-        if isinstance(error, OSError):
-            # Nobody but this function knows the temporary file.
-            error.filename, error.filename2 = str(path), None
-        raise
 
 
 class _DocumentWriter(DocumentPrinter["EObject"]):

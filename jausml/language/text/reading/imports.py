@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cache
 from urllib.parse import quote
 
-from jausml.language.model.inputs import read_text
+from jausml.language.model.files import read_text
 from jausml.language.model.library import (
     LIBRARY_URI,
     TEXT,

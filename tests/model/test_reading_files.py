@@ -6,7 +6,7 @@ import os
 import pytest
 from sources import ROOT, modules_below
 
-from jausml.language.model.inputs import LIMIT, open_input, read_input, read_text
+from jausml.language.model.files import LIMIT, open_input, read_input, read_text
 
 pytestmark = pytest.mark.timeout(60)
 
@@ -85,7 +85,7 @@ def test_every_reader_comes_through_the_door():
         name = path.relative_to(ROOT).as_posix().removeprefix("jausml/")
         if (
             name.startswith("runtime/")
-            or name == "language/model/inputs.py"
+            or name == "language/model/files.py"
             or name in OWN_DATA | STREAMS.keys()
         ):
             continue

@@ -1,18 +1,17 @@
-"""The one door by which files of users come in: regular files of a bounded size.
+"""The one door by which files of users come in and are replaced: regular files of a bounded size.
 
 A link to a device, or a pipe in a folder that is checked, would otherwise stop a tool or fill the
 memory of its machine. Recordings and captures are large on purpose, and may come by a pipe:
 they are read as streams, in bounded pieces, by `cli/live/recordings.py` and `recording`.
-What a merge of lines leaves in files is found here too.
 """
 
 from __future__ import annotations
 
+import contextlib
 import errno
 import os
-import re
+import shutil
 import stat
-from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO
 
@@ -77,6 +76,34 @@ def read_text(path: str | os.PathLike[str]) -> str:
     return read_input(path).decode("utf-8").replace("\r\n", "\n").replace("\r", "\n")
 
 
+def replace_file(path: Path, data: bytes) -> None:
+    """Writes a file so that it is either old or new at any moment.
+
+    Args:
+        path: The file; a symbolic link is followed. A file that is there keeps its permissions.
+
+    Raises:
+        OSError: The file cannot be written; it is left as it was.
+    """
+    # Replacing the link itself would leave the file that it leads to as it was.
+    real = Path(os.path.realpath(path))
+    # In the same folder, since a rename across file systems is no single step.
+    temporary = real.with_name(f".{real.name}.{os.getpid()}.jausml-tmp")
+    try:
+        temporary.write_bytes(data)
+        if real.exists():
+            shutil.copymode(real, temporary)
+        temporary.replace(real)
+    # An interrupt must not leave the temporary file behind either.
+    except BaseException as error:
+        with contextlib.suppress(OSError):
+            temporary.unlink(missing_ok=True)
+        if isinstance(error, OSError):
+            # Nobody but this function knows the temporary file.
+            error.filename, error.filename2 = str(path), None
+        raise
+
+
 def leads_out(path: str | os.PathLike[str], root: Path) -> bool:
     """Tells whether a path leads out of a folder by its links."""
     return not Path(os.path.realpath(path)).is_relative_to(root)
@@ -93,42 +120,3 @@ def _is_null(descriptor: int) -> bool:
 def _most_mib() -> int:
     limit = os.environ.get(LIMIT, "")
     return int(limit) if limit.isdecimal() and limit.isascii() and int(limit) else MOST_MIB
-
-
-_MARKER = re.compile(rb"^(<{7}|={7}|>{7})(?:[ \r\n]|$)", re.MULTILINE)
-_MOST_NAMED = 5
-
-UNMERGED = "JML009"
-UNMERGED_HINT = "keep what is meant, and remove the marks"
-
-
-def unmerged(data: bytes) -> tuple[str, int]:
-    """Returns a remark on all markers of conflicts, and the line of the first; empty for none.
-
-    To be asked where a file cannot be read: some texts may hold such lines.
-    """
-    conflicts = list(_conflicts(data))
-    if not conflicts:
-        return "", 0
-    places = [f"{first}-{last}" if last > first else f"{first}" for first, last in conflicts]
-    more = [f"and {len(places) - _MOST_NAMED} more"] if len(places) > _MOST_NAMED else []
-    shown = ", ".join([*places[:_MOST_NAMED], *more])
-    return f"an unmerged conflict stands in lines {shown}", conflicts[0][0]
-
-
-def _conflicts(data: bytes) -> Iterator[tuple[int, int]]:
-    """Yields the first and the last line of each conflict."""
-    first = last = at = 0
-    line = 1
-    for marker in _MARKER.finditer(data):
-        line += data.count(b"\n", at, marker.start())
-        at = marker.start()
-        if first and marker[1].startswith(b"<"):
-            yield first, last
-            first = 0
-        first, last = first or line, line
-        if marker[1].startswith(b">"):
-            yield first, last
-            first = 0
-    if first:
-        yield first, last
