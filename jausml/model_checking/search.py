@@ -20,6 +20,7 @@ class Step(NamedTuple):
         passes: Source of the command that takes effect by it; empty without one.
         on_to: Name of the next receiver, to which the message is passed on.
         is_helpful: Whether it is also possible if no other client interferes.
+        is_restart: Whether all begins anew by it, which is no way out of a trap.
     """
 
     actor: str
@@ -29,6 +30,7 @@ class Step(NamedTuple):
     passes: str = ""
     on_to: str = ""
     is_helpful: bool = False
+    is_restart: bool = False
 
 
 TIME = Step("time", "passes", is_tick=True, is_helpful=True)  # one step of time
@@ -268,7 +270,7 @@ def _traced(
 
 def _deadlock(product: Product, graph: Graph) -> Violation | None:
     """Returns a violation by a state from which no command can take effect any more."""
-    stuck = _stuck(product, graph, lambda _: True)
+    stuck = _stuck(product, graph, lambda step: not step.is_restart)
     if stuck is None:
         return None
     return Violation(DEADLOCK, "no command can take effect any more", tuple(graph.way_to(stuck)))
@@ -281,7 +283,11 @@ def _trap(product: Product, graph: Graph) -> Violation | None:
     other state can be reached instead.
     """
     places = [product.place(state) for state in graph.states]
-    edges = [(state, after) for state, _, after in graph.transitions()]
+    edges = [
+        (state, after)
+        for state, step, after in graph.transitions()
+        if not graph.steps[step].is_restart
+    ]
     entered = {places[after] for state, after in edges if places[state] != places[after]}
     origins: list[list[int]] = [[] for _ in places]
     for state, after in edges:

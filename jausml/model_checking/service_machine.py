@@ -36,6 +36,9 @@ _OF_THE_CORE = ("isControllingClient", "isControlAvailable", "isIDStored")
 _LAPSE = "Timedout"
 """The event by which an independent machine learns that control has lapsed."""
 
+_RAISED = {"Reset": "Initialized", "fails": "Failure"}
+"""The events of other steps of the core services that independent machines learn of."""
+
 
 class Behaving(NamedTuple):
     """State of the product.
@@ -73,7 +76,11 @@ class MachineProduct:
     )
 
     def initial(self) -> Behaving:
-        """Returns the state at the start."""
+        """Returns the state at the start, for which no condition of the user holds."""
+        state = self._started()
+        return next(self._after_event(state, state.core, _RAISED["Reset"], {}))
+
+    def _started(self) -> Behaving:
         core = Core()
         outer = core_path(core, self.machine.core) if self.machine.extends_core else ""
         return Behaving(core, self.machine.innermost(outer))
@@ -82,7 +89,9 @@ class MachineProduct:
         """Yields the possible steps, each with the state after it."""
         core, services = state.core, self.services
         for step, after in core_steps(services, core, self.component, self.clients):
-            yield step, self.follow(state, after)
+            is_restart = step.what == "Reset" and not self.machine.extends_core
+            for following in self.after_core_step(state, step, after):
+                yield step._replace(is_restart=is_restart), following
         for message, client in itertools.product(self.messages(), self.clients):
             yield from self._taken(state, message, client)
         for event in self.events():
@@ -102,17 +111,38 @@ class MachineProduct:
                 does not; None for each value that they may have.
         """
         core = self.services.tick(state.core)
+        is_lapse = state.core.controller and not core.controller
+        yield from self._after_event(state, core, _LAPSE if is_lapse else "", said)
+
+    def after_core_step(
+        self, state: Behaving, step: Step, core: Core, said: Mapping[str, bool] | None = None
+    ) -> Iterator[Behaving]:
+        """Yields the states that are possible after a step of the core services.
+
+        Args:
+            core: What they are then.
+            said: As in `let_time_pass`.
+        """
+        has_effect = core != state.core
+        if has_effect and step.what == "Reset":
+            state = self._started()._replace(core=state.core)  # each machine starts anew
+        yield from self._after_event(state, core, _RAISED.get(step.what, "") * has_effect, said)
+
+    def _after_event(
+        self, state: Behaving, core: Core, event: str, said: Mapping[str, bool] | None
+    ) -> Iterator[Behaving]:
+        """Yields the states after an event of the core services, by which these are `core`."""
         transitions: Iterable[jaus.Transition | None] = (None,)
-        if state.core.controller and not core.controller and not self.machine.extends_core:
+        if event and not self.machine.extends_core:
             if said is not None:
-                transitions = (self.choose(state, _LAPSE, "", said),)
+                transitions = (self.choose(state, event, "", said),)
             else:
-                outcomes = self.outcomes(state, _LAPSE, "")
+                outcomes = self.outcomes(state, event, "")
                 transitions = dict.fromkeys(transition for _, transition in outcomes)
         for transition in transitions:
             before = state
             if transition is not None:
-                _, before = self.step(state, transition, _LAPSE, "")
+                _, before = self.step(state, transition, event, "")
             yield self.follow(before, core)
 
     # ------------------------------------------------------------------ the machine

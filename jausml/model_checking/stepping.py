@@ -145,7 +145,7 @@ def choices(product: MachineProduct, state: Behaving, said: Mapping[str, bool]) 
     clients = product.clients
     for step, core in core_steps(product.services, state.core, product.component, clients):
         why_not = "" if core != state.core else f"it changes nothing in {_standing(state)}"
-        after = product.follow(state, core)
+        after = next(product.after_core_step(state, step, core, said))
         yield Choice("core", step.actor, step.what, after, why_not=why_not)
     yield Choice("time", TIME.actor, TIME.what, next(product.let_time_pass(state, said)))
 
@@ -263,20 +263,31 @@ def _body(subject: SteppedMachine, view: ComponentView, path: Sequence[_Taken]) 
             address = f"JausAddress(64000, 1, {number})"
             yield f"{variable} = client(world.transport(), {address}, {python_string(name)})"
     yield f"world.run_for({subject.tick!r})"
-    for kind, group in groupby(path, key=lambda pair: pair[1].kind):
+    for (kind, said), group in groupby(
+        path, key=lambda pair: (pair[1].kind, _said(product, *pair))
+    ):
         taken = list(group)
+        if said is not None:
+            yield f"component.said = frozenset([{', '.join(map(python_string, said))}])"
         # Consecutive steps of time are one run of the world.
         if kind == "time":
             yield f"world.run_for({round(len(taken) * subject.tick, 3)!r})"
             yield _expected(view, product, taken[-1][1])
             continue
         for chosen, choice in taken:
-            if kind != "core" and product.own_conditions():
-                said = sorted(name for name, holds in chosen.said.items() if holds)
-                yield f"component.said = frozenset([{', '.join(map(python_string, said))}])"
             yield _done(view, product, choice, actors.get(chosen.actor, ""))
             yield "world.run_for(0)"
             yield _expected(view, product, choice)
+
+
+def _said(product: MachineProduct, chosen: Chosen, choice: Choice) -> tuple[str, ...] | None:
+    """Returns the conditions that hold at a step; None where they decide nothing."""
+    if not product.own_conditions():
+        return None
+    # Machines that extend those of the core follow it whatever their conditions say.
+    if choice.kind in ("core", "time") and product.machine.extends_core:
+        return None
+    return tuple(sorted(name for name, holds in chosen.said.items() if holds))
 
 
 def _done(view: ComponentView, product: MachineProduct, choice: Choice, client: str) -> str:

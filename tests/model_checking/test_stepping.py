@@ -12,6 +12,7 @@ from sweeps import sweep
 
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models
+from jausml.language.text.notation import NOTATIONS
 from jausml.model_checking.stepping import (
     Chosen,
     SteppingError,
@@ -31,7 +32,7 @@ STATE = "Receiving.Ready.Controlled.Available.Ready"
 
 def stepped(path, name="ReceiveFSM"):
     """Returns a model and its machine of a name."""
-    model = read_models([path]).model
+    model = read_models([path], notations=NOTATIONS).model
     machines = model.instances(jaus.StateMachine, library=False)
     return model, stepped_machine(
         model, next(machine for machine in machines if machine.name == name)
@@ -113,6 +114,39 @@ def test_nobody_has_more_than_the_greatest_authority(winch, monkeypatch):
     }
 
 
+MACHINE = """
+service_set s { service Own { urn: "urn:example:Own"  inherits: Management
+    inputs: new message_def Turn { code: 0xD101 }
+    internal_event Initialized  internal_event Failure
+    state_machine OwnFSM {
+        state A { initial: true  transitions: { event: Initialized  target: B } }
+        state B { transitions: { message: Turn  target: C } }
+        state C { transitions: { event: Failure  guard: isHot  target: A } }
+    }
+} }
+system of { component own { address: 7.1.1  provides: Own } }
+"""
+
+
+def test_what_the_core_does_reaches_a_machine_beside_it(tmp_path, path_of):
+    path = tmp_path / "own.ros2jaus"
+    path.write_text(MACHINE, encoding="utf-8")
+    read, machine = stepped(path, "OwnFSM")
+    turn, reset = Chosen("a client", "Turn"), Chosen("a client", "Reset")
+    assert machine.product.initial().path == "B"
+    assert ends(machine, *READY, turn) == "C"
+    assert ends(machine, *READY, turn, reset) == "B"
+    assert ends(machine, turn, Chosen("own", "fails")) == "C"
+    fails = (turn, Chosen("own", "fails", {"isHot": True}))
+    assert ends(machine, *fails) == "A"
+    (tmp_path / "tests").mkdir()
+    for number, steps in enumerate(((*READY, turn, reset), fails)):
+        text = stepped_test(read, machine, steps)
+        (tmp_path / "tests" / f"test_path_{number}.py").write_text(text, encoding="utf-8")
+    has_passed, said = passed_in("tests", tmp_path, path_of(path))
+    assert has_passed, said
+
+
 def test_a_step_that_is_gone_is_named(winch):
     _, machine = winch
     with pytest.raises(SteppingError, match=r"step 3: winch has no RopeCut any more"):
@@ -120,10 +154,11 @@ def test_a_step_that_is_gone_is_named(winch):
 
 
 @pytest.mark.parametrize(
-    "model", sweep([WINCH, LAMP], every=2), ids=lambda model_path: model_path.stem
+    ("model", "name"),
+    sweep([(WINCH, "ReceiveFSM"), (LAMP, "ReceiveFSM"), (LAMP, "LampFSM")], every=3),
 )
-def test_the_generated_component_goes_random_paths(model, path_of, tmp_path):
-    read, machine = stepped(model)
+def test_the_generated_component_goes_random_paths(model, name, path_of, tmp_path):
+    read, machine = stepped(model, name)
     states = set()
     for seed in range(12):
         path = random_path(machine, seed)

@@ -61,7 +61,8 @@ PRODUCT_RULES: Mapping[str, RuleInfo] = {
         "product: deadlock",
         "jausml model-check has found a way to a state in which nothing that was asked for can "
         "happen any more, whatever anybody does, or from which a machine never comes back to a "
-        "state that it has left: a trap. States of Failure and Shutdown count as ends.",
+        "state that it has left: a trap, out of which a Reset does not count as a way. States of "
+        "Failure and Shutdown count as ends.",
     ),
     "JML932": RuleInfo(
         "product: livelock",
