@@ -144,6 +144,7 @@ def _own_service(document: tree.SyntaxTree) -> tree.Element | None:
 
 
 def _lists_members(items: Sequence[tree.Item]) -> bool:
+    """Tells whether an end of JAUS among items, or inside them, declares its members."""
     pending = list(items)
     for item in pending:
         if isinstance(item, tree.End) and item.is_jaus and item.members is not None:
