@@ -6,7 +6,7 @@ import os
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -14,7 +14,7 @@ from pathlib import Path
 from jausml.generation.native import COMPILERS, compiler
 from jausml.language.model import Model
 from jausml.language.project import OneDocument, one_document
-from jausml.live.workers.pool import PoolError, Work
+from jausml.live.workers.pool import PoolError, work_on
 from jausml.live.workers.worker import WorkerError
 from jausml.proving.compiled_form import (
     NAME,
@@ -148,21 +148,20 @@ class _Shared:
     deadline: float
 
 
-class _Prover:
-    """Prover of single maps of a model, by name and number among those of this name.
+def _prover(shared: _Shared) -> Callable[[tuple[str, int]], MapResult]:
+    """Returns the prover of single maps, by name and number among those of this name.
 
     The number among all would not do: the one document may have the maps in another order.
     """
+    model = shared.document.read().model
+    trips = round_trips(model)
 
-    def __init__(self, shared: _Shared) -> None:
-        self._shared = shared
-        self._model = shared.document.read().model
-        self._trips = round_trips(self._model)
-
-    def __call__(self, piece: tuple[str, int]) -> MapResult:
+    def prove_one(piece: tuple[str, int]) -> MapResult:
         name, number = piece
-        trip = [trip for trip in self._trips if trip.name == name][number]
-        return _proved_or_failed(self._model, trip, self._shared.settings, self._shared.deadline)
+        trip = [trip for trip in trips if trip.name == name][number]
+        return _proved_or_failed(model, trip, shared.settings, shared.deadline)
+
+    return prove_one
 
 
 def prove_all(
@@ -187,15 +186,11 @@ def prove_all(
     for trip in trips:
         pieces.append((trip.name, seen[trip.name]))
         seen[trip.name] += 1
-    yield from Work(_Prover, shared).results(pieces, settings.jobs)
+    yield from work_on(pieces, settings.jobs, _prover, shared)
 
 
 def program() -> str:
-    """Returns the C++ compiler of this machine.
-
-    Raises:
-        PoolError: There is none.
-    """
+    """Returns the C++ compiler of this machine; raises PoolError if there is none."""
     executable = compiler()
     if executable is None:
         wanted = " or ".join(COMPILERS)

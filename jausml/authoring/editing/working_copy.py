@@ -206,10 +206,10 @@ class WorkingCopy:
         """Gives a copy the values that the attributes of its element have."""
         obj: Any = copy.obj
         copy.values = {
-            name: values
-            for name, feature in attributes_of(copy.table)
+            feature.name: values
+            for feature in features_of(copy.table, FeatureKind.ATTRIBUTE)
             # What was never set has its default, and asking for it would create it.
-            if name in obj.__dict__ and (values := attribute_values(obj, feature))
+            if feature.name in obj.__dict__ and (values := attribute_values(obj, feature))
         }
         copy.open = open_features(copy.table, copy.file)
         # What the text states is not open.
@@ -253,7 +253,9 @@ class WorkingCopy:
         obj: Any = copy.obj
         model = self.models[copy.file]
         targets_by_feature = {}
-        for name, feature in references_of(copy.table):
+        kinds = (FeatureKind.CROSS_REFERENCE, FeatureKind.CONTAINMENT)
+        for feature in features_of(copy.table, *kinds):
+            name = feature.name
             if name not in obj.__dict__:
                 continue
             targets = contents(obj, feature)
@@ -268,16 +270,9 @@ class WorkingCopy:
         return self.copies.get(obj) or ref_of(obj, model, self.folder)
 
 
-def attributes_of(table: ClassTable) -> tuple[tuple[str, FeatureTable], ...]:
-    """Returns the attributes of a class with their names."""
-    features = table.features.items()
-    return tuple(feature for feature in features if feature[1].kind is FeatureKind.ATTRIBUTE)
-
-
-def references_of(table: ClassTable) -> tuple[tuple[str, FeatureTable], ...]:
-    """Returns the features of a class by which its elements refer to others or own them."""
-    kinds = (FeatureKind.CROSS_REFERENCE, FeatureKind.CONTAINMENT)
-    return tuple(item for item in table.features.items() if item[1].kind in kinds)
+def features_of(table: ClassTable, *kinds: FeatureKind) -> list[FeatureTable]:
+    """Returns the features of some kinds of a class."""
+    return [feature for feature in table.features.values() if feature.kind in kinds]
 
 
 def open_features(table: ClassTable, file: str) -> set[str]:

@@ -275,6 +275,6 @@ def _header(packet: Packet) -> Iterator[str]:
 def _address(address: JausAddress) -> str:
     """Returns an address with `*` for wildcards."""
     everyone = (65535, 255, 255)
-    parts = (address.subsystem, address.node, address.component)
+    parts = _parts(address).values()
     shown = ("*" if part == wild else str(part) for part, wild in zip(parts, everyone, strict=True))
     return ".".join(shown)
