@@ -97,8 +97,9 @@ def _machine(
         raise AnswerError(f"a path has {_MOST_STEPS} steps at most")
     scope = context.scope_of(file)
     element = element_shown(scope, view)
-    is_machine = isinstance(element, jaus.StateMachine)
-    machine = stepped_machine(scope.model, element) if is_machine else None
+    machine = None
+    if isinstance(element, jaus.StateMachine):
+        machine = stepped_machine(scope.model, element)
     if machine is None:
         raise AnswerError(f"{view} is no view of a machine of a service")
     return scope.model, machine
