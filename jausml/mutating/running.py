@@ -25,7 +25,7 @@ from jausml.language.semantics.paths.scopes import Placed, directed, directions_
 from jausml.language.semantics.subject import Subject
 from jausml.language.validation.engine import check
 from jausml.language.validation.rule import Report
-from jausml.live.workers.pool import Work
+from jausml.live.workers.pool import work_on
 from jausml.mutating.broken_workspace import BrokenWorkspace
 from jausml.mutating.changes import Change, Site, Together
 from jausml.mutating.operators import OPERATORS, Operator
@@ -124,9 +124,9 @@ def outcomes(
     """Yields the outcomes of mutations, in any order, by their place among the chosen ones."""
     if not hasattr(os, "fork"):
         raise CampaignError("mutations need a system that can fork, such as Linux")
-    until = time.time() + settings.budget
-    shared = _Shared(document, settings.names, settings.command, until)
-    yield from Work(_Breaker, shared).results(chosen, settings.jobs)
+    deadline = time.monotonic() + settings.budget
+    shared = _Shared(document, settings.names, settings.command, deadline)
+    yield from work_on(chosen, settings.jobs, _Breaker, shared)
 
 
 @dataclass(frozen=True)
@@ -134,7 +134,7 @@ class _Shared:
     document: OneDocument
     names: tuple[str, ...]
     command: tuple[str, ...]
-    until: float
+    deadline: float
 
 
 class _Breaker:
@@ -146,7 +146,7 @@ class _Breaker:
         self._prepared: tuple[_Original, BrokenWorkspace, Sequence[Mutation]] | None = None
 
     def __call__(self, number: int) -> Tried:
-        if time.time() >= self._shared.until:
+        if time.monotonic() >= self._shared.deadline:
             return Tried(None)
         if self._prepared is None:
             self._prepared = self._prepare()

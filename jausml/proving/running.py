@@ -6,7 +6,7 @@ import os
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -14,7 +14,7 @@ from pathlib import Path
 from jausml.generation.native import COMPILERS, compiler
 from jausml.language.model import Model
 from jausml.language.project import OneDocument, one_document
-from jausml.live.workers.pool import PoolError, Work
+from jausml.live.workers.pool import PoolError, work_on
 from jausml.live.workers.worker import WorkerError
 from jausml.proving.compiled_form import (
     NAME,
@@ -38,7 +38,7 @@ WIDEST = 32
 """Bits of the widest numbers of which all values may be tried."""
 
 _DIRECTED, _DIRECTED_OF_MORE = 1 << 16, 1 << 14
-"""How many values are tried of wide numbers, and of those of which there is no trying all."""
+"""How many values are tried of numbers of more than 16 bits, and of more than 32."""
 
 _TRIED = 1 << 18  # values by which it is found out how long all would take
 
@@ -48,7 +48,9 @@ class Settings:
     """How proofs run.
 
     Attributes:
+        program: The C++ compiler.
         budget: Seconds for all values of numbers of more than 16 bits, where they can be tried.
+        jobs: How many processes run at once.
     """
 
     program: str
@@ -57,7 +59,12 @@ class Settings:
 
 
 def prove(model: Model, trips: Iterable[RoundTrip], settings: Settings) -> Iterator[MapResult]:
-    """Yields the results of the proofs of maps."""
+    """Yields the results of the proofs of maps, in their order.
+
+    Raises:
+        ProgramError: A map cannot be compiled, or its program has ended.
+        WorkerError: Its Python code has ended.
+    """
     deadline = time.monotonic() + settings.budget
     for trip in trips:
         yield _proved(model, trip, settings, deadline)
@@ -90,7 +97,12 @@ def _proved(model: Model, trip: RoundTrip, settings: Settings, deadline: float) 
 
 
 def _swept(form: CompiledForm, planned: Field, jobs: int, deadline: float) -> Swept:
-    """Returns the tallies of the values of a number."""
+    """Returns the tallies of the values of a number.
+
+    Args:
+        deadline: When sweeps over all values of wide numbers should have ended, by the monotonic
+            clock.
+    """
     sweep, bits = planned.sweep, planned.number.bits
     total = 1 << bits
     count = _DIRECTED if bits <= WIDEST else _DIRECTED_OF_MORE
@@ -129,47 +141,56 @@ def processors() -> int:
 
 @dataclass(frozen=True)
 class _Shared:
+    """The shared value of a pool; the monotonic clock is the same in all of its processes."""
+
     document: OneDocument
     settings: Settings
-    until: float
+    deadline: float
 
 
-class _Prover:
-    """Proves the maps of a model, one after another."""
+def _prover(shared: _Shared) -> Callable[[tuple[str, int]], MapResult]:
+    """Returns the prover of single maps, by name and number among those of this name.
 
-    def __init__(self, shared: _Shared) -> None:
-        self._shared = shared
-        self._model = shared.document.read().model
-        self._trips = round_trips(self._model)
+    The number among all would not do: the one document may have the maps in another order.
+    """
+    model = shared.document.read().model
+    trips = round_trips(model)
 
-    def __call__(self, piece: tuple[str, int]) -> MapResult:
+    def prove_one(piece: tuple[str, int]) -> MapResult:
         name, number = piece
-        trip = [round_trip for round_trip in self._trips if round_trip.name == name][number]
-        return _piece(self._model, trip, self._shared.settings, self._shared.until)
+        trip = [trip for trip in trips if trip.name == name][number]
+        return _proved_or_failed(model, trip, shared.settings, shared.deadline)
+
+    return prove_one
 
 
 def prove_all(
     model: Model, trips: Sequence[RoundTrip], settings: Settings
 ) -> Iterator[tuple[int, MapResult]]:
-    """Yields the numbers of maps and what becomes of their values, in any order."""
-    # A monotonic clock of one process means nothing in another.
-    until = time.time() + settings.budget
+    """Yields the numbers of maps and the results of their proofs, in any order.
+
+    A proof that fails has the error in its result.
+
+    Args:
+        trips: Maps of the model, of each name all; at least one.
+    """
+    deadline = time.monotonic() + settings.budget
     if min(settings.jobs, len(trips)) == 1:
-        for number, round_trip in enumerate(trips):
-            yield number, _piece(model, round_trip, settings, until)
+        for number, trip in enumerate(trips):
+            yield number, _proved_or_failed(model, trip, settings, deadline)
         return
     threads = max(1, settings.jobs // len(trips))
-    shared = _Shared(one_document(model), replace(settings, jobs=threads), until)
+    shared = _Shared(one_document(model), replace(settings, jobs=threads), deadline)
     seen: Counter[str] = Counter()
     pieces = []
     for trip in trips:
         pieces.append((trip.name, seen[trip.name]))
         seen[trip.name] += 1
-    yield from Work(_Prover, shared).results(pieces, settings.jobs)
+    yield from work_on(pieces, settings.jobs, _prover, shared)
 
 
 def program() -> str:
-    """Returns the compiler of this machine."""
+    """Returns the C++ compiler of this machine; raises PoolError if there is none."""
     executable = compiler()
     if executable is None:
         wanted = " or ".join(COMPILERS)
@@ -177,12 +198,13 @@ def program() -> str:
     return executable
 
 
-def _piece(model: Model, trip: RoundTrip, settings: Settings, until: float) -> MapResult:
-    settings = replace(settings, budget=max(0.0, until - time.time()))
+def _proved_or_failed(
+    model: Model, trip: RoundTrip, settings: Settings, deadline: float
+) -> MapResult:
     try:
-        (result,) = prove(model, [trip], settings)
+        return _proved(model, trip, settings, deadline)
     except (ProgramError, WorkerError) as error:
         result = unproved(trip)
         result.error = str(error)
         result.remarks = [f"not proved: {result.error.partition(chr(10))[0]}"]
-    return result
+        return result

@@ -37,9 +37,10 @@ class Former:
         return Location(self.path, before.count("\n") + 1 if separator else 1)
 
 
-def former_case(path: str, text: str) -> Former:
-    """Returns the case that a text holds."""
+def former_case(path: str, data: bytes) -> Former:
+    """Returns the case that a file has; raises CaseError."""
     try:
+        text = data.decode()
         plain = json.loads(text)
         evidence = {str(entry["path"]): entry for entry in plain["evidence"] if entry["path"]}
         known = [entry[key] for entry in evidence.values() for key in ("sha256", "stale")]

@@ -10,6 +10,10 @@ from generated import WITHOUT_PLUGINS
 from scripts import ran
 from sweeps import sweep
 
+from jausml.authoring.editing.project import Project
+from jausml.authoring.proposals.elements import AnswerError
+from jausml.authoring.studio.context import StudioContext
+from jausml.authoring.studio.handlers.stepping import METHODS
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
@@ -198,3 +202,11 @@ def test_a_machine_beside_one_that_leads_the_core_is_not_tested():
     assert machine.beside == ("ReceiveFSM of Spot",)
     with pytest.raises(SteppingError, match="ReceiveFSM of Spot may act meanwhile"):
         stepped_test(model, machine, READY)
+
+
+def test_a_machine_with_an_unreadable_guard_is_not_stepped(tmp_path):
+    text = (WINCH.parent / "service.xmi").read_text("utf-8")
+    (tmp_path / "service.xmi").write_text(text.replace("paysOut", "paysOut !"))
+    context = StudioContext(Project(tmp_path))
+    with pytest.raises(AnswerError, match="a guard cannot be read"):
+        METHODS["step"](context, "service.xmi", "machine:ReceiveFSM", (), {})

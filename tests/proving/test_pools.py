@@ -9,37 +9,35 @@ from pathlib import Path
 import pytest
 
 from jausml.language.attributes.units import parse_unit
-from jausml.live.workers.pool import PoolError, Work
+from jausml.live.workers.pool import PoolError, work_on
 from jausml.live.workers.worker import BridgeCode, Worker, WorkerError
 
 GUARDS = ("jausml/live/workers", "jausml/proving/running.py", "jausml/mutating/running.py")
 
 
 def test_results_are_those_of_their_pieces():
-    work = Work(operator.itemgetter, 1)
-    found = dict(work.results([(number, number * number) for number in range(20)], jobs=3))
+    pieces = [(number, number * number) for number in range(20)]
+    found = dict(work_on(pieces, 3, operator.itemgetter, 1))
     assert found == {number: number * number for number in range(20)}
 
 
 def test_what_a_worker_raises_is_raised():
     with pytest.raises(IndexError):
-        list(Work(operator.itemgetter, 1).results([(1, 2), ()], jobs=1))
+        list(work_on([(1, 2), ()], 1, operator.itemgetter, 1))
 
 
 def test_an_error_that_cannot_be_made_of_its_text_is_told_by_it():
     with pytest.raises(RuntimeError, match="UnitError: 'parsec'"):
-        list(Work(functools.partial, parse_unit).results(["parsec"], jobs=1))
+        list(work_on(["parsec"], 1, functools.partial, parse_unit))
 
 
 def test_a_process_that_ends_is_told():
-    work = Work(functools.partial, os._exit)
     with pytest.raises(PoolError, match="has ended"):
-        list(work.results([3, 3], jobs=2))
+        list(work_on([3, 3], 2, functools.partial, os._exit))
 
 
 def test_what_is_left_in_folders_is_removed():
-    work = Work(functools.partial, tempfile.mkdtemp)
-    results = work.results([".a", ".b", ".c"], jobs=1)
+    results = work_on([".a", ".b", ".c"], 1, functools.partial, tempfile.mkdtemp)
     _, first = next(results)
     assert Path(first).is_dir()
     results.close()  # as a campaign that is ended early does

@@ -62,7 +62,7 @@ def test_header_and_message():
             "fields": {},
         },
     }
-    assert not seen.is_problem
+    assert not seen.error
 
 
 def test_several_messages_share_one_version_byte():
@@ -99,7 +99,7 @@ def test_the_data_size_is_what_the_header_says():
 )
 def test_datagrams_that_cannot_be_read(data, reason):
     (seen,) = observe(data)
-    assert seen.is_problem
+    assert seen.error
     assert list(seen.to_json()) == ["error"]
     assert reason in seen.error
     assert any(reason in line for line in observing.lines(seen))
@@ -119,7 +119,7 @@ def test_a_payload_that_cannot_be_decoded_keeps_its_header():
     assert printed["payload"] == "0144dead"
     assert printed["error"].startswith("no message has the code 0x4401")
     assert "message" not in printed
-    assert seen.is_problem
+    assert seen.error
 
 
 @pytest.mark.parametrize("order", [(0, 1, 2), (2, 1, 0), (1, 0, 2)])
@@ -128,8 +128,8 @@ def test_messages_of_several_packets(order):
     assert len(parts) == 3
     seen = observe(*(parts[index] for index in order))
     assert [observation.message is None for observation in seen] == [True, True, False]
-    assert all("of a message of several" in observation.error for observation in seen[:2])
-    assert not any(observation.is_problem for observation in seen)
+    assert all("of a message of several" in observation.fragment for observation in seen[:2])
+    assert not any(observation.error for observation in seen)
     assert ["error" in observation.to_json() for observation in seen] == [False, False, False]
     assert ["fragment" in observation.to_json() for observation in seen] == [True, True, False]
     whole = seen[-1].to_json()["message"]

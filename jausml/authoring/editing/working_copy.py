@@ -7,7 +7,7 @@ command means is done to the copies first; what is then read of the changed file
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from functools import cache
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -22,44 +22,34 @@ from jausml.language.semantics.connections.exchanges import CONNECTION, FEATURES
 from jausml.language.text.notation import SUFFIX
 
 
+@dataclass(eq=False, slots=True, repr=False)
 class ElementCopy:
-    """An element.
+    """A copy of an element, or a new element.
 
     Attributes:
         file: The file of which it was read or for which it was made.
         obj: The element of the model of that file, None when it is new.
+        identifier: The id that its file gives it, empty without one.
         values: What its attributes have, as XMI writes it, by name; None is no value where
             there is a default. What has its default is left out.
         references: What it refers to, by the name of the feature: copies, and the refs of
             elements of files that the working copy has not.
+        owned: Its parts, by the name of the feature of it that has them.
+        owner, feature: Of which element it is a part, by which feature; None and empty for roots.
         open: Attributes that a text leaves open: what they have follows from all else, and may
             be another value after an edit.
     """
 
-    __slots__ = (
-        "feature",
-        "file",
-        "identifier",
-        "obj",
-        "open",
-        "owned",
-        "owner",
-        "references",
-        "table",
-        "values",
-    )
-
-    def __init__(self, table: ClassTable, file: str) -> None:
-        self.table = table
-        self.file = file
-        self.obj: EObject | None = None
-        self.identifier = ""
-        self.values: dict[str, tuple[str | None, ...]] = {}
-        self.references: dict[str, list[ElementCopy | Ref]] = {}
-        self.owned: dict[str, list[ElementCopy]] = {}
-        self.owner: ElementCopy | None = None
-        self.feature = ""
-        self.open: set[str] = set()
+    table: ClassTable
+    file: str
+    obj: EObject | None = None
+    identifier: str = ""
+    values: dict[str, tuple[str | None, ...]] = field(default_factory=dict)
+    references: dict[str, list[ElementCopy | Ref]] = field(default_factory=dict)
+    owned: dict[str, list[ElementCopy]] = field(default_factory=dict)
+    owner: ElementCopy | None = None
+    feature: str = ""
+    open: set[str] = field(default_factory=set)
 
     @property
     def name(self) -> str:
@@ -100,7 +90,13 @@ class ElementCopy:
 
 
 class WorkingCopy:
-    """The elements of some files of a project; `WorkingCopy.of` has all of them."""
+    """The elements of some files of a project; `WorkingCopy.of` has all of them.
+
+    Attributes:
+        folder: The folder of the project, from which `models` and `roots` name files.
+        copies: Copies by the elements that were read, of which several may have one copy.
+        identifiers: The ids by which copies are found.
+    """
 
     def __init__(self, models: Mapping[str, Model], root: Path) -> None:
         self.models = dict(models)
@@ -108,7 +104,6 @@ class WorkingCopy:
         self.roots: dict[str, list[ElementCopy]] = {}
         self.copies: dict[EObject, ElementCopy] = {}
         self.identifiers: dict[ElementCopy, str] = {}
-        self._foreign: dict[EObject, Ref] = {}
 
     @classmethod
     def of(cls, models: Mapping[str, Model], root: Path) -> WorkingCopy:
@@ -131,7 +126,7 @@ class WorkingCopy:
         return self.copies.get(obj) if obj is not None else None
 
     def fragments(self, paths: Mapping[ElementCopy, str] | None = None) -> dict[ElementCopy, str]:
-        """Returns by which fragments copies are found: ids, else paths."""
+        """Returns by which fragments copies are found: ids, else `paths`, those of now if None."""
         return {**(self.paths() if paths is None else paths), **self.identifiers}
 
     def paths(self) -> dict[ElementCopy, str]:
@@ -154,7 +149,11 @@ class WorkingCopy:
         return paths
 
     def ref(self, copy: ElementCopy, fragments: Mapping[ElementCopy, str] | None = None) -> Ref:
-        """Returns the ref of a copy as it stands now."""
+        """Returns the ref of a copy as it stands now.
+
+        Args:
+            fragments: Those of all copies; None computes them.
+        """
         return f"{copy.root.file}#{(fragments or self.fragments())[copy]}"
 
     def refs(self, paths: Mapping[ElementCopy, str] | None = None) -> dict[ElementCopy, Ref]:
@@ -207,10 +206,10 @@ class WorkingCopy:
         """Gives a copy the values that the attributes of its element have."""
         obj: Any = copy.obj
         copy.values = {
-            name: values
-            for name, feature in attributes_of(copy.table)
+            feature.name: values
+            for feature in features_of(copy.table, FeatureKind.ATTRIBUTE)
             # What was never set has its default, and asking for it would create it.
-            if name in obj.__dict__ and (values := attribute_values(obj, feature))
+            if feature.name in obj.__dict__ and (values := attribute_values(obj, feature))
         }
         copy.open = open_features(copy.table, copy.file)
         # What the text states is not open.
@@ -254,7 +253,9 @@ class WorkingCopy:
         obj: Any = copy.obj
         model = self.models[copy.file]
         targets_by_feature = {}
-        for name, feature in references_of(copy.table):
+        kinds = (FeatureKind.CROSS_REFERENCE, FeatureKind.CONTAINMENT)
+        for feature in features_of(copy.table, *kinds):
+            name = feature.name
             if name not in obj.__dict__:
                 continue
             targets = contents(obj, feature)
@@ -266,28 +267,12 @@ class WorkingCopy:
         return targets_by_feature
 
     def _target(self, obj: EObject, model: Model) -> ElementCopy | Ref:
-        copy = self.copies.get(obj)
-        if copy is not None:
-            return copy
-        # Many refer to the same elements of the library.
-        ref = self._foreign.get(obj)
-        if ref is None:
-            ref = self._foreign[obj] = ref_of(obj, model, self.folder)
-        return ref
+        return self.copies.get(obj) or ref_of(obj, model, self.folder)
 
 
-@cache
-def attributes_of(table: ClassTable) -> tuple[tuple[str, FeatureTable], ...]:
-    """Returns the attributes of a class with their names."""
-    features = table.features.items()
-    return tuple(feature for feature in features if feature[1].kind is FeatureKind.ATTRIBUTE)
-
-
-@cache
-def references_of(table: ClassTable) -> tuple[tuple[str, FeatureTable], ...]:
-    """Returns the features of a class by which its elements refer to others or own them."""
-    kinds = (FeatureKind.CROSS_REFERENCE, FeatureKind.CONTAINMENT)
-    return tuple(item for item in table.features.items() if item[1].kind in kinds)
+def features_of(table: ClassTable, *kinds: FeatureKind) -> list[FeatureTable]:
+    """Returns the features of some kinds of a class."""
+    return [feature for feature in table.features.values() if feature.kind in kinds]
 
 
 def open_features(table: ClassTable, file: str) -> set[str]:
@@ -307,7 +292,6 @@ def attribute_values(obj: Any, feature: FeatureTable) -> tuple[str | None, ...]:
     return () if text == default_text(feature) else (text,)
 
 
-@cache
 def default_text(feature: FeatureTable) -> str | None:
     """Returns the default of an attribute as XMI writes it, None without one."""
     return lexical(feature.default, feature) if feature.default is not None else None

@@ -142,8 +142,6 @@ def _keyword(element: tree.Element) -> str:
     return element.keyword.text if element.keyword is not None else ""
 
 
-_WORDS = {"WORD", "INDEXED"}
-
 _PUNCTUATION = {
     *("LBRACE", "RBRACE", "LPAR", "RPAR", "LSQB", "END_BRACKET", "NAMED_BRACKET", "COMMA"),
     *("COLON", "SEMICOLON", "ARROW", "PAIR", "GIVES", "AT_MOST", "EQUAL", "TILDE"),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import pickle
 import threading
 from collections import OrderedDict
 from collections.abc import Iterable, Mapping
@@ -37,7 +36,7 @@ class OpenedRecording:
         self.share, self.fault = 0.0, ""
         self.system: RecordedSystem | None = None
         self._path, self._name = path, name
-        self._process = PoolProcess(pickle.dumps((Indexing, str(path))))
+        self._process = PoolProcess(Indexing, str(path))
         self._thread = threading.Thread(target=self._read, name="recording", daemon=True)
         self._thread.start()
 

@@ -195,8 +195,8 @@ class _Output:
 
         `place`: where its line of hex stands, empty for captures and live traffic.
         """
-        self.has_failed |= observation.is_problem
-        located = {"place": place} if place and observation.is_problem else {}
+        self.has_failed |= bool(observation.error)
+        located = {"place": place} if place and observation.error else {}
         if located:
             click.echo(f"{place}: {observation.error}", err=True)
         if self._is_json:

@@ -138,17 +138,16 @@ def _case(report: Report, evidence: Sequence[Evidence]) -> SafetyCase:
 
 
 def _former(folder: Path) -> Former:
+    """Returns the case that a folder has; ends the verb if there is none that can be read."""
     from jausml.language.model.files import read_input
     from jausml.safety_case.comparing import CaseError, former_case
 
     path = folder / _PLAIN
     try:
-        return former_case(str(path), read_input(path).decode())
-    except OSError as error:
-        reason = f"cannot be read: {error.strerror}"
-    except (UnicodeDecodeError, CaseError) as error:
-        reason = str(error) if isinstance(error, CaseError) else "is no text"
-    raise EnvironmentFault(f"{click.format_filename(path)} {reason}")
+        return former_case(str(path), read_input(path))
+    except (OSError, CaseError) as error:
+        reason = f"cannot be read: {error.strerror}" if isinstance(error, OSError) else error
+        raise EnvironmentFault(f"{click.format_filename(path)} {reason}") from error
 
 
 def _drawn(case: SafetyCase) -> dict[str, str]:

@@ -23,13 +23,14 @@ def former_names(before: Interface, after: Interface, remembered: object = None)
     successor is the last part alone, and empty for a name that was removed.
 
     Args:
-        remembered: Renames of earlier runs, from the manifest, unchecked.
+        remembered: Renames of earlier runs, from the manifest, which anybody may have edited.
     """
     finder = _RenameFinder(before.modules, after.modules)
     new = dict(finder.of_modules(after.changed_modules(before)))
     earlier = {
         _in_present_classes(name, new): successor
-        for name, successor in _checked_renames(remembered).items()
+        for name, successor in (remembered.items() if isinstance(remembered, dict) else ())
+        if isinstance(name, str) and isinstance(successor, str)
     }
     # A name that was renamed before leads on to the present one.
     followed = {
@@ -38,14 +39,6 @@ def former_names(before: Interface, after: Interface, remembered: object = None)
     }
     return {
         name: successor for name, successor in followed.items() if not _has(after.modules, name)
-    }
-
-
-def _checked_renames(remembered: object) -> Mapping[str, str]:
-    """Returns the renames that the manifest remembers, which anybody may have edited."""
-    pairs = remembered.items() if isinstance(remembered, dict) else ()
-    return {
-        name: value for name, value in pairs if isinstance(name, str) and isinstance(value, str)
     }
 
 

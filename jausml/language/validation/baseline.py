@@ -12,7 +12,7 @@ import re
 from collections import Counter
 from dataclasses import replace
 from pathlib import Path, PurePath
-from typing import TypeAlias
+from typing import NamedTuple
 
 from jausml.language.model.diagnostics import Diagnostic
 from jausml.language.model.files import read_input
@@ -20,10 +20,20 @@ from jausml.language.validation.rule import Ground, Report, SetAside
 
 SCHEMA = 1
 _POSITION = re.compile(r"\[\d+\]")
-_PARTS = ("rule", "file", "element", "message")
 
-Identity: TypeAlias = "tuple[str, str, str, str]"
-"""Rule, file relative to the folder of the baseline, element and message."""
+
+class Identity(NamedTuple):
+    """The parts by which a finding is known.
+
+    Attributes:
+        file: The path from the folder of the baseline.
+        element: The element without positions among its siblings.
+    """
+
+    rule: str
+    file: str
+    element: str
+    message: str
 
 
 class BaselineError(Exception):
@@ -35,6 +45,7 @@ def read(path: Path) -> Counter[Identity]:
 
     Raises:
         BaselineError: It is no baseline, or one of another schema.
+        OSError: It cannot be read.
     """
     try:
         content = json.loads(read_input(path))
@@ -57,10 +68,11 @@ def read(path: Path) -> Counter[Identity]:
 def _entry(entry: object) -> tuple[Identity, int]:
     if isinstance(entry, dict):
         count = entry.get("count", 1)
-        match [entry.get(part) for part in _PARTS]:
+        match [entry.get(part) for part in Identity._fields]:
             case [str(rule), str(file), str(element), str(message)]:
+                # No bool, which is an int as well.
                 if type(count) is int and count > 0:
-                    return (rule, file, element, message), count
+                    return Identity(rule, file, element, message), count
     raise BaselineError(f"'findings' has what is no finding: {str(entry)[:60]!r}")
 
 
@@ -74,8 +86,8 @@ def written(report: Report, former: Counter[Identity], path: Path) -> str:
     counted = Counter(_identity(diagnostic, path) for diagnostic in report.diagnostics)
     counted += _elsewhere(former, report, path)
     entries = [
-        dict(zip(_PARTS, identity, strict=True)) | ({"count": count} if count > 1 else {})
-        for identity, count in sorted(counted.items(), key=lambda item: _by_file(item[0]))
+        identity._asdict() | ({"count": count} if count > 1 else {})
+        for identity, count in sorted(counted.items(), key=lambda item: (item[0].file, item[0]))
     ]
     content = {"schema": SCHEMA, "findings": entries}
     return json.dumps(content, indent=2, ensure_ascii=True) + "\n"
@@ -110,14 +122,15 @@ def _elsewhere(known: Counter[Identity], report: Report, path: Path) -> Counter[
             identity: count
             for identity, count in known.items()
             # Unlike Path.exists this is False where nothing may be looked at.
-            if identity[1] not in seen and os.path.exists(path.parent / identity[1])  # noqa: PTH110
+            if identity.file not in seen and os.path.exists(path.parent / identity.file)  # noqa: PTH110
         }
     )
 
 
 def _identity(diagnostic: Diagnostic, path: Path) -> Identity:
     file = _relative(diagnostic.location.path, path)
-    return diagnostic.rule, file, _POSITION.sub("[]", diagnostic.element), diagnostic.message
+    element = _POSITION.sub("[]", diagnostic.element)
+    return Identity(diagnostic.rule, file, element, diagnostic.message)
 
 
 def _relative(file: str | Path, path: Path) -> str:
@@ -125,8 +138,3 @@ def _relative(file: str | Path, path: Path) -> str:
     return PurePath(
         os.path.relpath(os.path.realpath(file), os.path.realpath(path.parent))
     ).as_posix()
-
-
-def _by_file(identity: Identity) -> tuple[str, ...]:
-    rule, file, element, message = identity
-    return file, rule, element, message

@@ -64,7 +64,7 @@ class CapturedMessages:
                 self.skipped["datagrams of which the capture does not tell the time"] += 1
                 continue
             for seen in self._observer.observe(datagram):
-                if seen.is_problem:
+                if seen.error:
                     self.skipped[seen.error] += 1
                 elif seen.packet is not None and len(seen.payload) >= _LEAST:
                     self.count += 1

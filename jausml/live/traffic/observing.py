@@ -1,4 +1,4 @@
-"""Decoder of observed JUDP datagrams (AS5669A), and text of their messages."""
+"""Observed JUDP datagrams (AS5669A): their packets and messages, and the text of these."""
 
 from __future__ import annotations
 
@@ -20,6 +20,7 @@ from jausml.runtime.transports.packets.packet import (
     DataFlags,
     Packet,
     Priority,
+    message_size,
     parse_datagram,
 )
 from jausml.runtime.transports.packets.reassembly import Reassembly
@@ -72,8 +73,9 @@ class Observation:
         payload: Code and body of the JAUS message; of a message of several packets, only the last
             received one has it.
         message: The decoded message, None without one.
-        error: Why there is no message, or the place of a packet among several; else empty.
-        is_fragment: Whether it is one of several packets of a message.
+        error: Why the datagram or the message cannot be read; else empty.
+        fragment: Which of several packets it is, while others of the message are missing; else
+            empty.
     """
 
     datagram: Datagram
@@ -82,12 +84,7 @@ class Observation:
     payload: bytes = b""
     message: DecodedMessage | None = None
     error: str = ""
-    is_fragment: bool = False
-
-    @property
-    def is_problem(self) -> bool:
-        """Whether it cannot be read; False for a packet that waits for others."""
-        return bool(self.error) and not self.is_fragment
+    fragment: str = ""
 
     def to_json(self) -> dict[str, Any]:
         """Returns header, payload, and decoded message or error, as JSON values."""
@@ -115,8 +112,10 @@ class Observation:
             )
         if self.message is not None:
             fields["message"] = self.message.to_json()
+        if self.fragment:
+            fields["fragment"] = self.fragment
         if self.error:
-            fields["fragment" if self.is_fragment else "error"] = self.error
+            fields["error"] = self.error
         return fields
 
 
@@ -137,7 +136,10 @@ class _Reasons(Counters):
 
 
 class Observer:
-    """Reads datagrams in their order, and joins messages of several packets.
+    """Reader of datagrams in their order, which joins messages of several packets.
+
+    Without a catalogue messages are not decoded; `service` and `message` narrow which definition
+    of a code is meant.
 
     Attributes:
         host_frames: Number of datagrams that are no JUDP, but pass between jausml processes of one
@@ -180,21 +182,19 @@ class Observer:
         """Returns an observation with its payload and message, or the error."""
         if packet.acknowledge >= AckNak.NAK:
             return seen
-        payload = packet.payload
-        is_fragment = packet.data_flags is not DataFlags.SINGLE
-        if is_fragment:
+        whole: Packet | None = packet
+        if packet.data_flags is not DataFlags.SINGLE:
             whole = self._reassembly.add(packet, now)
-            if whole is None:
-                return replace(seen, error=_FRAGMENTS[packet.data_flags], is_fragment=True)
-            payload = whole.payload
-        seen = replace(seen, payload=payload)
+        if whole is None:
+            return replace(seen, fragment=_FRAGMENTS[packet.data_flags])
+        seen = replace(seen, payload=whole.payload)
         if self._catalogue is None:
-            return replace(seen, is_fragment=is_fragment)
+            return seen
         try:
-            message = self._catalogue.decode(payload, self._service, self._message)
+            message = self._catalogue.decode(whole.payload, self._service, self._message)
         except MessageError as error:
             return replace(seen, error=str(error))
-        return replace(seen, message=message, is_fragment=is_fragment)
+        return replace(seen, message=message)
 
 
 def ends_of(datagram: Datagram) -> set[str]:
@@ -207,7 +207,7 @@ def _data_sizes(data: bytes) -> Iterator[int]:
     """Yields the data sizes of the messages of a datagram, up to the first wrong one."""
     offset = 1
     while offset + EMPTY_MESSAGE_SIZE <= len(data):
-        size = data[offset + 1] | data[offset + 2] << 8
+        size = message_size(data, offset)
         if size < EMPTY_MESSAGE_SIZE:
             return
         yield size
@@ -230,12 +230,13 @@ def lines(observation: Observation) -> Iterator[str]:
     head = [*_place(observation), *(_header(packet) if packet is not None else ())]
     if message is not None:
         head.append(messages.title(message))
-    if observation.error:
-        head.append(f"[{observation.error}]")
+    reason = observation.error or observation.fragment
+    if reason:
+        head.append(f"[{reason}]")
     yield "  ".join(head)
     if message is not None:
         yield from (f"  {line}" for line in messages.lines(message))
-    elif observation.error:
+    elif reason:
         data = packet.payload if packet is not None else observation.datagram.data
         if data:
             rest = "..." if len(data) > _SHOWN_OCTETS else ""
@@ -274,6 +275,6 @@ def _header(packet: Packet) -> Iterator[str]:
 def _address(address: JausAddress) -> str:
     """Returns an address with `*` for wildcards."""
     everyone = (65535, 255, 255)
-    parts = (address.subsystem, address.node, address.component)
+    parts = _parts(address).values()
     shown = ("*" if part == wild else str(part) for part, wild in zip(parts, everyone, strict=True))
     return ".".join(shown)

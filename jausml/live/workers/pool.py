@@ -14,12 +14,10 @@ import signal
 import subprocess
 import sys
 import tempfile
-import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Generic, TypeVar
+from typing import Any, TypeVar
 
 _SCRIPT = Path(__file__).with_name("pool_process.py")
 
@@ -31,7 +29,10 @@ class PoolError(Exception):
 class PoolProcess:
     """A process that works on one piece at a time; close it at the end."""
 
-    def __init__(self, begin: bytes) -> None:
+    def __init__(self, make: Callable[[Any], Callable[[Any], Any]], shared: Any) -> None:
+        """Starts the process, which makes its worker of `shared`; both can be pickled."""
+        # Goes with the first piece.
+        self._begin = pickle.dumps((make, shared))
         # All temporary files are in a folder that is removed, however the process ends.
         self._folder = tempfile.TemporaryDirectory(
             prefix="jausml_pool_", ignore_cleanup_errors=True
@@ -43,10 +44,9 @@ class PoolProcess:
             env={**os.environ, "TMPDIR": self._folder.name},
             start_new_session=True,
         )
-        self._begin = begin
 
     def ask(self, piece: Any) -> Any:
-        """Returns the result of a piece of work; raises what the worker raises."""
+        """Returns the result of a piece of work; raises what the worker raises, or PoolError."""
         try:
             is_made, answer = self._answer(self._begin + pickle.dumps(piece))
         except (OSError, EOFError, ValueError, pickle.UnpicklingError) as error:
@@ -79,73 +79,48 @@ class PoolProcess:
         self._folder.cleanup()
 
 
-class PoolProcesses:
-    """Processes for threads that call at the same time, one for each; close them at the end."""
-
-    def __init__(self, begin: bytes) -> None:
-        self._begin = begin
-        self._idle: queue.SimpleQueue[PoolProcess] = queue.SimpleQueue()
-        self._all: list[PoolProcess] = []
-        self._lock = threading.Lock()
-        self._is_closed = False
-
-    def ask(self, piece: Any) -> Any:
-        """Returns the result of a piece of work; raises what the worker raises."""
-        process = self._taken()
-        answer = process.ask(piece)
-        self._idle.put(process)
-        return answer
-
-    def _taken(self) -> PoolProcess:
-        with contextlib.suppress(queue.Empty):
-            return self._idle.get_nowait()
-        with self._lock:
-            if self._is_closed:
-                raise PoolError("the work is over")
-            self._all.append(PoolProcess(self._begin))
-            return self._all[-1]
-
-    def close(self) -> None:
-        """Ends all processes."""
-        with self._lock:
-            self._is_closed = True
-            for pool_process in self._all:
-                pool_process.close()
-
-
 Shared = TypeVar("Shared")
 Piece = TypeVar("Piece")
 Result = TypeVar("Result")
 
 
-@dataclass(frozen=True)
-class Work(Generic[Shared, Piece, Result]):
-    """The work on each piece.
+def work_on(
+    pieces: Sequence[Piece],
+    jobs: int,
+    make: Callable[[Shared], Callable[[Piece], Result]],
+    shared: Shared,
+) -> Iterator[tuple[int, Result]]:
+    """Yields the number of each piece and its result, in any order.
 
-    Attributes:
-        make: Makes the worker of a process; both can be imported.
-        shared: The argument of `make`.
+    Args:
+        jobs: How many processes work at once.
+        make: Makes the worker of a process of `shared`.
+
+    Raises:
+        PoolError: A process has ended.
+        Exception: What a worker raises.
     """
+    count = max(1, min(jobs, len(pieces)))
+    processes: list[PoolProcess] = []
+    idle: queue.SimpleQueue[PoolProcess] = queue.SimpleQueue()
 
-    make: Callable[[Shared], Callable[[Piece], Result]]
-    shared: Shared
+    def ask(piece: Piece) -> Any:
+        # There are as many processes as threads, so that one is always idle.
+        process = idle.get()
+        try:
+            return process.ask(piece)
+        finally:
+            idle.put(process)
 
-    @property
-    def begin(self) -> bytes:
-        """The first bytes for a process."""
-        return pickle.dumps((self.make, self.shared))
-
-    def results(self, pieces: Sequence[Piece], jobs: int) -> Iterator[tuple[int, Result]]:
-        """Yields the number of each piece and its result, in any order."""
-        processes = PoolProcesses(self.begin)
-        with ThreadPoolExecutor(max(1, min(jobs, len(pieces)))) as executor:
-            try:
-                numbers = {
-                    executor.submit(processes.ask, piece): number
-                    for number, piece in enumerate(pieces)
-                }
-                for answer in as_completed(numbers):
-                    yield numbers[answer], answer.result()
-            finally:
-                executor.shutdown(wait=False, cancel_futures=True)
-                processes.close()
+    with ThreadPoolExecutor(count) as executor:
+        try:
+            for _ in range(count):
+                processes.append(PoolProcess(make, shared))
+                idle.put(processes[-1])
+            numbers = {executor.submit(ask, piece): number for number, piece in enumerate(pieces)}
+            for answer in as_completed(numbers):
+                yield numbers[answer], answer.result()
+        finally:
+            executor.shutdown(wait=False, cancel_futures=True)
+            for process in processes:
+                process.close()

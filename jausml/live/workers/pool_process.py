@@ -1,7 +1,9 @@
-"""The process of a pool, which makes a worker of its first value, and calls it for each piece.
+"""The process of a pool, which makes a worker, and calls it for each piece of work.
 
-It reads pickled values from its input and writes an answer for each piece, until the input ends.
-Its argument is the folder of its temporary files, which it removes then.
+Its input has pickled values: first a pair of the function that makes the worker and the argument
+of that, then the pieces. It writes an answer for each, the pickled pair of True and the result, or
+of False and the error, until the input ends. Then it removes the folder of its temporary files,
+which its argument names.
 """
 
 from __future__ import annotations
@@ -33,7 +35,8 @@ def _serve() -> None:
         while True:
             piece = pickle.load(requests)  # noqa: S301 - as above
             try:
-                worker = worker or make(shared)
+                if worker is None:
+                    worker = make(shared)
                 answer = pickle.dumps((True, worker(piece)))
             except Exception as error:
                 answer = _failure(error)

@@ -1,6 +1,7 @@
 """Trying values by the generated code of maps, in a real process."""
 
 import json
+import re
 import sys
 import tempfile
 from contextlib import closing
@@ -285,8 +286,17 @@ def test_a_value_of_an_alternative_is_sent_as_that(name):
     assert int.from_bytes(data[6 : 6 + 2**index], "little") == 100
 
 
-def test_a_value_of_an_alternative_that_is_not_there_is_refused():
-    model = scope_of(CAR).library
-    message = next(e for e in model.instances(jaus.MessageDef) if e.name == "ReportAnalogAction")
-    with pytest.raises(AnswerError, match=r"there is no member Longitudinal\.7"):
-        jaus_values.payload(message, {"Longitudinal.7": "100"})
+@pytest.mark.parametrize(
+    ("name", "path"),
+    [
+        ("ReportAnalogAction", "Longitudinal.7"),
+        ("ReportAnalogAction", "Longitudinal.byte.more"),
+        ("ReportVelocityState", "Velocity_X.more"),
+        ("ReportVelocityState", "TimeStamp.Day.more"),
+    ],
+)
+def test_a_member_that_is_not_there_is_refused(name, path):
+    messages = scope_of(CAR).library.instances(jaus.MessageDef)
+    message = next(message for message in messages if message.name == name)
+    with pytest.raises(AnswerError, match=f"there is no member {re.escape(path)}"):
+        jaus_values.payload(message, {path: "3"})

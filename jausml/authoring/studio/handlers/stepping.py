@@ -1,4 +1,4 @@
-"""Requests that step a machine by hand. They hold no state: the page has the path."""
+"""Requests that step a state machine by hand. They hold no state: the page has the path."""
 
 from __future__ import annotations
 
@@ -29,16 +29,27 @@ _MOST_STEPS = 1000
 def _step(
     context: StudioContext, file: str, view: str, path: tuple[Chosen, ...], said: Mapping[str, bool]
 ) -> dict[str, Any]:
-    """Returns the end of a path, and the possible steps there for some values of conditions."""
+    """Returns the end of a path, and the possible steps there.
+
+    Args:
+        said: Values of the user's conditions for these; missing ones are False.
+    """
     model, machine = _machine(context, file, view, path)
-    ids = Context(model, view, ())
+    try:
+        return _end_of_path(Context(model, view, ()), machine, path, said)
+    except GuardError as error:
+        raise AnswerError(f"a guard cannot be read: {error}") from error
+
+
+def _end_of_path(
+    ids: Context, machine: SteppedMachine, path: tuple[Chosen, ...], said: Mapping[str, bool]
+) -> dict[str, Any]:
+    """Returns the answer to `_step`; for a path that is not possible, the initial state."""
     product = machine.product
     try:
         taken, fault = walked(product, path), ""
     except SteppingError as error:
         taken, fault = [], str(error)
-    except GuardError as error:
-        raise AnswerError(f"a guard cannot be read: {error}") from error
     state = taken[-1].after if taken else product.initial()
     return {
         "component": product.component,
@@ -81,6 +92,7 @@ def _test(context: StudioContext, file: str, view: str, path: tuple[Chosen, ...]
 def _machine(
     context: StudioContext, file: str, view: str, path: tuple[Chosen, ...]
 ) -> tuple[Model, SteppedMachine]:
+    """Returns the model of a file, and the machine that a view shows, with its component."""
     if len(path) > _MOST_STEPS:
         raise AnswerError(f"a path has {_MOST_STEPS} steps at most")
     scope = context.scope_of(file)

@@ -19,22 +19,25 @@ from jausml.live.messages.text import sample
 from jausml.live.peers.rendering import field_texts
 
 _STEP = re.compile(r"(.+?)((?:\[\d{1,4}\])*)")
-_PRESENCE = "_pv"
 _TIME = ("Milliseconds", "Seconds", "Minutes", "Hour", "Day")
+"""The members of a TimeStamp (AS5710, ReportTime)."""
 
 
 def payload(message: jaus.MessageDef, values: Mapping[str, str]) -> bytes:
     """Returns code and body of a message.
 
-    `values`: texts by path, as maps write paths; what is not among them is left out where it may
-    be, and has its least legal value elsewhere. `AnswerError`: a text is no legal value, or a path
-    leads nowhere.
+    Args:
+        values: Texts by path, as maps write paths; what is not among them is left out where it may
+            be, and has its least legal value elsewhere.
+
+    Raises:
+        AnswerError: A text is no legal value, or a path leads nowhere.
     """
     entry = _entry(message)
     try:
         fields: Any = sample(entry.record)
+        kind, value = _body(message, entry, fields)
         for path, text in values.items():
-            kind, value = _body(message, entry, fields)
             _put(kind, value, path.split("."), text, path)
         return entry.encode(fields)
     except MessageError as error:
@@ -42,7 +45,11 @@ def payload(message: jaus.MessageDef, values: Mapping[str, str]) -> bytes:
 
 
 def rows(message: jaus.MessageDef, data: bytes) -> list[tuple[str, str]]:
-    """Returns the values of a message by path, with their units."""
+    """Returns path and text of each value of a message, texts with their units.
+
+    Raises:
+        AnswerError: `data`, code and body, is no such message.
+    """
     entry = _entry(message)
     try:
         return list(field_texts(entry.record, entry.decode(data)))
@@ -51,7 +58,11 @@ def rows(message: jaus.MessageDef, data: bytes) -> list[tuple[str, str]]:
 
 
 def moment(text: str) -> datetime:
-    """Returns the time that a text says: `now`, or a date and time of ISO 8601, in UTC."""
+    """Returns the time in UTC of a text: `now` or nothing, or a date and time of ISO 8601.
+
+    Raises:
+        AnswerError: It is another text, or no time of the years 1 to 9999.
+    """
     if text.strip().lower() in ("", "now"):
         return datetime.now(timezone.utc)
     try:
@@ -82,17 +93,15 @@ def _body(message: jaus.MessageDef, entry: MessageEntry, fields: Any) -> tuple[w
 
 def _put(kind: wire.Kind, value: Any, steps: Sequence[str], text: str, path: str) -> None:
     """Gives a member of a record a value; optional ones and elements on the way come to be."""
-    name, indices = _split(steps[0])
+    (name, indices), rest = _split(steps[0]), steps[1:]
     member = _member(kind, name)
     if member is None:
         raise AnswerError(f"there is no member {path}")
-    if isinstance(member, wire.Bits):
-        if indices:
-            raise AnswerError(f"{path}: {name} is no list")
-        value[name] = _integer(text)
-        return
-    if name not in value:
-        _choose(kind, value, name)
+    # A bit field has all of its members from the beginning.
+    if name not in value and not isinstance(member, wire.Bits):
+        if isinstance(kind, wire.Variant):
+            value.clear()
+            value[TAG] = [option.name for option in kind.options].index(name)
         value[name] = sample(member)
     inner, at = member, value
     key: Any = name
@@ -102,10 +111,12 @@ def _put(kind: wire.Kind, value: Any, steps: Sequence[str], text: str, path: str
         at, key, inner = at[key], index, inner.element.kind
         while isinstance(at, list) and len(at) <= index:
             at.append(sample(inner))
-    if steps[1:] and isinstance(inner, wire.Record | wire.Variant | wire.BitField):
-        _put(inner, at[key], steps[1:], text, path)
-    elif steps[1:] and isinstance(inner, wire.VariableNumber):
-        at[key] = _variable(inner, steps[1], text, path)
+    if rest and isinstance(inner, wire.Record | wire.Variant | wire.BitField):
+        _put(inner, at[key], rest, text, path)
+    elif len(rest) == 1 and isinstance(inner, wire.VariableNumber):
+        at[key] = _variable(inner, rest[0], text, path)
+    elif rest:
+        raise AnswerError(f"there is no member {path}")
     else:
         at[key] = _value(inner, text, path)
 
@@ -122,12 +133,6 @@ def _member(kind: wire.Kind, name: str) -> wire.Kind | wire.Bits | None:
             return None
 
 
-def _choose(kind: wire.Kind, value: Any, name: str) -> None:
-    if isinstance(kind, wire.Variant):
-        value.clear()
-        value[TAG] = [option.name for option in kind.options].index(name)
-
-
 def _variable(kind: wire.VariableNumber, name: str, text: str, path: str) -> dict[str, Any]:
     for alternative in kind.alternatives:
         if name in (alternative.name, str(alternative.index)):
@@ -136,7 +141,7 @@ def _variable(kind: wire.VariableNumber, name: str, text: str, path: str) -> dic
     raise AnswerError(f"there is no member {path}")
 
 
-def _value(kind: wire.Kind, text: str, path: str) -> Any:
+def _value(kind: wire.Kind | wire.Bits, text: str, path: str) -> Any:
     match kind:
         case wire.BitField():
             return _time(kind, text, path)
@@ -172,6 +177,7 @@ def _time(kind: wire.BitField, text: str, path: str) -> dict[str, int]:
 
 
 def _split(step: str) -> tuple[str, list[int]]:
+    """Returns the name of a step such as `Rows[2][0]`, and its indices."""
     match = _STEP.fullmatch(step)
     if match is None:
         return step, []

@@ -40,7 +40,7 @@ DISCOVERY = f"{LIBRARY_URI}jaus/core-1.1.xmi#Discovery"
 """The service of every such bridge, by which components that search its services find it."""
 
 _BRIDGE = "_bridge"
-_INPUTS, _OUTPUTS = "inputs", "outputs"
+_INPUTS = "inputs"
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, cast
 
-from jausml.language.metamodel import ClassTable, DataTypeTable, FeatureKind, Metamodels
+from jausml.language.metamodel import ClassTable, DataTypeTable, Metamodels
 from jausml.language.metamodel.filling import set_value
 from jausml.language.model.notation import Explanation, Fault, ImportedDocument, Known
 from jausml.language.model.xmi.parsing import Node
@@ -106,14 +106,14 @@ class TextDocument:
         unclear = [*check.run(ends), *self._unused()]
         return [*unclear, *infer_exchanges(self._nodes.classes.items())]
 
+    def explain(self, qualified_class: str, name: str) -> Explanation:
+        """Returns why the text may know no element of a name: what is not imported or declared."""
+        return explain(qualified_class, name, self._declarer.service)
+
     def _placed(self, fault: Fault) -> Fault:
         """Returns a syntax error with the element of which it may hide a part."""
         around = self._nodes.around(tree.Span(fault.line, fault.column))
         return replace(fault, owner=around, hides=True)
-
-    def explain(self, qualified_class: str, name: str) -> Explanation:
-        """Returns why the text may know no element of a name: what is not imported or declared."""
-        return explain(qualified_class, name, self._declarer.service)
 
     def _unused(self) -> Iterator[Fault]:
         types = self._declarer.types
@@ -144,6 +144,7 @@ def _own_service(document: tree.SyntaxTree) -> tree.Element | None:
 
 
 def _lists_members(items: Sequence[tree.Item]) -> bool:
+    """Tells whether an end of JAUS among items, or inside them, declares its members."""
     pending = list(items)
     for item in pending:
         if isinstance(item, tree.End) and item.is_jaus and item.members is not None:
@@ -262,7 +263,8 @@ class RootReader:
             taking = next((root for root in _ROOTS if self._takes(root, table)), None)
             if taking is None:
                 message = f"a {table.name} does not stand alone"
-                hint = f"write it where it belongs, or root: new {block_words(block)} {{ ... }}"
+                words = " ".join(name.text for name in (block.keyword, block.name) if name)
+                hint = f"write it where it belongs, or root: new {words} {{ ... }}"
                 self._nodes.fault("JML702", block.span, message, hint)
             else:
                 self._elements.element(self._owner(taking, block.span), block)
@@ -301,11 +303,8 @@ class RootReader:
             self.types[member.name.text] = member
 
     def _takes(self, root: str, table: ClassTable) -> bool:
-        features = self._metamodels.classes[root].features.values()
-        kind = FeatureKind.CONTAINMENT
-        return any(
-            feature.kind is kind and feature.target in table.supertypes for feature in features
-        )
+        contained = self._metamodels.classes[root].contained
+        return any(feature.target in table.supertypes for feature in contained)
 
     def _owner(self, qualified_class: str, span: tree.Span) -> Node:
         """Returns the implicit root of a class, made at the first call."""
@@ -318,8 +317,3 @@ class RootReader:
             self._implicit[qualified_class] = node
             self.roots.append(node)
         return node
-
-
-def block_words(block: tree.Element) -> str:
-    """Returns the words before a block."""
-    return " ".join(name.text for name in (block.keyword, block.name) if name is not None)

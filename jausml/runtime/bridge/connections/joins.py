@@ -55,19 +55,22 @@ class Latest:
             StaleJoinError: Instead of None, where the main message is to be dropped.
             DecodeError: The message cannot be read.
         """
-        if not self.is_stale:
-            if self._latest is None and self._data is not None:
-                self._latest = self._decode(self._data)
-            return self._latest
-        if self._drop:
-            age = self.age
-            reason = "no message yet" if age is None else f"the latest message is {age:.3f} s old"
-            raise StaleJoinError(self.name, reason)
-        return None
+        data = self.fresh_data()
+        if data is None:
+            return None
+        if self._latest is None:
+            self._latest = self._decode(data)
+        return self._latest
 
     def fresh_data(self) -> bytes | None:
         """Returns the latest message as bytes; None or a StaleJoinError as `fresh` does."""
-        return self.fresh() if self.is_stale else self._data
+        age = self.age
+        if age is not None and age <= self.freshness:
+            return self._data
+        if self._drop:
+            reason = "no message yet" if age is None else f"the latest message is {age:.3f} s old"
+            raise StaleJoinError(self.name, reason)
+        return None
 
     @property
     def age(self) -> float | None:
