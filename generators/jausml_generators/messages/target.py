@@ -59,10 +59,10 @@ class SystemMessages:
     """
 
     def __init__(self, model: Model) -> None:
-        self.system = system = system_of(model)
+        self.system = system_of(model)
         self.source = source_of(model)
-        self.name = package_name(f"{system.name}_messages")
-        self.element_id = f"messages:{system.name}"
+        self.name = package_name(f"{self.system.name}_messages")
+        self.element_id = f"messages:{self.system.name}"
         self.users: tuple[BridgeView | ComponentView, ...] = (
             *model.derived(component_views),
             *model.derived(bridge_views),

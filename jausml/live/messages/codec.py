@@ -74,15 +74,15 @@ def codec_of(kind: wire.Kind, encode_message: EncodeMessage) -> Codec:
             return single(item_of(kind))
 
 
-def may_hold(kind: wire.Kind) -> bool:
+def may_hold_message(kind: wire.Kind) -> bool:
     """Tells whether a field can hold a message, which `codec_of` then encodes."""
     match kind:
         case wire.Record():
-            return any(may_hold(member.kind) for member in kind.members)
+            return any(may_hold_message(member.kind) for member in kind.members)
         case wire.List() | wire.Array():
-            return may_hold(kind.element.kind)
+            return may_hold_message(kind.element.kind)
         case wire.Variant():
-            return any(may_hold(option.kind) for option in kind.options)
+            return any(may_hold_message(option.kind) for option in kind.options)
         case wire.FormattedOctets():
             return any(map(kind.holds_message, kind.names))
         case wire.Octets():

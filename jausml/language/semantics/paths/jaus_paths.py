@@ -112,9 +112,9 @@ class JausPlace:
             message = f"{self.where} has no attribute '{step}'"
             return PathFault(message, nearest_name(name, fields))
         place = self._inside(field, f"'{step}'")
-        return place._indexed(indices) if place is not None else None
+        return place.indexed(indices) if place is not None else None
 
-    def _indexed(self, indices: list[int]) -> JausPlace | PathFault | None:
+    def indexed(self, indices: list[int]) -> JausPlace | PathFault | None:
         """Returns the element that indices name."""
         if not indices:
             return self
@@ -146,6 +146,7 @@ class JausPlace:
         target = wire.target_of(part)
         if part is None or target is None:
             return None
+        is_choice = isinstance(self.field, jaus.Variant) and len(self.field.options) > 1
         frames = (part.frame.name, target.frame.name, self.frame)
         return JausPlace(
             where,
@@ -154,7 +155,7 @@ class JausPlace:
             frame=next((frame for frame in frames if frame != UNSTATED), UNSTATED),
             label=part.name or self.label,
             optional=part.optional,
-            may_lack=self.may_lack or part.optional or self._is_choice(),
+            may_lack=self.may_lack or part.optional or is_choice,
         )
 
     def _part(self, part: JausPart, where: str) -> JausPlace:
@@ -172,9 +173,6 @@ class JausPlace:
 
     def _is_many(self) -> bool:
         return isinstance(self.field, (jaus.List, jaus.Array))
-
-    def _is_choice(self) -> bool:
-        return isinstance(self.field, jaus.Variant) and len(self.field.options) > 1
 
 
 def _own_units(part: JausPart) -> str | None:
