@@ -96,7 +96,7 @@ class FieldLayout:
         if self.primitive is not None:
             base = self.primitive.idl
         elif self.message is not None:
-            base = full_name(self.message)
+            base = short_name(self.message)
         else:
             base = f"{self.text}<{self.bound}>" if self.bound else self.text
         if self.is_single:
@@ -106,7 +106,7 @@ class FieldLayout:
         return f"sequence<{base}, {self.count}>" if self.is_bounded else f"sequence<{base}>"
 
 
-def full_name(message_type: ros.MessageType) -> str:
+def short_name(message_type: ros.MessageType) -> str:
     """Returns package and name, e.g. `geometry_msgs/Quaternion`."""
     return f"{package_of(message_type)}/{message_type.name}"
 
@@ -146,7 +146,7 @@ def types_within(roots: Iterable[ros.MessageType]) -> list[ros.MessageType]:
         CdrError: A message contains itself.
     """
     types: dict[ros.MessageType, None] = {}
-    for root in sorted(set(roots), key=full_name):
+    for root in sorted(set(roots), key=short_name):
         _collect(root, types, ())
     return list(types)
 
@@ -158,7 +158,7 @@ def _collect(
 ) -> None:
     """Adds a type behind those of the messages inside it."""
     if message in around:
-        raise CdrError(f"ROS type {full_name(message)} contains itself")
+        raise CdrError(f"ROS type {short_name(message)} contains itself")
     if message not in types:
         for inner in nested(message):
             _collect(inner, types, (*around, message))

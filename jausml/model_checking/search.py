@@ -76,28 +76,35 @@ class Bounds(NamedTuple):
     is_over: Callable[[], bool]
 
 
+class Edge(NamedTuple):
+    """The numbers of a step and of the state after it."""
+
+    step: int
+    after: int
+
+
 @dataclass
 class Graph:
     """The reached states, by number; 0 is the initial one.
 
     Attributes:
-        edges: For each state the numbers of steps and of the states after them.
+        edges: The edges that leave each state.
         before: For each state the number of the one before it, and of the step between.
         omissions: What was not searched, in words; empty if all was.
     """
 
     states: list[Any] = field(default_factory=list)
     steps: list[Step] = field(default_factory=list)
-    edges: list[tuple[tuple[int, int], ...]] = field(default_factory=list)
+    edges: list[tuple[Edge, ...]] = field(default_factory=list)
     before: list[tuple[int, int]] = field(default_factory=list)
     omissions: list[str] = field(default_factory=list)
 
-    def way_to(self, state: int) -> list[tuple[int, int]]:
-        """Returns the shortest way from the start: numbers of steps and of states after them."""
-        way: list[tuple[int, int]] = []
+    def way_to(self, state: int) -> list[Edge]:
+        """Returns the shortest way from the start to a state."""
+        way: list[Edge] = []
         while state:
             previous, step = self.before[state]
-            way.append((step, state))
+            way.append(Edge(step, state))
             state = previous
         return way[::-1]
 
@@ -138,13 +145,13 @@ def explore(product: Product, bounds: Bounds) -> Graph:
         if at % _LOOKS_AT_CLOCK_EVERY == 0 and bounds.is_over():
             is_cut = True
             break
-        edges = []
+        edges: list[Edge] = []
         for step, after in product.steps(graph.states[at]):
             label = steps.setdefault(step, len(steps))
             number = number_of(after, at, label)
             # A step that changes nothing counts only where time passes or a command takes effect.
             if number is not None and (number != at or step.is_tick or step.passes):
-                edges.append((label, number))
+                edges.append(Edge(label, number))
         graph.edges.append(tuple(edges))
     # Reached states beyond the bounds have no edges.
     graph.edges += [()] * (len(graph.states) - len(graph.edges))
@@ -162,13 +169,13 @@ class Violation:
     """A property that does not hold.
 
     Attributes:
-        way: Numbers of steps and of the states after them, from the start.
+        way: The edges from the start.
         repeats: Number of last steps of the way that repeat for ever.
     """
 
     rule: str
     message: str
-    way: tuple[tuple[int, int], ...]
+    way: tuple[Edge, ...]
     repeats: int = 0
 
 
@@ -191,7 +198,7 @@ def _unsafe(product: Product, graph: Graph) -> Violation | None:
         states = graph.states
         message = product.fault(states[state], graph.steps[step], states[after])
         if message:
-            return Violation(CONTROL, message, (*graph.way_to(state), (step, after)))
+            return Violation(CONTROL, message, (*graph.way_to(state), Edge(step, after)))
     return None
 
 
@@ -236,7 +243,7 @@ def _after_tick(lasting: _Lasting, states: set[int]) -> set[int]:
     return later_states
 
 
-def _late_way(product: Product, graph: Graph, lasting: _Lasting) -> tuple[tuple[int, int], ...]:
+def _late_way(product: Product, graph: Graph, lasting: _Lasting) -> tuple[Edge, ...]:
     """Returns a shortest way on which a command is in effect too long."""
     starts = ((state, 0) for state, edges in enumerate(lasting) if edges is not None)
     before: dict[tuple[int, int], tuple[tuple[int, int], int] | None] = dict.fromkeys(starts)
@@ -260,10 +267,10 @@ def _traced(
     graph: Graph,
     before: dict[tuple[int, int], tuple[tuple[int, int], int] | None],
     reached: tuple[int, int],
-) -> tuple[tuple[int, int], ...]:
-    way: list[tuple[int, int]] = []
+) -> tuple[Edge, ...]:
+    way: list[Edge] = []
     while (previous := before[reached]) is not None:
-        way.append((previous[1], reached[0]))
+        way.append(Edge(previous[1], reached[0]))
         reached = previous[0]
     return (*graph.way_to(reached[0]), *way[::-1])
 
@@ -343,15 +350,15 @@ def _stuck(product: Product, graph: Graph, counts: Callable[[Step], bool]) -> in
     return None
 
 
-def _cycle(graph: Graph, state: int) -> list[tuple[int, int]]:
+def _cycle(graph: Graph, state: int) -> list[Edge]:
     """Returns the steps of time from a state on, until a state repeats."""
-    way: list[tuple[int, int]] = []
+    way: list[Edge] = []
     seen = {state: 0}
     # Time can pass in each state, and the states are finite, so one repeats.
     while True:
-        ticks = (edge for edge in graph.edges[state] if graph.steps[edge[0]].is_tick)
-        step, state = next(ticks)
-        way.append((step, state))
+        tick = next(edge for edge in graph.edges[state] if graph.steps[edge.step].is_tick)
+        way.append(tick)
+        state = tick.after
         if state in seen:
             return way
         seen[state] = len(way)

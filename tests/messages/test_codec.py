@@ -12,6 +12,7 @@ import pytest
 
 from jausml.language import wire
 from jausml.live.messages import DecodeError, EncodeError
+from jausml.live.messages.codec import codec_of
 from jausml.live.messages.values import legal_integer
 from jausml.live.recording.schemas import schema_of
 
@@ -339,3 +340,12 @@ def test_integers_of_other_packages_are_integers(catalogue):
     assert entry.encode({"VelocityCommandRec": {"CommandType": numpy.uint8(1)}}) == entry.encode(
         {"VelocityCommandRec": {"CommandType": 1}}
     )
+
+
+def test_members_with_dots_and_brackets_in_their_names_are_blamed_once():
+    bit = wire.Integer(wire.UNSIGNED["uint8"], wire.LegalIntegers(((0, 1),)))
+    names = ("A.B", "C[0]", "D")
+    record = wire.Record(tuple(wire.Field(name, "", bit) for name in names))
+    with pytest.raises(EncodeError) as error:
+        codec_of(record, None).write(dict.fromkeys(names, 9), bytearray())
+    assert [part.partition(": ")[0] for part in str(error.value).split("; ")] == list(names)

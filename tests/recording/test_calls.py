@@ -15,8 +15,8 @@ from jausml.live.messages.defined import DefinedCatalogue
 from jausml.live.recording.mcap_files import TrafficFilter, copied
 from jausml.live.recording.mcap_reading import McapRecording
 from jausml.live.recording.recorder import Recorder, RecordingFiles, SplitLimits, topics_of
+from jausml.live.recording.ros_definitions import installed_definition
 from jausml.live.recording.ros_topics import RosTopics
-from jausml.live.recording.schemas import installed_definition
 
 FLEET = Path(__file__).resolve().parents[2] / "models" / "examples" / "fleet" / "fleet.ros2jaus"
 CALLS = "/switch/_service_event"

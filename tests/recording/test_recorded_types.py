@@ -15,7 +15,11 @@ from jausml.language.metamodel.classes import ros
 from jausml.language.model import library_root, read_models
 from jausml.live.recording.mcap_reading import UNDEFINED, RecordedDefinition
 from jausml.live.recording.recorded_types import RecordedTypes
-from jausml.live.recording.schemas import full_name, installed_definition, modelled_definition
+from jausml.live.recording.ros_definitions import (
+    full_name,
+    installed_definition,
+    modelled_definition,
+)
 
 KIND = "drive_msgs/msg/Drive"
 MODEL = """drive {

@@ -7,7 +7,7 @@ import pytest
 from jausml.language.interfaces import Installation
 from jausml.language.metamodel.classes import ros
 from jausml.language.model.library import library_root
-from jausml.language.semantics.ros_types import InstalledTypes
+from jausml.language.semantics.ros_types import installed_differences
 from jausml.language.validation.engine import check_project
 
 MODEL = """<?xml version="1.0" encoding="UTF-8"?>
@@ -92,10 +92,13 @@ def test_no_name_of_a_model_leads_out_of_the_share_folders(install, name):
 
 @pytest.mark.needs("interfaces")
 def test_the_shipped_library_is_what_is_installed():
-    installed = InstalledTypes(Installation())
+    installation = Installation()
     model = check_project(sorted((library_root() / "ros").glob("*.xmi"))).model
     kinds = (ros.MessageType, ros.ServiceType)
     types = [named_element for kind in kinds for named_element in model.instances(kind)]
     tops = [element for element in types if isinstance(element.eContainer(), ros.InterfacePackage)]
     assert len(tops) > 100
-    assert [difference.message for top in tops for difference in installed.differences(top)] == []
+    differences = [
+        difference for top in tops for difference in installed_differences(top, installation)
+    ]
+    assert [difference.message for difference in differences] == []

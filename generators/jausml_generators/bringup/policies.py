@@ -115,8 +115,6 @@ def _uses_of_bridge(bridge: Bridge) -> Iterator[tuple[_Use, Iterable[str]]]:
     yield _PUBLISH, _PUBLISHED_BY_BRIDGES
     yield _REPLY, _SERVED_BY_BRIDGES
     for service in bridge.serviceConnections:
-        serves = not is_to_ros(service)
-        yield (_REPLY if serves else _REQUEST), [service.service]
+        yield (_REQUEST if is_to_ros(service) else _REPLY), [service.service]
     for action in bridge.actionConnections:
-        executes = not is_to_ros(action)
-        yield (_EXECUTE if executes else _CALL), [action.action]
+        yield (_CALL if is_to_ros(action) else _EXECUTE), [action.action]

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from operator import itemgetter
 
 from jausml.generation.literals import clean
 from jausml.generation.python import Origin, statements
@@ -59,10 +59,10 @@ class SystemMessages:
     """
 
     def __init__(self, model: Model) -> None:
-        self.system = system = system_of(model)
+        self.system = system_of(model)
         self.source = source_of(model)
-        self.name = package_name(f"{system.name}_messages")
-        self.element_id = f"messages:{system.name}"
+        self.name = package_name(f"{self.system.name}_messages")
+        self.element_id = f"messages:{self.system.name}"
         self.users: tuple[BridgeView | ComponentView, ...] = (
             *model.derived(component_views),
             *model.derived(bridge_views),
@@ -70,7 +70,8 @@ class SystemMessages:
         self._views = build_message_map(
             element for user in self.users for element in user.message_map
         )
-        self._homes = _homes(self._views)
+        self._owners = _owners(self._views)
+        self._modules = _modules(self._owners.values())
 
     @property
     def description(self) -> str:
@@ -80,20 +81,15 @@ class SystemMessages:
     @property
     def modules(self) -> tuple[MessagesModule, ...]:
         """The modules of the package, one for each service that has messages."""
-        views_by_module: dict[str, list[MessageView]] = defaultdict(list)
-        services: dict[str, jaus.Service] = {}
-        for view, (module, service) in self._homes.items():
-            views_by_module[module].append(view)
-            services[module] = service
         return tuple(
             MessagesModule(
-                summary=f"Messages of the service {clean(services[module].name)} and their codecs.",
+                summary=f"Messages of the service {clean(service.name)} and their codecs.",
                 runtime=FACE,
-                messages=tuple(views),
+                messages=tuple(view for view, owner in self._owners.items() if owner is service),
                 source=self.source,
                 element_id=f"{self.element_id}/{module}",
             )
-            for module, views in sorted(views_by_module.items())
+            for service, module in sorted(self._modules.items(), key=itemgetter(1))
         )
 
     def path(self, module: MessagesModule) -> str:
@@ -104,9 +100,9 @@ class SystemMessages:
         """Returns the messages of a component or bridge."""
         names: dict[str, Origin] = {}
         for element, view in user.message_map.items():
-            home = self._views[element]
-            module, _ = self._homes[home]
-            names[view.class_name] = Origin(f"{self.name}.{module}", home.class_name)
+            shared = self._views[element]
+            module = self._modules[self._owners[shared]]
+            names[view.class_name] = Origin(f"{self.name}.{module}", shared.class_name)
         return UsedMessages(user, names)
 
     def needed_by(self, user: BridgeView | ComponentView) -> tuple[str, ...]:
@@ -114,21 +110,25 @@ class SystemMessages:
         return (self.name,) if user.message_map else ()
 
 
-def _homes(
+def _owners(
     views: Mapping[jaus.MessageDef, MessageView],
-) -> dict[MessageView, tuple[str, jaus.Service]]:
-    """Returns the module of each class, and its service: the first that defines the message."""
+) -> dict[MessageView, jaus.Service]:
+    """Returns the service in whose module each class stands: the first that defines the message."""
     owners: dict[MessageView, jaus.Service] = {}
     for element, view in views.items():
         service = element.eContainer()
         if service is not None:
             owners.setdefault(view, service)
+    return owners
+
+
+def _modules(services: Iterable[jaus.Service]) -> dict[jaus.Service, str]:
+    """Returns the module of each service; of equal names, the first by URN and version keeps it."""
     scope = Scope()
-    services: Sequence[jaus.Service] = sorted(
-        dict.fromkeys(owners.values()), key=lambda owner: (str(owner.urn), str(owner.version))
+    ordered = sorted(
+        dict.fromkeys(services), key=lambda service: (str(service.urn), str(service.version))
     )
-    modules = {service: scope.claim(snake_case(service.name)) for service in services}
-    return {view: (modules[service], service) for view, service in owners.items()}
+    return {service: scope.claim(snake_case(service.name)) for service in ordered}
 
 
 def tasks(model: Model) -> list[Task]:

@@ -27,7 +27,6 @@ from jausml.cli.shared.terminal import remark, warn
 if TYPE_CHECKING:
     from jausml.live.messages import MessageEntry
     from jausml.live.peers.console import Console
-    from jausml.live.peers.operator import Operator
     from jausml.runtime.base.address import JausAddress
 
 LOST = 4
@@ -81,8 +80,9 @@ def discover(settings: Settings, duration: float) -> None:
         subsystems = operator.survey.take(duration)
         if settings.as_json:
             click.echo(rendering.subsystems_json(subsystems))
-        for line in () if settings.as_json else rendering.subsystem_lines(subsystems):
-            click.echo(line)
+        else:
+            for line in rendering.subsystem_lines(subsystems):
+                click.echo(line)
         if not subsystems:
             raise NoAnswer(operator.nothing_heard)
 
@@ -100,8 +100,9 @@ def services(settings: Settings, target: JausAddress) -> None:
             raise operator.unanswered(target, "QueryServices", "ReportServices")
         if settings.as_json:
             click.echo(rendering.services_json(target, provided_services))
-        for line in () if settings.as_json else rendering.service_lines(provided_services):
-            click.echo(line)
+        else:
+            for line in rendering.service_lines(provided_services):
+                click.echo(line)
 
 
 @command.command("status")
@@ -173,38 +174,25 @@ def watch(
     if rate is not None and every_change:
         raise click.UsageError("--rate and --every-change exclude each other")
     with settings.operator() as operator, until_interrupted():
-        _watch(settings, operator, target, message, rate, count, duration)
-
-
-def _watch(
-    settings: Settings,
-    operator: Operator,
-    target: JausAddress,
-    message: str,
-    rate: float | None,
-    count: int | None,
-    duration: float | None,
-) -> None:
-    """Shows reports until enough have come or the time is over."""
-    reports: SimpleQueue[tuple[MessageEntry, dict[str, Any]]] = SimpleQueue()
-    operator.watch(target, message, rate, lambda entry, fields: reports.put((entry, fields)))
-    heard = time.monotonic()
-    end = None if duration is None else heard + duration
-    patience = math.inf if rate is None else max(settings.timeout, _LATE_REPORTS / rate)
-    shown = 0
-    while count is None or shown < count:
-        if end is not None and time.monotonic() >= end:
-            break
-        try:
-            entry, fields = reports.get(timeout=_LONGEST_PAUSE)
-        except Empty:
-            if time.monotonic() - heard > patience:
-                warn(f"warning: no report of {target} for {patience:g} s")
-                heard, patience = time.monotonic(), patience * 2
-            continue
+        reports: SimpleQueue[tuple[MessageEntry, dict[str, Any]]] = SimpleQueue()
+        operator.watch(target, message, rate, lambda entry, fields: reports.put((entry, fields)))
         heard = time.monotonic()
-        settings.show(target, entry, fields)
-        shown += 1
+        end = None if duration is None else heard + duration
+        patience = math.inf if rate is None else max(settings.timeout, _LATE_REPORTS / rate)
+        shown = 0
+        while count is None or shown < count:
+            if end is not None and time.monotonic() >= end:
+                break
+            try:
+                entry, fields = reports.get(timeout=_LONGEST_PAUSE)
+            except Empty:
+                if time.monotonic() - heard > patience:
+                    warn(f"warning: no report of {target} for {patience:g} s")
+                    heard, patience = time.monotonic(), patience * 2
+                continue
+            heard = time.monotonic()
+            settings.show(target, entry, fields)
+            shown += 1
 
 
 _AUTHORITY = click.option(

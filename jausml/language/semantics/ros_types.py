@@ -9,7 +9,6 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TypeAlias
 
 from jausml.language.interfaces import FieldDefinition, Installation, Section
@@ -137,45 +136,35 @@ class TypeDifference:
     message: str
 
 
-class InstalledTypes:
-    """The installed definitions, each read once."""
+def installed_differences(
+    element: InterfaceType, installation: Installation
+) -> Iterator[TypeDifference]:
+    """Yields how a type of the model differs from the installed one.
 
-    def __init__(self, installation: Installation) -> None:
-        self._installation = installation
-        self._folders: dict[str, Path | None] = {}
-
-    def differences(self, element: InterfaceType) -> Iterator[TypeDifference]:
-        """Yields how a type of the model differs from the installed one.
-
-        Nothing is yielded when its package is not installed, or its definition cannot be
-        understood; ROS would not have built it.
-        """
-        package, kind = package_of(element), kind_of(element)
-        folder = self._folder(package)
-        if folder is None or not is_type_name(str(element.name)):
-            return
-        own, idl = (folder / kind / f"{element.name}{suffix}" for suffix in (f".{kind}", IDL))
-        # Unlike Path.is_file this is False where nothing may be looked at.
-        path = own if os.path.isfile(own) or not os.path.isfile(idl) else idl  # noqa: PTH113
-        try:
-            text = read_text(path)
-        except FileNotFoundError:
-            yield TypeDifference(element, f"the installed {package} has no {element.name}")
-            return
-        except (OSError, ValueError):
-            return
-        definition = parse_interface(str(path), kind, text)
-        parts = parts_of(element)
-        if definition.faults or None in parts:
-            return
-        for part, section in zip(parts, definition.sections, strict=True):
-            yield from _fields(part, section, package)
-            yield from _constants(part, section)
-
-    def _folder(self, package: str) -> Path | None:
-        if package not in self._folders:
-            self._folders[package] = self._installation.folder(package)
-        return self._folders[package]
+    Nothing is yielded when its package is not installed, or its definition cannot be understood;
+    ROS would not have built it.
+    """
+    package, kind = package_of(element), kind_of(element)
+    folder = installation.folder(package)
+    if folder is None or not is_type_name(str(element.name)):
+        return
+    own, idl = (folder / kind / f"{element.name}{suffix}" for suffix in (f".{kind}", IDL))
+    # Unlike Path.is_file this is False where nothing may be looked at.
+    path = own if os.path.isfile(own) or not os.path.isfile(idl) else idl  # noqa: PTH113
+    try:
+        text = read_text(path)
+    except FileNotFoundError:
+        yield TypeDifference(element, f"the installed {package} has no {element.name}")
+        return
+    except (OSError, ValueError):
+        return
+    definition = parse_interface(str(path), kind, text)
+    parts = parts_of(element)
+    if definition.faults or None in parts:
+        return
+    for part, section in zip(parts, definition.sections, strict=True):
+        yield from _fields(part, section, package)
+        yield from _constants(part, section)
 
 
 def kind_of(element: InterfaceType) -> str:

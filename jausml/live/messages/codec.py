@@ -48,8 +48,6 @@ PRESENCE = "_pv"
 TAG = "_tag"
 """Name under which the tag of a variant stands beside its option."""
 
-_MOST_SEGMENTATIONS = 256
-
 
 def codec_of(kind: wire.Kind, encode_message: EncodeMessage) -> Codec:
     """Returns reader and writer of a kind of field."""
@@ -76,15 +74,15 @@ def codec_of(kind: wire.Kind, encode_message: EncodeMessage) -> Codec:
             return single(item_of(kind))
 
 
-def may_hold(kind: wire.Kind) -> bool:
+def may_hold_message(kind: wire.Kind) -> bool:
     """Tells whether a field can hold a message, which `codec_of` then encodes."""
     match kind:
         case wire.Record():
-            return any(may_hold(member.kind) for member in kind.members)
+            return any(may_hold_message(member.kind) for member in kind.members)
         case wire.List() | wire.Array():
-            return may_hold(kind.element.kind)
+            return may_hold_message(kind.element.kind)
         case wire.Variant():
-            return any(may_hold(option.kind) for option in kind.options)
+            return any(may_hold_message(option.kind) for option in kind.options)
         case wire.FormattedOctets():
             return any(map(kind.holds_message, kind.names))
         case wire.Octets():
@@ -107,7 +105,7 @@ class _Record:
         self._presence = _presence(kind, kind.presence) if kind.presence is not None else None
         vector = [] if kind.presence is None else [PRESENCE]
         self._known = dict.fromkeys([*self._parts, *vector])
-        self._segments: dict[int, list[Run | Named]] = {}
+        self._segments = _segments(kind, self._parts)
 
     def read(self, buffer: bytes, offset: int) -> tuple[dict[str, Any], int]:
         fields: dict[str, Any] = {}
@@ -115,8 +113,9 @@ class _Record:
         if self._presence is not None:
             offset = self._presence.read(fields, buffer, offset)
             vector = fields[PRESENCE]
-        for segment in self._segments_of(vector):
-            offset = segment.read(fields, buffer, offset)
+        for bit, segment in self._segments:
+            if not bit or vector & bit:
+                offset = segment.read(fields, buffer, offset)
         return fields, offset
 
     def write(self, value: Any, out: bytearray) -> None:
@@ -127,16 +126,18 @@ class _Record:
             if self._presence is not None:
                 vector = _vector_of(fields, self._kind)
                 self._presence.write({PRESENCE: vector}, out)
-            for segment in self._segments_of(vector):
-                segment.write(fields, out)
+            for bit, segment in self._segments:
+                if not bit or vector & bit:
+                    segment.write(fields, out)
         except EncodeError as error:
             raise error.beside(self._faults(fields, error.path)) from None
 
     def _faults(self, fields: Mapping[str, Any], path: str) -> Iterator[EncodeError]:
         """Yields the faults of the members, but for the one that was raised."""
-        first = path.partition(".")[0].partition("[")[0]
         for name, part in self._parts.items():
-            if name not in fields or name == first:
+            # A name may hold dots and brackets itself.
+            is_raised = path == name or path.startswith((f"{name}.", f"{name}["))
+            if name not in fields or is_raised:
                 continue
             try:
                 Named(name, _alone(part)).write(fields, bytearray())
@@ -145,18 +146,6 @@ class _Record:
 
     def _legal(self, name: str) -> str:
         return next(in_words(member.kind) for member in self._kind.members if member.name == name)
-
-    def _segments_of(self, vector: int) -> list[Run | Named]:
-        """Returns the members that a presence vector names, by what is read together."""
-        segments = self._segments.get(vector)
-        if segments is None:
-            there = (
-                member for member in self._kind.members if not member.bit or vector & member.bit
-            )
-            segments = _segments([(field.name, self._parts[field.name]) for field in there])
-            if len(self._segments) < _MOST_SEGMENTATIONS:
-                self._segments[vector] = segments
-        return segments
 
 
 def _presence(kind: wire.Record, vector_type: wire.IntegerType) -> Named:
@@ -189,18 +178,25 @@ def _vector_of(fields: Mapping[str, Any], kind: wire.Record) -> int:
     return vector
 
 
-def _segments(parts: Sequence[tuple[str, Item | Codec]]) -> list[Run | Named]:
-    segments: list[Run | Named] = []
+def _segments(
+    kind: wire.Record, parts: Mapping[str, Item | Codec]
+) -> list[tuple[int, Run | Named]]:
+    """Returns what is read together, each with its bit in the presence vector; 0 if always there.
+
+    Neighbouring items that are always there share a struct.
+    """
+    segments: list[tuple[int, Run | Named]] = []
     waiting: list[tuple[str, Item]] = []
-    for name, part in parts:
-        if isinstance(part, Item):
-            waiting.append((name, part))
+    for member in kind.members:
+        part = parts[member.name]
+        if isinstance(part, Item) and not member.bit:
+            waiting.append((member.name, part))
             continue
         if waiting:
-            segments.append(Run(waiting))
+            segments.append((0, Run(waiting)))
             waiting = []
-        segments.append(Named(name, part))
-    return [*segments, Run(waiting)] if waiting else segments
+        segments.append((member.bit, Named(member.name, _alone(part))))
+    return [*segments, (0, Run(waiting))] if waiting else segments
 
 
 def _inner(field: wire.Field, encode_message: EncodeMessage) -> Item | Codec:

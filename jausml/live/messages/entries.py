@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 from jausml.language import wire
-from jausml.live.messages.codec import PRESENCE, codec_of, may_hold
+from jausml.live.messages.codec import PRESENCE, codec_of, may_hold_message
 from jausml.live.messages.counted import MESSAGE, EncodeMessage
 from jausml.live.messages.errors import DecodeError, DefinitionError, EncodeError, MessageError
 from jausml.live.messages.field_paths import completed
@@ -190,7 +190,7 @@ class MessageEntry:
     @cached_property
     def may_hold_messages(self) -> bool:
         """Whether a field of the body can hold a message."""
-        return may_hold(self.record)
+        return may_hold_message(self.record)
 
     @cached_property
     def identity(self) -> tuple[Any, ...]:

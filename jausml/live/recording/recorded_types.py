@@ -12,8 +12,8 @@ from jausml.language.interfaces.definitions import FIXED, SINGLE, FieldDefinitio
 from jausml.language.metamodel.classes import ros
 from jausml.live.recording.mcap_files import RecordingError
 from jausml.live.recording.mcap_reading import RecordedDefinition
+from jausml.live.recording.ros_definitions import full_name, modelled_definition
 from jausml.live.recording.ros_values import defined_fields, defined_parts
-from jausml.live.recording.schemas import full_name, modelled_definition
 
 _OCTETS = frozenset({"byte", "char"})  # other names of uint8
 

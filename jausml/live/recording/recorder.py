@@ -21,7 +21,7 @@ from jausml.live.messages import Catalogue
 from jausml.live.recording.captured import CapturedMessages, JausWriter
 from jausml.live.recording.mcap_files import McapFile, TrafficFilter, need_library
 from jausml.live.recording.mcap_records import END
-from jausml.live.recording.schemas import installed_definition, modelled_definition
+from jausml.live.recording.ros_definitions import installed_definition, modelled_definition
 from jausml.live.traffic.captures import CapturedFrame
 from jausml.live.traffic.frames import Datagram, PcapWriter
 

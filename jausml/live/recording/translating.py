@@ -18,7 +18,7 @@ from jausml.language.semantics.directions import TO_ROS, is_to_ros
 from jausml.language.semantics.jaus.services import code
 from jausml.live.recording.captured import CapturedMessages, JausMessage, JausWriter
 from jausml.live.recording.mcap_files import McapFile, RecordingError
-from jausml.live.recording.schemas import full_name, modelled_definition
+from jausml.live.recording.ros_definitions import full_name, modelled_definition
 from jausml.live.traffic.frames import Datagram
 from jausml.live.workers.worker import Worker, bridge_code, bridge_of_maps
 from jausml_generators.bridge.translation.translating import TranslatedJoin

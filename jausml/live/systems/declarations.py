@@ -10,7 +10,7 @@ from jausml.language.model import Model
 from jausml.language.semantics.connections import calls
 from jausml.language.semantics.connections.topics import endpoints, resolve_topic
 from jausml.language.semantics.directions import is_to_ros
-from jausml.live.recording.schemas import full_name
+from jausml.live.recording.ros_definitions import full_name
 from jausml.live.systems.state import DeclaredConnection, TopicName
 
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from jausml.generation.literals import printable
-from jausml.language.cdr import full_name
+from jausml.language.cdr import short_name
 from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.semantics.connections.stops import stop_assignments
 from jausml.language.semantics.directions import is_to_ros
@@ -181,7 +181,7 @@ def _nested_method(translation: Translation, attribute_map: bridge.AttributeMap)
     ends = (message.class_name, type_name)
     source, target = ends if translation.to_ros else ends[::-1]
     name = surroundings.attributes.claim(f"_{owner}_{snake_case(attribute_map.name)}")
-    words = (f"{message.jaus_name} ({message.code_text})", full_name(attribute_map.type))
+    words = (f"{message.jaus_name} ({message.code_text})", short_name(attribute_map.type))
     source_words, target_words = words if translation.to_ros else words[::-1]
     about = printable(attribute_map.documentation or "")
     text = "\n\n".join(filter(None, [f"{source_words} to {target_words}.", about]))

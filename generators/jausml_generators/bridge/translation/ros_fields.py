@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from jausml.language.attributes.expressions import variables
-from jausml.language.cdr import full_name
+from jausml.language.cdr import short_name
 from jausml.language.metamodel.classes import ros
 from jausml.language.semantics.paths.markers import VALUE, Mark, marks_at
 from jausml.language.semantics.paths.ros_paths import (
@@ -112,11 +112,11 @@ def _end(asked: tuple[ros.MessageType, str, RosStart]) -> RosField:
     for step in [] if path == "." else path.split("."):
         match = _STEP.fullmatch(step)
         if current is None or is_array or match is None:
-            whole = full_name(begin.type or message_type)
+            whole = short_name(begin.type or message_type)
             raise PathError(f"'{path}' does not lead to a field of {whole}")
         field = fields_by_name(current).get(match["name"])
         if field is None:
-            raise PathError(f"{full_name(current)} has no field '{match['name']}' ('{path}')")
+            raise PathError(f"{short_name(current)} has no field '{match['name']}' ('{path}')")
         holder, owner, place = current, place, place.at(match["name"])
         if match["index"] is not None:
             if is_sequence(field):
@@ -132,7 +132,7 @@ def _end(asked: tuple[ros.MessageType, str, RosStart]) -> RosField:
     primitive = field if current is None and isinstance(field, ros.PrimitiveField) else None
     return RosField(
         path=".".join(segment for segment in (begin.label, path) if segment not in ("", ".")),
-        type=primitive.type.name if primitive is not None else full_name(current or message_type),
+        type=primitive.type.name if primitive is not None else short_name(current or message_type),
         is_array=is_array,
         place=place,
         bound=primitive.stringBound if primitive is not None else 0,
@@ -167,7 +167,7 @@ def _operand(field: ros.Field, place: Place, owner: Place, name: str) -> MarkerO
     if name != VALUE and isinstance(holder, ros.MessageType):
         end = RosPlace(type=holder).follow(name)
         if not isinstance(end, RosPlace) or end.field is None:
-            raise PathError(f"'{name}' does not lead to a number of {full_name(holder)}")
+            raise PathError(f"'{name}' does not lead to a number of {short_name(holder)}")
         parts = parse_path(name)
         steps = [int(part[1:-1]) if part.startswith("[") else part for part in parts]
         if end.is_count:

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
+from jausml.language.attributes.guards import GuardError, alternatives, parse_guard
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.semantics.directions import is_to_ros
 from jausml.language.semantics.jaus.core_services import CORE, is_core_message, standard_services
@@ -137,8 +138,24 @@ def controlled_by_nobody(service: jaus.Service) -> list[jaus.MessageDef]:
 
 
 def _is_guarded(message: jaus.MessageDef, service: jaus.Service) -> bool:
-    guards = [str(transition.guard or "") for transition in _taking(message, service)]
-    return bool(guards) and all(CONTROLLER in guard for guard in guards)
+    guards = [transition.guard for transition in _taking(message, service)]
+    return bool(guards) and all(map(asks_for_controller, guards))
+
+
+def asks_for_controller(text: str | None) -> bool:
+    """Tells whether a guard depends on the controller in each of its alternatives.
+
+    `isControllingClient || isWarm` does not: when it is warm, every component is obeyed. What is no
+    guard, or has too many alternatives, is assumed to ask.
+    """
+    try:
+        guard = parse_guard(text)
+    except GuardError:
+        return True
+    choices = [()] if guard is None else alternatives(guard)
+    return choices is None or all(
+        any(condition.name == CONTROLLER for condition, _ in choice) for choice in choices
+    )
 
 
 def guard_of(

@@ -36,11 +36,14 @@ class JausPlace:
     """A place in a JAUS message, from which paths go on.
 
     Attributes:
+        where: The place in words, with which errors begin, e.g. `'Latitude'`.
+        message: The message, at the start of its paths alone; `field` is None there.
         field: What stands there, references resolved: a field, a sub-field, an alternative or a
             format.
         may_lack: Whether a message may have no value here: a field on the way is left out, a list
             is shorter, or another option or alternative was chosen.
         is_count: Whether it is the number of elements of the list.
+        label: Name of the field, or of the nearest one around it that has one.
     """
 
     where: str
@@ -67,14 +70,14 @@ class JausPlace:
 
     def element(self) -> JausPlace | None:
         """Returns an element of the list or array at this place."""
-        if not isinstance(self.field, (jaus.List, jaus.Array)):
+        if not isinstance(self.field, jaus.List | jaus.Array):
             return None
         element = self._inside(self.field.element, f"an element of {self.where}")
         return replace(element, may_lack=False) if element is not None else None
 
     def members(self) -> Sequence[JausPart] | None:
         """Returns the members that can be named here; None for a place without members."""
-        return _members(self.message if self.message is not None else self.field)
+        return _members(self._holder())
 
     def attribute(self) -> Attribute:
         """Returns the attribute of the place."""
@@ -102,7 +105,7 @@ class JausPlace:
         if fields is None:
             hint = f"name one element: {self.label}[0]" if self._is_many() else ""
             return PathFault(f"{self.where} has no attributes", hint)
-        named = _by_name(self.message if self.message is not None else self.field)
+        named = _by_name(self._holder())
         name, indices = _split(step, named)
         field = named.get(name)
         if field is None:
@@ -110,35 +113,6 @@ class JausPlace:
             return PathFault(message, nearest_name(name, fields))
         place = self._inside(field, f"'{step}'")
         return place.indexed(indices) if place is not None else None
-
-    def _inside(self, part: JausPart | None, where: str) -> JausPlace | None:
-        if isinstance(part, jaus.SubField):
-            return replace(self._part(part, where), label=part.name or self.label)
-        if isinstance(part, jaus.Alternative | jaus.Format):
-            return replace(self._part(part, where), optional=self.optional, may_lack=True)
-        target = wire.target_of(part)
-        if part is None or target is None:
-            return None
-        frames = (part.frame.name, target.frame.name, self.frame)
-        return JausPlace(
-            where,
-            field=target,
-            units=_own_units(target) or self.units,
-            frame=next((frame for frame in frames if frame != UNSTATED), UNSTATED),
-            label=part.name or self.label,
-            optional=part.optional,
-            may_lack=self.may_lack or part.optional or self._is_choice(),
-        )
-
-    def _part(self, part: JausPart, where: str) -> JausPlace:
-        return JausPlace(
-            where,
-            field=part,
-            units=_own_units(part) or self.units,
-            frame=self.frame,
-            label=self.label,
-            may_lack=self.may_lack,
-        )
 
     def indexed(self, indices: list[int]) -> JausPlace | PathFault | None:
         """Returns the element that indices name."""
@@ -164,11 +138,41 @@ class JausPlace:
         may_lack = self.may_lack or isinstance(self.field, jaus.List)
         return replace(element, where=self.where, optional=False, may_lack=may_lack)
 
+    def _inside(self, part: JausPart | None, where: str) -> JausPlace | None:
+        if isinstance(part, jaus.SubField):
+            return replace(self._part(part, where), label=part.name or self.label)
+        if isinstance(part, jaus.Alternative | jaus.Format):
+            return replace(self._part(part, where), optional=self.optional, may_lack=True)
+        target = wire.target_of(part)
+        if part is None or target is None:
+            return None
+        is_choice = isinstance(self.field, jaus.Variant) and len(self.field.options) > 1
+        frames = (part.frame.name, target.frame.name, self.frame)
+        return JausPlace(
+            where,
+            field=target,
+            units=_own_units(target) or self.units,
+            frame=next((frame for frame in frames if frame != UNSTATED), UNSTATED),
+            label=part.name or self.label,
+            optional=part.optional,
+            may_lack=self.may_lack or part.optional or is_choice,
+        )
+
+    def _part(self, part: JausPart, where: str) -> JausPlace:
+        return JausPlace(
+            where,
+            field=part,
+            units=_own_units(part) or self.units,
+            frame=self.frame,
+            label=self.label,
+            may_lack=self.may_lack,
+        )
+
+    def _holder(self) -> jaus.MessageDef | JausPart | None:
+        return self.field if self.message is None else self.message
+
     def _is_many(self) -> bool:
         return isinstance(self.field, (jaus.List, jaus.Array))
-
-    def _is_choice(self) -> bool:
-        return isinstance(self.field, jaus.Variant) and len(self.field.options) > 1
 
 
 def _own_units(part: JausPart) -> str | None:
@@ -214,7 +218,7 @@ def _split(step: str, known: Container[str | None]) -> tuple[str, list[int]]:
     match = re.fullmatch(r"(.*?)((?:\[[0-9]{1,9}\])+)", step, re.DOTALL)
     if match is None or step in known:
         return step, []
-    return match[1], [int(occurrence) for occurrence in re.findall("[0-9]+", match[2])]
+    return match[1], [int(index) for index in re.findall("[0-9]+", match[2])]
 
 
 def _most_elements(field: jaus.List) -> int:
@@ -251,8 +255,8 @@ def _leaf(part: jaus.Field | jaus.Alternative) -> Attribute:
         case wire.Integer() as number:
             return _integer(number.legal, number.type.lower, number.type.upper)
         case wire.Scaled() as number:
-            ends = (number.lower, number.upper)
-            return Attribute(NUMBER, "a number", lower=ends[0], upper=ends[1], step=number.step)
+            lower, upper = number.lower, number.upper
+            return Attribute(NUMBER, "a number", lower=lower, upper=upper, step=number.step)
         case wire.Real() as number:
             legal = tuple((interval.lower, interval.upper) for interval in number.legal.intervals)
             is_single = number.type.name == "float32"

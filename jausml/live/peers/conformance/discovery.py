@@ -44,7 +44,6 @@ _TYPES = {
 }
 """Ranges of Type by QueryType (AS5710A, ReportIdentification)."""
 
-
 _Listing = ReportServices | ReportServiceList
 
 
@@ -52,25 +51,26 @@ def _query_service_list(session: Session) -> QueryServiceList:
     return query_service_lists(session.probe.target)
 
 
-def _all(_: Session) -> QueryServices:
+def _query_all(_: Session) -> QueryServices:
     return query_services()
 
 
-def _of_target(session: Session) -> QueryServices:
+def _query_target(session: Session) -> QueryServices:
     return query_services(session.probe.target)
 
 
-def _of_nobody(session: Session) -> QueryServices:
-    """Asks for a component that the target has not listed."""
-    known, target = _everything(session), session.probe.target
+def _query_nobody(session: Session) -> QueryServices:
+    """Returns a query for a component that the target has not listed; skips the check without."""
+    known, target = _listed_services(session), session.probe.target
     ids = (JausAddress(target.subsystem, target.node, number) for number in range(254, 0, -1))
     unlisted = [address for address in ids if address not in known]
     session.skip_unless(bool(unlisted), "the target lists each id of its node")
     return query_services(unlisted[0])
 
 
-def _everything(session: Session) -> Services:
-    return _services(session, session.first.ask(_all(session), ReportServices))
+def _listed_services(session: Session) -> Services:
+    """Asks for all services that the target lists, of itself and of others."""
+    return _services(session, session.first.ask(_query_all(session), ReportServices))
 
 
 def _services(session: Session, report: _Listing) -> Services:
@@ -98,9 +98,9 @@ def _holds_no_others(session: Session, report: ReportServices, what: str) -> Non
 
 
 def _agrees(session: Session, report: _Listing, what: str) -> None:
-    """The target has the same services as in ReportServices for all."""
+    """Requires that the target has the same services as in ReportServices for all."""
     target = session.probe.target
-    own = _everything(session).get(target, ())
+    own = _listed_services(session).get(target, ())
     session.require(
         sorted(_services(session, report)[target], key=repr) == sorted(own, key=repr),
         f"{what} and ReportServices for all list different services of the target",
@@ -108,12 +108,13 @@ def _agrees(session: Session, report: _Listing, what: str) -> None:
 
 
 def _holds_nobody(session: Session, report: ReportServices, what: str) -> None:
-    """Nobody is listed whom the report for all does not list."""
-    addresses = sorted(map(str, set(_services(session, report)) - set(_everything(session))))
+    """Requires that nobody is listed whom the report for all does not list."""
+    addresses = sorted(map(str, set(_services(session, report)) - set(_listed_services(session))))
     session.require(not addresses, f"{what} holds {addresses}, which nobody has listed before")
 
 
-def _members(report: ReportConfiguration) -> set[tuple[int, int]]:
+def _configured(report: ReportConfiguration) -> set[tuple[int, int]]:
+    """Returns node and component id of each component in the report."""
     return {
         (node.node_rec.node_id, component.component_id)
         for node in report.node_list
@@ -123,13 +124,13 @@ def _members(report: ReportConfiguration) -> set[tuple[int, int]]:
 
 def _configures_target(session: Session, report: ReportConfiguration, what: str) -> None:
     target = session.probe.target
-    held = (target.node, target.component) in _members(report)
+    held = (target.node, target.component) in _configured(report)
     session.require(held, f"{what} does not hold the target")
 
 
 def _configures_all(session: Session, report: ReportConfiguration, what: str) -> None:
-    listed = {(address.node, address.component) for address in _everything(session)}
-    missing = listed - _members(report)
+    listed = {(address.node, address.component) for address in _listed_services(session)}
+    missing = listed - _configured(report)
     session.require(not missing, f"{what} lacks {sorted(missing)} of ReportServices")
 
 
@@ -195,14 +196,14 @@ CHECKS = (
         "Lists its services",
         "AS5710A Discovery, QueryServices, ReportServices",
         "ReportServices for all nodes and components holds the target and its Discovery service.",
-        (ask(A, _all, ReportServices, _holds_target, _holds_discovery_once),),
+        (ask(A, _query_all, ReportServices, _holds_target, _holds_discovery_once),),
     ),
     Check(
         "discovery.services-by-id",
         "Lists the services of one component",
         "AS5710A Discovery, QueryServices with node and component id",
         "Asked for its own ids, the target reports itself alone, with the same services.",
-        (ask(A, _of_target, ReportServices, _holds_target, _holds_no_others, _agrees),),
+        (ask(A, _query_target, ReportServices, _holds_target, _holds_no_others, _agrees),),
     ),
     Check(
         "discovery.services-unknown",
@@ -212,7 +213,7 @@ CHECKS = (
         (
             ask(
                 A,
-                _of_nobody,
+                _query_nobody,
                 ReportServices,
                 _holds_nobody,
                 unanswered=notes("QueryServices for an unknown component is not answered"),

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from jausml.language.attributes.guards import GuardError, conditions, parse_guard
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.jaus.commands import (
     CONTROLLER,
+    asks_for_controller,
     controlled_by_nobody,
     is_command,
     needs_control,
@@ -25,28 +25,23 @@ from jausml.language.validation.rule import Finding, Note, rule
 def commands(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
     """In a machine that extends the core, the guard says who may give a command.
 
-    Without `isControllingClient`, every component may. An independent machine needs no such guard:
-    there, as without a machine, the component obeys only its controller, and mostly only in Ready.
+    Without `isControllingClient` in each alternative of `||`, every component may. An independent
+    machine needs no such guard: there, as without a machine, the component obeys only its
+    controller, and mostly only in Ready.
 
     Bad: `<transitions message="SetSpeed" target="Moving"/>` in ReceiveFSM
 
     Good: the same with `guard="isControllingClient"`
     """
     for behaviour in behaviours_of(subject, service):
-        services = lineage(behaviour.service)
-        if not behaviour.machine.extends_core or all(
-            service.name != ACCESS_CONTROL for service in services
-        ):
+        inherited_names = {ancestor.name for ancestor in lineage(behaviour.service)}
+        if not behaviour.machine.extends_core or ACCESS_CONTROL not in inherited_names:
             continue
         for _, transition in behaviour.transitions():
             message = transition.message
             if message is None or not is_command(message) or is_core_trigger(transition):
                 continue
-            try:
-                asked = set(conditions(parse_guard(transition.guard)))
-            except GuardError:
-                continue
-            if CONTROLLER not in asked:
+            if not asks_for_controller(transition.guard):
                 text = f"the command {message.name} is obeyed from every component"
                 yield Finding(transition, text, "guard", f"add {CONTROLLER} to the guard")
 

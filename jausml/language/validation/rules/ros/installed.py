@@ -9,7 +9,12 @@ from jausml.language.interfaces import Installation
 from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model.diagnostics import Severity
-from jausml.language.semantics.ros_types import InstalledTypes, InterfaceType, package_of, parts_of
+from jausml.language.semantics.ros_types import (
+    InterfaceType,
+    installed_differences,
+    package_of,
+    parts_of,
+)
 from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rule import Finding, rule
 
@@ -30,9 +35,9 @@ def installed_types(subject: Subject) -> Iterator[Finding]:
 
     Good: the same model after `jausml import ros winch_msgs --force`
     """
-    installed = InstalledTypes(Installation())
+    installation = Installation()
     for kind, (element, feature) in _uses(subject).items():
-        for difference in installed.differences(kind):
+        for difference in installed_differences(kind, installation):
             message = f"{package_of(kind)}/{kind.name} is not as installed: {difference.message}"
             if subject.model.is_library(kind):
                 hint = "import the installed package (jausml import ros) and refer to its types"
