@@ -2,7 +2,6 @@
 
 import json
 import os
-import pty
 import signal
 import socket
 import struct
@@ -11,13 +10,15 @@ import subprocess
 import pytest
 import warm
 from ports import free_port
+from terminal import at_terminal
 
 from jausml.runtime.transports.ports import FRAME
 
 pytestmark = [pytest.mark.ports, pytest.mark.usefixtures("here")]
 
 STATUS = "02400100000000"
-DATAGRAM = bytes.fromhex("02 00 1000 01 0201c800 01016500 0220 0700")
+WORDS = "02 00 1000 01 0201c800 01016500 0220 0700"
+DATAGRAM = bytes.fromhex(WORDS)
 
 
 def objects(result):
@@ -118,19 +119,16 @@ def test_what_is_neither_text_nor_a_capture_is_told_once(refused, tmp_path):
     refused("yard.mcap is neither text with hex nor a capture", "decode", "yard.mcap")
 
 
-WHOLE_DATAGRAM = "02 00 1000 01 0201c800 01016500 0220 0700"
-
-
 def test_a_datagram_among_messages_is_recognized(jausml):
-    result = jausml("decode", WHOLE_DATAGRAM)
+    result = jausml("decode", WORDS)
     assert result.exit_code == 1
     assert "it has the form of a datagram: --datagram" in result.stderr
 
 
 def test_a_datagram_in_several_arguments(jausml):
-    result = jausml("decode", "--datagram", *WHOLE_DATAGRAM.split())
+    result = jausml("decode", "--datagram", *WORDS.split())
     assert objects(result)[0]["message"]["message"] == "QueryStatus"
-    twice = jausml("decode", "--datagram", WHOLE_DATAGRAM, WHOLE_DATAGRAM)
+    twice = jausml("decode", "--datagram", WORDS, WORDS)
     assert len(objects(twice)) == 2
 
 
@@ -524,15 +522,11 @@ def test_list_messages(jausml, refused):
     refused(told, "list", "messages", "--service", "GlobalPoseSenso")
 
 
-def test_a_terminal_gets_text_and_a_program_json():
+def test_a_terminal_gets_text_and_a_program_json(here):
     command = [*warm.command(), "decode", "0220"]
-    ours, terminal = pty.openpty()
-    try:
-        subprocess.run(command, stdin=subprocess.DEVNULL, stdout=terminal, timeout=60, check=True)
-        assert os.read(ours, 1000).startswith(b"QueryStatus 0x2002 (")
-    finally:
-        os.close(ours)
-        os.close(terminal)
+    with at_terminal(*command, cwd=here) as terminal:
+        assert terminal.read_all().startswith("QueryStatus 0x2002 (")
+        assert terminal.status() == 0
     piped = subprocess.run(command, capture_output=True, timeout=60, check=True)
     assert json.loads(piped.stdout)["message"] == "QueryStatus"
     chosen = [*command, "--format", "json"]

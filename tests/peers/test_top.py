@@ -1,8 +1,6 @@
 """`jausml top` with JAUS alone: there is no rclpy where these tests look."""
 
 import json
-import os
-import subprocess
 import sys
 import time
 
@@ -142,28 +140,18 @@ def test_without_its_extra_it_says_so(refused, monkeypatch):
 @pytest.mark.slow
 @pytest.mark.ports
 @pytest.mark.skipif(sys.platform == "win32", reason="has no pseudo terminals")
-@pytest.mark.parametrize("key", [b"q", b"\x03"], ids=["q", "Ctrl-C"])
-def test_the_view_ends_and_leaves_the_terminal_as_it_was(key, free_port):
-    import pty
+@pytest.mark.parametrize("key", ["q", "\x03"], ids=["q", "Ctrl-C"])
+def test_the_view_ends_and_leaves_the_terminal_as_it_was(key, free_port, tmp_path):
+    from terminal import at_terminal
 
-    ours, theirs = pty.openpty()
-    line = [*warm.command(), "top", "--port", str(free_port)]
-    environment = {**os.environ, "TERM": "xterm-256color"}
-    streams = {"stdin": theirs, "stdout": theirs, "stderr": theirs}
-    screen = b""
-    with subprocess.Popen(line, env=environment, start_new_session=True, **streams) as process:
-        os.close(theirs)
-        try:
-            while b"nothing is heard" not in screen:
-                screen += os.read(ours, 65536)
-            os.write(ours, key)
-            while b"\x1b[?1049l" not in screen:
-                screen += os.read(ours, 65536)
-            assert process.wait(timeout=30) == 0
-        finally:
-            process.kill()
-            os.close(ours)
-    assert screen.index(b"\x1b[?1049h") < screen.index(b"\x1b[?1049l")
+    line = (*warm.command(), "top", "--port", str(free_port))
+    environment = {"TERM": "xterm-256color"}
+    with at_terminal(*line, cwd=tmp_path, environment=environment) as terminal:
+        terminal.wait_for("nothing is heard")
+        terminal.type(key)
+        screen = terminal.read_all()
+        assert terminal.status() == 0
+    assert screen.index("\x1b[?1049h") < screen.index("\x1b[?1049l")
 
 
 def test_what_is_no_terminal_is_refused(refused):

@@ -122,11 +122,3 @@ def test_an_error_of_the_model_hides_no_other_one_of_its_rule(rover, jausml):
     assert not Path("models/b.xmi").exists(), done.output
     assert f"{copy}:" in done.stderr
     assert "JML411" in done.stderr
-
-
-def test_what_cannot_be_read_is_not_converted(rover, jausml):
-    model = rover("xmi", origin="example")
-    text = model.read_text("utf-8").replace("../library/jaus/", "../gone/")
-    model.write_text(text, encoding="utf-8")
-    done = jausml("convert", model, "models/rover.ros2jaus", status=1)
-    assert not Path("models/rover.ros2jaus").exists(), done.output

@@ -1,17 +1,12 @@
 """`jausml new bridge`: bridges of topics by ready maps, in both notations."""
 
-import os
-import pty
 import re
-import select
-import subprocess
-import time
-from contextlib import contextmanager
 
 import click
 import pytest
 import warm
 from sweeps import sweep
+from terminal import at_terminal
 
 from jausml.authoring.proposals.topics import TopicEnd
 from jausml.cli.authoring.running import of_one_robot
@@ -367,14 +362,15 @@ def test_a_model_that_is_missing_is_made(tmp_path, monkeypatch, jausml):
 @pytest.mark.slow
 def test_it_asks_on_a_terminal(rover):
     model = rover("text")
-    with _asking("new", "bridge", "rover", ODOM) as (process, main):
-        shown = _until(main, "Which (numbers)")
-        assert "2  velocity_state: reported as ReportVelocityState" in shown
-        os.write(main, b"7 x\n")
-        _until(main, "give numbers from 1 to")
-        os.write(main, b"1, 2\n")
-        _until(main, "next: jausml validate")
-        assert process.wait(60) == 0
+    words = ("new", "bridge", "rover", ODOM)
+    with at_terminal(*warm.command(), *words, cwd=model.parents[1]) as terminal:
+        terminal.wait_for("Which (numbers)")
+        assert "2  velocity_state: reported as ReportVelocityState" in terminal.shown
+        terminal.type("7 x\n")
+        terminal.wait_for("give numbers from 1 to")
+        terminal.type("1, 2\n")
+        terminal.wait_for("next: jausml validate")
+        assert terminal.status() == 0
     assert [used for _, used, *_ in ways(model)] == ["local_pose", "velocity_state"]
 
 
@@ -385,34 +381,9 @@ def test_none_of_several_ways_adds_nothing(rover):
     model = rover("text", ("new", "bridge", "face", "odom:nav_msgs/Odometry:local_pose"), copy)
     before = model.read_bytes()
     words = ("new", "action-connection", "survey:nav2_msgs/FollowWaypoints")
-    with _asking(*words) as (process, main):
-        _until(main, "Which (number)")
-        os.write(main, b"0\n")
-        _until(main, "survey: none of them is taken")
-        assert process.wait(60) == 2
+    with at_terminal(*warm.command(), *words, cwd=model.parents[1]) as terminal:
+        terminal.wait_for("Which (number)")
+        terminal.type("0\n")
+        terminal.wait_for("survey: none of them is taken")
+        assert terminal.status() == 2
     assert model.read_bytes() == before
-
-
-@contextmanager
-def _asking(*words):
-    """Runs a command that may ask, at a terminal; yields its process and our end of that."""
-    main, terminal = pty.openpty()
-    command = [*warm.command(), *words]
-    process = subprocess.Popen(command, stdin=terminal, stdout=terminal, stderr=terminal)
-    os.close(terminal)
-    try:
-        yield process, main
-    finally:
-        process.kill()
-        process.wait()
-        os.close(main)
-
-
-def _until(terminal, words):
-    """Reads from a terminal until some words have come; returns what came."""
-    shown, end = "", time.monotonic() + 60
-    while words not in shown:
-        ready, _, _ = select.select([terminal], [], [], max(0, end - time.monotonic()))
-        assert ready, shown
-        shown += os.read(terminal, 4096).decode()
-    return shown

@@ -3,6 +3,7 @@
 from functools import cache
 from pathlib import Path
 
+from jausml.authoring.editing.project import Project
 from jausml.authoring.proposals.elements import Scope
 from jausml.language.model import read_models
 from jausml.language.model.names import qualified_name
@@ -16,6 +17,20 @@ SHIPPED = sorted(
     for suffix in ("*.xmi", "*.ros2jaus")
     for path in MODELS.rglob(suffix)
 )
+
+
+class EditedFile:
+    """A file of a project, edited by what is offered for it."""
+
+    def __init__(self, opened, file):
+        self.project, self.file = Project(opened), file
+
+    @property
+    def scope(self):
+        return Scope(self.project.model(self.file).model, self.project.root)
+
+    def take(self, option):
+        self.project.do(option.commands, option.label)
 
 
 @cache

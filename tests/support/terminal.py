@@ -19,8 +19,8 @@ BOUND = 60.0
 class Terminal:
     """What a process writes to its terminal, and what is typed there."""
 
-    def __init__(self, descriptor: int) -> None:
-        self._descriptor = descriptor
+    def __init__(self, descriptor: int, process: subprocess.Popen[bytes]) -> None:
+        self._descriptor, self._process = descriptor, process
         self.shown = ""
 
     def type(self, text: str) -> None:
@@ -44,6 +44,10 @@ class Terminal:
         while self._read(end - time.monotonic()):
             pass
         return self.shown
+
+    def status(self) -> int:
+        """Waits until the process has ended; returns its exit status."""
+        return self._process.wait(BOUND)
 
     def _read(self, seconds: float) -> bool:
         ready, _, _ = select.select([self._descriptor], [], [], max(seconds, 0))
@@ -84,7 +88,7 @@ def at_terminal(
     )
     os.close(theirs)
     try:
-        yield Terminal(ours)
+        yield Terminal(ours, process)
     finally:
         with contextlib.suppress(ProcessLookupError):
             os.killpg(process.pid, signal.SIGKILL)

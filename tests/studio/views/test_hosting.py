@@ -1,9 +1,9 @@
 """Hosting: dragging boxes into the frame of a host, in both notations."""
 
 import pytest
+from scope_support import EditedFile
 
-from jausml.authoring.editing.project import Project
-from jausml.authoring.proposals.elements import AnswerError, Scope
+from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.studio.views.connecting import hosted
 from jausml.language.metamodel.classes import jaus, ros, system
 from jausml.language.semantics.hosts import host_of
@@ -22,16 +22,12 @@ system robot {
 """
 
 
-class Robot:
+class Robot(EditedFile):
     """A robot on two hosts."""
 
     def __init__(self, folder):
         (folder / "robot.ros2jaus").write_text(TEXT, encoding="utf-8")
-        self.project = Project(folder / "robot.ros2jaus")
-
-    @property
-    def scope(self):
-        return Scope(self.project.model("robot.ros2jaus").model, self.project.root)
+        super().__init__(folder / "robot.ros2jaus", "robot.ros2jaus")
 
     def elements(self):
         model = self.scope.model
@@ -42,7 +38,7 @@ class Robot:
         known = self.elements()
         option = hosted(self.scope, [known[name] for name in names], known.get(host))
         if option.commands:
-            self.project.do(option.commands, option.label)
+            self.take(option)
         return option
 
     def hosts(self):

@@ -3,10 +3,9 @@
 from pathlib import Path
 
 import pytest
+from scope_support import EditedFile
 
 from jausml.authoring.editing.commands import Add, Remove, Rename
-from jausml.authoring.editing.project import Project
-from jausml.authoring.proposals.elements import Scope
 from jausml.authoring.studio.views.forms import choices, form_of
 from jausml.authoring.studio.views.palette import palette
 from jausml.authoring.studio.views.service_lines import cut, heritage, join, lead
@@ -22,17 +21,13 @@ FILE = "service.xmi"
 READY = "Receiving.Ready.Controlled.Available.Ready"
 
 
-class Editor:
+class Editor(EditedFile):
     """The service of the winch, and its two views."""
 
     def __init__(self, folder):
         text = WINCH.read_text(encoding="utf-8").replace("../../library/", LIBRARY_URI)
         (folder / FILE).write_text(text, encoding="utf-8")
-        self.project = Project(folder)
-
-    @property
-    def scope(self):
-        return Scope(self.project.model(FILE).model, self.project.root)
+        super().__init__(folder, FILE)
 
     def the(self, kind):
         [found] = self.scope.model.instances(kind, library=False)
@@ -49,7 +44,7 @@ class Editor:
         return lead(self.scope, self.the(jaus.StateMachine), self.box(source), self.box(target))
 
     def take(self, option):
-        self.project.do(option.commands, option.label)
+        super().take(option)
         found = check(self.project.model(FILE)).diagnostics
         assert [diagnostic for diagnostic in found if diagnostic.severity.value == "error"] == []
 

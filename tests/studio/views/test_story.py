@@ -1,10 +1,9 @@
 """A system made from nothing by the palette and by drawing lines, in both notations."""
 
 import pytest
+from scope_support import EditedFile
 
 from jausml.authoring.editing.commands import Create
-from jausml.authoring.editing.project import Project
-from jausml.authoring.proposals.elements import Scope
 from jausml.authoring.studio.views.connecting import connect
 from jausml.authoring.studio.views.palette import palette
 from jausml.authoring.studio.views.planning import plan
@@ -13,16 +12,12 @@ from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.validation.engine import check
 
 
-class Editor:
+class Editor(EditedFile):
     """A project in which one file is edited."""
 
     def __init__(self, root, file):
-        self.project, self.file = Project(root), file
+        super().__init__(root, file)
         self.project.do([Create(file, "system.System", {"name": ("robot",)})], "new system")
-
-    @property
-    def scope(self):
-        return Scope(self.project.model(self.file).model, self.project.root)
 
     def add(self, query, group, note=""):
         item = next(e for e in palette(self.scope, query, [group]) if note in e.note)
@@ -35,7 +30,7 @@ class Editor:
     def draw(self, source, target):
         best = connect(self.scope, source, target).options[0]
         assert best.is_best
-        self.project.do(best.commands, best.label)
+        self.take(best)
 
 
 @pytest.mark.parametrize("file", ["robot.xmi", "robot.ros2jaus"])

@@ -1,9 +1,9 @@
 """Rows that tell which services a component provides and uses: they go, the services stay."""
 
 import pytest
+from scope_support import EditedFile
 
-from jausml.authoring.editing.project import Project
-from jausml.authoring.proposals.elements import AnswerError, Scope
+from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.studio.views.service_lines import cut
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model.library import LIBRARY_URI
@@ -33,14 +33,14 @@ def test_of_two_versions_of_a_service_the_one_of_the_row_goes(tmp_path):
         'xmlns:system="http://www.jausml.org/system/1.0" name="robot">'
         f'<components name="arm" address="100.1.1">{"".join(provided)}</components></system:System>'
     )
-    project = Project(tmp_path)
-    scope = Scope(project.model("robot.xmi").model, project.root)
-    (node,) = graph_of(scope.model, "system", root=project.root).nodes
+    robot = EditedFile(tmp_path, "robot.xmi")
+    scope = robot.scope
+    (node,) = graph_of(scope.model, "system", root=robot.project.root).nodes
     old, new = (dict(port.details)["version"] for port in node.ports)
     assert (old, new) == ("1.0", "2.0")
     [option] = cut(scope, node.ports[0].id).options
-    project.do(option.commands, option.label)
-    (left,) = project.model("robot.xmi").model.instances(jaus.Component, library=False)[0].provides
+    robot.take(option)
+    (left,) = robot.scope.model.instances(jaus.Component, library=False)[0].provides
     assert left.version == "2.0"
 
 
@@ -49,23 +49,20 @@ def test_of_two_versions_of_a_service_the_one_of_the_row_goes(tmp_path):
 )
 def test_a_row_of_a_use_goes_and_its_service_stays(name, way, tmp_path):
     (tmp_path / FILE).write_text(TEXT, encoding="utf-8")
-    project = Project(tmp_path / FILE)
-
-    def scope():
-        return Scope(project.model(FILE).model, project.root)
+    robot = EditedFile(tmp_path / FILE, FILE)
 
     def rows():
-        nodes = graph_of(scope().model, "system", root=project.root).nodes
+        nodes = graph_of(robot.scope.model, "system", root=robot.project.root).nodes
         return {port.label: port.id for node in nodes for port in node.ports}
 
     row = rows()[name]
-    [option] = cut(scope(), row).options
+    [option] = cut(robot.scope, row).options
     assert option.label == f"arm no longer {way} {name}; the service stays"
-    project.do(option.commands, option.label)
+    robot.take(option)
     others = {"VelocityStateSensor", "AccelerationStateSensor", "GlobalPoseSensor"} - {name}
     assert set(rows()) == others
-    assert name not in project.text(FILE).decode()
-    services = {service.name for service in scope().model.instances(jaus.Service)}
+    assert name not in robot.project.text(FILE).decode()
+    services = {service.name for service in robot.scope.model.instances(jaus.Service)}
     assert name in services
     with pytest.raises(AnswerError):
-        cut(scope(), row)
+        cut(robot.scope, row)
