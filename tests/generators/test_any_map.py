@@ -245,6 +245,7 @@ def maps(draw: st.DrawFn) -> tuple[list[Field], list[Field], list[Line]]:
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(400)
 @settings(max_examples=EXAMPLES, phases=[Phase.generate], suppress_health_check=list(HealthCheck))
 @given(drawn=maps(), chance=st.randoms(use_true_random=False))
 def test_both_forms_make_what_a_map_means(tmp_path_factory, drawn, chance):
