@@ -123,10 +123,10 @@ class MachineProduct:
             core: What they are then.
             said: As in `let_time_pass`.
         """
-        has_effect = core != state.core
-        if has_effect and step.what == "Reset":
+        event = _RAISED.get(step.what, "") if core != state.core else ""
+        if event and step.what == "Reset":
             state = self._started()._replace(core=state.core)  # each machine starts anew
-        yield from self._after_event(state, core, _RAISED.get(step.what, "") * has_effect, said)
+        yield from self._after_event(state, core, event, said)
 
     def _after_event(
         self, state: Behaving, core: Core, event: str, said: Mapping[str, bool] | None

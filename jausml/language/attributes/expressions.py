@@ -57,7 +57,7 @@ _LANGUAGE = Language(
 _WORDS = {"and", "or", "not"}
 
 
-_SAME = (
+_COMPARED_WITH_NAN = (
     "a comparison with nan says the same of all values; value != value holds for nan alone, and "
     "isfinite(value) for neither nan nor inf"
 )
@@ -91,7 +91,7 @@ class _Parser:
         if sign := self._cursor.take(*COMPARISONS):
             left = Operation(sign, (left, self._sum()))
             if any(isinstance(side, Number) and math.isnan(side.value) for side in left.operands):
-                raise ExpressionError(_SAME, column)
+                raise ExpressionError(_COMPARED_WITH_NAN, column)
             if self._cursor.token.text in COMPARISONS:
                 raise self._cursor.error("comparisons are joined by 'and' or 'or'")
         return left
